@@ -18,10 +18,11 @@ PARITY_OPTIONS =
 SCENES = $(PETZVAL_SCENES)
 OTHER_SCENES_OPTIONS =
 INSTRUCTIONS_OPTIONS =
+GPU_OPTIONS =
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes viewport-price newcomer ui-pictures panel-pictures lens-index coatings diffraction ghosts figures instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes viewport-price newcomer ui-pictures panel-pictures lens-index coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -38,11 +39,12 @@ test: ## everything: Rust, Python, bpy 5.2 and 4.5, the real Blender; sets up wh
 test-all: ## the same, and bpy 5.0 and 4.2 too
 	@tools/test.sh --all
 
-lint: .venv-tools ## formatting and lints of Rust and Python
+lint: .venv-tools setup build ## formatting and lints of Rust and Python, and types
 	cargo fmt --all --check
 	PYO3_PYTHON=$(CURDIR)/.venv-tools/bin/python cargo clippy --all-targets --workspace --locked -- -D warnings
 	.venv-tools/bin/ruff check
 	.venv-tools/bin/ruff format --check
+	$(dir $(PETZVAL))python -m pytest -q tests/test_types.py
 
 wheels: setup ## the wheel that is shipped, dist/petzval-*.whl, with every optimisation; docs/packaging.md has other machines
 	@tools/build-wheel.sh --release
@@ -115,6 +117,11 @@ diffraction: build ## what diffraction and glare do, into docs/diffraction.md an
 ghosts: $(ENGINE) ## ghosts beside brute force, their price, and pictures full of light that strays, into docs/ghosts.md
 	@$(dir $(PETZVAL))python tools/ghosts.py $(GHOSTS_OPTIONS)
 
+gpu: ## the lens on a graphics processor: lints, tests, rays a second (docs/gpu.md); GPU_OPTIONS="--device NAME"
+	@cargo fmt --manifest-path engine/gpu/Cargo.toml --check
+	@cd engine/gpu && cargo clippy $(GPU_BUILD) --all-targets -- -D warnings && cargo test $(GPU_BUILD) && \
+	cargo run $(GPU_BUILD) --example lens_bench -- --if-any $(GPU_OPTIONS)
+
 instructions: ## count the instructions of a sample, beside those kept; INSTRUCTIONS_OPTIONS=--keep keeps them
 	@cargo build --quiet --release --locked -p petzval-render --example path_kernel
 	@python3 tools/instructions.py $(INSTRUCTIONS_OPTIONS)
@@ -140,6 +147,9 @@ docs: ## docs/ as a book, output/book/index.html; a link that leads nowhere fail
 clean: ## what was built; the environments and the real Blender stay
 	cargo clean
 	rm -rf dist output $(addprefix engine/python/petzval/,_bundled _engines *.so)
+
+# A workspace of its own, built beside the others.
+GPU_BUILD = --quiet --release --locked --target-dir $(abspath $(or $(CARGO_TARGET_DIR),target))/gpu
 
 # Found when the recipe runs: the environments may just have been made.
 PETZVAL = $(firstword $(wildcard .venv-bpy52/bin/petzval .venv-bpy45/bin/petzval) .venv-bpy52/bin/petzval)

@@ -20,63 +20,14 @@ Colour = tuple[float, float, float]
 Matrix4 = tuple[tuple[float, float, float, float], ...]
 
 
-@dataclass(frozen=True)
-class ImageInput:
-    """An image texture that drives a material input."""
-
-    image: int  # from SceneBuilder.add_image
-    uv_map: str | None = None  # None: the active (render) UV map, else by name
-    # Rows of a 2 x 3 affine map from UV to texture coordinates (a Mapping node).
-    mapping: tuple[tuple[float, float, float], tuple[float, float, float]] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-    interpolation: str = "LINEAR"  # LINEAR | CLOSEST
-    extension: str = "REPEAT"  # REPEAT | EXTEND | CLIP | MIRROR
-    channel: str = "COLOR"  # COLOR (luminance when a number is wanted) | ALPHA | RED | GREEN | BLUE
-
-
-ColourInput = Colour | ImageInput
-FloatInput = float | ImageInput
-
-
-@dataclass
-class LayerDescription:
-    """A closure of a surface, and what it counts: `weight` times its shares (0 to 1), as they are or, where the second
-    value says so, what they leave of 1. The names of the inputs are those of the engine's `scene::layer::Closure`."""
-
-    # DIFFUSE | TRANSLUCENT | GLOSSY | METAL | CONDUCTOR | GLASS | REFRACTION | TRANSPARENT | EMISSION | MICROFIBER |
-    # VELVET | TOON | GLOSSY_TOON | SUBSURFACE | PRINCIPLED
-    kind: str
-    weight: float = 1.0
-    shares: list[tuple[FloatInput, bool]] = field(default_factory=list)
-    colours: dict[str, ColourInput] = field(default_factory=dict)
-    numbers: dict[str, FloatInput] = field(default_factory=dict)
-    distribution: str = "MULTI_GGX"  # GGX | MULTI_GGX | BECKMANN | ASHIKHMIN_SHIRLEY
-    # SUBSURFACE, PRINCIPLED: RANDOM_WALK | RANDOM_WALK_LEGACY | RANDOM_WALK_SKIN | BURLEY
-    subsurface_method: str = "RANDOM_WALK"
-
-
 @dataclass
 class MaterialDescription:
-    """Blender's Principled BSDF as far as most materials use it; or layers, which then say all."""
+    """A material: its shader nodes, as JSON of what `export/graph.py` makes of them."""
 
     name: str
-    base_color: ColourInput = (0.8, 0.8, 0.8)
-    metallic: FloatInput = 0.0
-    roughness: FloatInput = 0.5
-    ior: float = 1.5
-    specular_ior_level: float = 0.5
-    specular_tint: Colour = (1.0, 1.0, 1.0)
-    transmission: FloatInput = 0.0
-    alpha: FloatInput = 1.0
-    emission_color: ColourInput = (1.0, 1.0, 1.0)
-    emission_strength: float = 0.0
-    # False: a diffuse surface without the dielectric coat of Principled (a Diffuse BSDF node).
-    specular: bool = True
-    layers: list[LayerDescription] = field(default_factory=list)
-    # Instead of all that: the nodes, as JSON of what `export/graph.py` makes of them.
-    graph: str | None = None
+    graph: str
     pass_index: int = 0
-    # Of those nodes: BUMP | DISPLACEMENT | BOTH.
-    displacement_method: str = "BUMP"
+    displacement_method: str = "BUMP"  # BUMP | DISPLACEMENT | BOTH
     # What its nodes give out beside: a graph likewise, whose layers glow with them, and the numbers of these.
     aovs: tuple[str, list[int]] | None = None
 

@@ -95,7 +95,7 @@ INDICES = (
 )
 
 
-#: Light that strays from the rays of the picture, each added to it already: differences, for weighing them anew.
+#: Stray light, each part added to it already: differences, for weighing them anew.
 STRAYS = (
     Pass("Ghosts", 3, "RGB", "COLOR", "use_pass_ghosts", "GHOSTS"),
     Pass("Glare", 3, "RGB", "COLOR", "use_pass_glare", "GLARE"),

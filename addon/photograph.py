@@ -88,7 +88,7 @@ class Photograph:
         self.report.warnings += builder.warnings()
         sync_seconds = time.perf_counter() - began
 
-        self._tell("Building trees", 0.0)
+        self._tell("Building BVH", 0.0)
         place, previous = staging.place(camera), persistent.previous(self.depsgraph)
         scene = loop.stoppable(lambda: builder.build(place, settings.threads, previous), self._stop_asked)
         persistent.keep(self.depsgraph, scene)
@@ -166,7 +166,7 @@ class Photograph:
 
     def _develop(self, job) -> None:
         """Lays over the picture what of the light strays."""
-        self._tell("Light that strays", 1.0)
+        self._tell("Ghosts, glare and diffraction", 1.0)
         try:
             loop.stoppable(job.develop, self._stop_asked)
         except loop.Stopped:
@@ -197,7 +197,7 @@ class Photograph:
         scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
         make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan, shutter=opened)  # noqa: E731
         job = loop.stoppable(make, self._stop_asked)
-        tell = lambda part, _: self._tell("Shadows without what throws them", part)  # noqa: E731
+        tell = lambda part, _: self._tell("Shadow catcher background", part)  # noqa: E731
         loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
         return job
 

@@ -4,12 +4,14 @@ tests: it needs bpy."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import bpy
 import numpy as np
 
+import kept_references
 import scene_parts
 
 #: Columns of the table by which Cycles chooses directions of a sky. It computes one of its own choice for more than a second
@@ -58,11 +60,16 @@ def _joined(first: Pictures, first_samples: int, second: Pictures, second_sample
 
 
 def looks(
-    samples: int, take: Callable[[str], Pictures], *, theirs_at_once: bool = False
+    samples: int,
+    take: Callable[[str], Pictures],
+    *,
+    theirs_at_once: bool = False,
+    blocks: tuple[int, int] | None = None,
 ) -> Iterator[tuple[int, float, Pictures, Pictures]]:
     """By the `LOOKS`: Petzval's samples so far, the share of the limits, Petzval's picture and Cycles's. `take` renders with the
     engine of that name, a picture or several by their names. What has been rendered is not rendered again: samples are added to
-    it, the next ones of the same sequence. `theirs_at_once`: Cycles takes all samples for the first look."""
+    it, the next ones of the same sequence. `theirs_at_once`: Cycles takes all samples for the first look. `blocks`: so many rows and
+    columns of blocks, of whose means alone Cycles's pictures are right; these may be stored."""
     own, cycles = bpy.context.scene.petzval, bpy.context.scene.cycles
     done, pictures = {"PETZVAL": 0, "CYCLES": 0}, {}
 
@@ -78,7 +85,7 @@ def looks(
             cycles.sample_offset, cycles.sample_subset_length = first, more
         else:
             cycles.samples, cycles.sample_offset = more, first
-        taken = take(engine)
+        taken = take(engine) if engine == "PETZVAL" or blocks is None else theirs_in_blocks(take, blocks, first, more)
         pictures[engine] = _joined(pictures[engine], first, taken, more) if first else taken
         done[engine] += more
 
@@ -90,6 +97,22 @@ def looks(
             continue
         own.samples, own.sample_offset = done["PETZVAL"], 0
         yield done["PETZVAL"], share, pictures["PETZVAL"], pictures["CYCLES"]
+
+
+def theirs_in_blocks(take: Callable[[str], Pictures], blocks: tuple[int, int], first: int, more: int) -> Pictures:
+    """Cycles' pictures of samples from the `first` on, or stored ones with the same means of blocks."""
+    import stored_blocks
+
+    key, again = kept_references.digest(blocks, first, more), os.environ.get("PETZVAL_CYCLES_AGAIN")
+    found = None if again else stored_blocks.find(key)
+    if found is not None:
+        return found
+    taken = take("CYCLES")
+    if again:
+        stored_blocks.check(key, taken, blocks)
+    if os.environ.get("PETZVAL_STORE_BLOCKS"):
+        stored_blocks.store(key, taken, blocks)
+    return taken
 
 
 def both(folder: Path, samples: int, bounces: int | None = None, **cycles_settings) -> tuple[np.ndarray, np.ndarray]:
@@ -141,7 +164,9 @@ def alike(
     """Asserts that both show the same within limits of `apart`; gives Petzval's picture. `warns`: see `take`; `more` is for
     `prepare`."""
     prepare(samples, **more)
-    for done, share, ours, theirs in looks(samples, lambda engine: take(folder, engine, warns)):
+    render = bpy.context.scene.render
+    blocks = render.resolution_y // side, render.resolution_x // side
+    for done, share, ours, theirs in looks(samples, lambda engine: take(folder, engine, warns), blocks=blocks):
         assert theirs.mean() > 1e-4, "the scene is dark in Cycles"
         found = apart(ours, theirs, side, floor)
         print(f"{done} samples: mean {found[0]:.4f} (of {mean}), block {found[1]:.4f} (of {block})")

@@ -21,8 +21,9 @@ import numpy as np
 
 TESTS = Path(__file__).resolve().parent
 KEPT = TESTS.parent / ".cache" / "cycles"
-#: Where modules of the tests' own lie.
+#: Where modules of the tests' own lie, and those that keep pictures, which decide nothing of what is in them.
 _FOLDERS = (TESTS, TESTS / "scenes")
+_KEEPERS = {TESTS / "kept_references.py", TESTS / "stored_blocks.py"}
 
 #: The test that is running, and how many pictures Cycles has been asked for in it.
 _running, _asked = "", 0
@@ -56,15 +57,20 @@ def _place() -> Path | None:
         _running, _asked = test, 0
     _asked += 1
     name = test.rpartition(" ")[0]
-    file = TESTS / Path(name.partition("::")[0]).name
-    digest = hashlib.blake2b(digest_size=12)
-    for part in (*_state(), _meshes(), _digest_of_sources(file)):
-        digest.update(repr(part).encode())
-    digest.update(repr((test, _asked)).encode())
     # Names of tests may be longer than those of files.
     told = hashlib.blake2b(f"{test} {_asked}".encode(), digest_size=6).hexdigest()
     short = re.sub(r"\W+", "-", name.partition("::")[2])[:80]
-    return KEPT / f"{short}-{told}-{'.'.join(map(str, bpy.app.version[:2]))}-{digest.hexdigest()}.exr"
+    return KEPT / f"{short}-{told}-{'.'.join(map(str, bpy.app.version[:2]))}-{digest(_asked)}.exr"
+
+
+def digest(*more: object) -> str:
+    """Of all that decides what Cycles' next picture in the running test shows; `more` tells the pictures of a test apart."""
+    test = os.environ["PYTEST_CURRENT_TEST"]
+    made = hashlib.blake2b(digest_size=12)
+    for part in (*_state(), _meshes(), _digest_of_sources(TESTS / Path(test.partition("::")[0]).name)):
+        made.update(repr(part).encode())
+    made.update(repr((test, *more)).encode())
+    return made.hexdigest()
 
 
 #: Meshes of more vertices come from files, which count themselves.
@@ -136,11 +142,11 @@ def _state() -> tuple:
 
 @functools.cache
 def _digest_of_sources(file: Path) -> str:
-    """Of a test's file, and of all that it imports of the tests' own."""
-    digest, known, waiting = hashlib.blake2b(), set(), [file, TESTS / "conftest.py"]
+    """Of a test's file, and of all that it imports of the tests' own. What conftest.py does before a test is the same for all."""
+    digest, known, waiting = hashlib.blake2b(), set(), [file]
     while waiting:
         one = waiting.pop()
-        if one in known:
+        if one in known or one in _KEEPERS:
             continue
         known.add(one)
         waiting += _imported(one)

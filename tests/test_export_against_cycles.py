@@ -119,6 +119,21 @@ def test_a_world_image(stage, blender, tmp_path, kind, turn):
     alike(tmp_path, block=0.1)
 
 
+@pytest.mark.parametrize("slot", ["empty", "without nodes"])
+def test_what_nodes_do_not_say(stage, blender, tmp_path, slot):
+    """An empty slot is Principled since Blender 5.0 and Diffuse before, a material without nodes Diffuse in its viewport colour."""
+    material = None
+    if slot == "without nodes":
+        material = blender.data.materials.new("Plain")
+        material.diffuse_color, material.roughness, material.metallic = (0.7, 0.5, 0.3, 1.0), 0.1, 0.5
+        if blender.app.version < (5, 0, 0):
+            material.use_nodes = False
+    blender.data.objects["Floor"].data.materials[0] = material
+    # Where the camera sees a highlight.
+    lamp(blender, "POINT", shadow_soft_size=1.0)
+    alike(tmp_path)
+
+
 MAPPINGS = [
     {},
     {"Scale": (2.0, 3.0, 1.0), "Location": (0.1, 0.3, 0.0), "Rotation": (0.0, 0.0, 0.6)},

@@ -22,7 +22,7 @@ import pytest
 pytestmark = pytest.mark.once
 
 ROOT = Path(__file__).resolve().parent.parent
-CRATES = ("files", "optics", "nodes", "pictures", "render")
+CRATES = ("files", "optics", "nodes", "pictures", "render", "gpu")
 
 # A longer file is asked whether it is one subject.
 LONG_FILE_LINES = 450
@@ -119,6 +119,7 @@ def test_a_module_uses_only_those_above_it(crate):
             {"petzval-optics", "petzval-nodes", "petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"},
         ),
         ("render", {"petzval-pictures", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
+        ("gpu", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("testkit", {"petzval-python", "pyo3", "numpy"}),
         ("python", {"petzval-testkit"}),
     ],

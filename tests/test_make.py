@@ -38,6 +38,7 @@ RECIPES = {
     "diffraction": ["DIFFRACTION_OPTIONS=--quick"],
     "figures": ["FIGURES_OPTIONS=--size smallest --only fig-14 --check"],
     "ghosts": ["GHOSTS_OPTIONS=--only price --samples 2 --rounds 1"],
+    "gpu": ["GPU_OPTIONS=--quick"],
     "instructions": [],
     "lens-index": [],
     "newcomer": [],

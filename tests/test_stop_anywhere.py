@@ -14,7 +14,7 @@ STOPS_WITHIN_S, TRIES = 0.3, 4
 # What is told when a phase begins, and how long after that it is stopped: a million triangles are read in half a second.
 PHASES = (
     ("Reading the scene", 0.1),
-    ("Building trees", 0.1),
+    ("Building BVH", 0.1),
     ("Preparing the lens", 0.0),
     ("Planning the effects", 0.0),
     ("Sample", 0.2),

@@ -117,7 +117,7 @@ def _page(found: dict[tuple[str, str], dict]) -> str:
     parts = [
         "# What accuracy costs",
         "Each picture was taken by every camera that Petzval has, from the pinhole to all that a lens does, and held against "
-        "the truth: everything on, all wavelengths, many samples. Light that strays is laid over a finished picture; it has rows of its own, "
+        "the truth: everything on, all wavelengths, many samples. Stray light is laid over a finished picture; it has rows of its own, "
         "held against the truth with it. An error is how far a pixel is off, of its brightness; what "
         "of it no samples mend is *for good*. `petzval cost SCENE.blend --lens FILE -o DIR` makes such a page of your own "
         f"picture. Here: {some['threads']} thread, {some['samples']} samples a pixel.",

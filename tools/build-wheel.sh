@@ -129,7 +129,7 @@ install_checkout() {
         [ "$(cat "$folder/.petzval-installed" 2>/dev/null)" = "$PWD" ] && continue
         site=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
         echo "$PWD/engine/python" >"$site/petzval-checkout.pth"
-        printf '#!%s\nimport sys\nfrom petzval.cli import main\nsys.exit(main())\n' "$PWD/$python" >"$folder/bin/petzval"
+        printf '#!%s\nimport sys\nfrom petzval.__main__ import main\nsys.exit(main())\n' "$PWD/$python" >"$folder/bin/petzval"
         chmod +x "$folder/bin/petzval"
         echo "$PWD" >"$folder/.petzval-installed"
     done

@@ -86,6 +86,6 @@ def send_sky(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report) -> No
 
 def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:
     own = sky_of(depsgraph)
-    sky = world.describe(own, images, report)
+    sky = world.describe(own, images)
     sky.light_group = groups.number(own)
     return sky

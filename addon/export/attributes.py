@@ -14,8 +14,8 @@ from ..native import engine
 
 #: The engine's name for the coordinates of the undeformed mesh in its texture space.
 GENERATED = ".generated"
-#: Nodes that may ask for those: by an output, or where nothing is linked to their vector.
-_MAY_GENERATE = ("ShaderNodeTex", "ShaderNodeTangent")
+#: Texture nodes that do not ask for those where nothing is linked to their vector.
+_WITHOUT_GENERATED = {"ShaderNodeTexImage", "ShaderNodeTexEnvironment", "ShaderNodeTexCoord"}
 #: How stretched the facets of a shader node are, which lie about those where no tangent is linked.
 STRETCH = ("Anisotropic", "Anisotropy")
 #: The engine's names for what edges tell, by the output of a Geometry node that shows it.
@@ -45,9 +45,18 @@ def wanted(graph: dict[str, Any]) -> frozenset[str]:
             names.add(options["attribute_name"])
         elif kind == "ShaderNodeVertexColor":
             names.add(options["layer_name"])
-        elif kind.startswith(_MAY_GENERATE) or any(node["inputs"].get(name, 0.0) != 0.0 for name in STRETCH):
+        elif _takes_generated(kind, node["inputs"]):
             names.add(GENERATED)
+    if "Generated" in _shown(graph, "ShaderNodeTexCoord"):
+        names.add(GENERATED)
     return frozenset(names)
+
+
+def _takes_generated(kind: str, inputs: dict[str, Any]) -> bool:
+    """Whether a node takes generated coordinates by itself: of a texture without a linked vector, or for a tangent."""
+    if kind == "ShaderNodeTangent" or any(inputs.get(name, 0.0) != 0.0 for name in STRETCH):
+        return True
+    return kind.startswith("ShaderNodeTex") and kind not in _WITHOUT_GENERATED and "Vector" not in inputs
 
 
 def _shown(graph: dict[str, Any], kind: str) -> set[str]:

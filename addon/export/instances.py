@@ -43,7 +43,7 @@ def _asset(holder: bpy.types.Object) -> str:
     return holder.name
 
 
-def _softening(holder: bpy.types.Object) -> tuple[float, float]:
+def _shadow_terminator(holder: bpy.types.Object) -> tuple[float, float]:
     """An object's shadow terminator: geometry offset and shading offset. Before 4.2 Cycles keeps its own."""
     own = holder if hasattr(holder, "shadow_terminator_geometry_offset") else getattr(holder, "cycles", None)
     geometry = getattr(own, "shadow_terminator_geometry_offset", 0.1)
@@ -226,7 +226,7 @@ class Stage:
             keys=self._blur.matrices(place) if self._blur is not None else None,
             info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),
             light_group=self._groups.number(holder),
-            softening=_softening(holder),
+            shadow_terminator=_shadow_terminator(holder),
             is_holdout=is_holdout,
             is_catcher=is_catcher,
             occlusion_distance=_occlusion_distance(holder, place),

@@ -1,22 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials: the surface shader of each as the engine's Principled BSDF, exactly or by the nearest there is."""
+"""Materials: the shader nodes of each, as a graph for the engine."""
 
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import bpy
 
 from ..description import MaterialDescription, Report
-from . import attributes, nodes, shaders
+from . import attributes
 from .aovs import Aovs
 from .graph import describe as describe_graph
 from .image import Images
 from .kept import Kept, uid
-from .texture import Inputs
 
 #: No material has this number.
 _SMOKE = -1
+#: From this version on the material of an empty slot is a Principled BSDF, before it a Diffuse BSDF.
+_DEFAULT_IS_PRINCIPLED = (5, 0, 0)
 
 
 class Materials:
@@ -40,8 +42,7 @@ class Materials:
         material = self.override or material
         key = uid(material)
         if key not in self._known:
-            described = MaterialDescription("(none)") if material is None else self.describe(material)
-            self._add(key, described)
+            self._add(key, _default() if material is None else self.describe(material))
         return self._known[key]
 
     def _add(self, key: int, described: MaterialDescription) -> None:
@@ -55,11 +56,8 @@ class Materials:
             return self.index(material)
         self._kept.fills_space = True
         if _SMOKE not in self._known:
-            node = {"type": "ShaderNodeVolumePrincipled", "name": "Principled Volume", "options": {}, "inputs": {}}
-            link = {"node": 0, "socket": "Volume"}
-            graph = {"nodes": [node], "surface": None, "volume": link, "displacement": None}
-            described = MaterialDescription("(smoke)", graph=json.dumps(graph))
-            self._add(_SMOKE, described)
+            smoke = _one_node("ShaderNodeVolumePrincipled", {}, "volume", "Volume")
+            self._add(_SMOKE, MaterialDescription("(smoke)", json.dumps(smoke)))
         return self._known[_SMOKE]
 
     def wanted(self, material: bpy.types.Material | None) -> frozenset[str]:
@@ -69,64 +67,29 @@ class Materials:
         return frozenset() if material is None else self._wanted.get(uid(material), frozenset())
 
     def describe(self, material: bpy.types.Material) -> MaterialDescription:
-        """What the engine is told of a material: by the short way, where that says all; else all of its nodes."""
-        described = self._surface(material)
+        """What the engine is told of a material."""
+        if material.grease_pencil is not None or not uses_nodes(material):
+            described = MaterialDescription(material.name, json.dumps(_without_nodes(material)))
+        else:
+            described = self._of_nodes(material)
         described.pass_index = material.pass_index
-        if uses_nodes(material):
-            owner = f"Material '{material.name}'"
-            found = self._aovs.describe(material.node_tree, lambda node: self._images.of_node(node, owner))
-            if found is not None:
-                described.aovs = json.dumps(found[0]), found[1]
-                key = uid(material)
-                self._wanted[key] = self._wanted.get(key, frozenset()) | attributes.wanted(found[0])
         return described
 
-    def _surface(self, material: bpy.types.Material) -> MaterialDescription:
-        report = Report()
-        try:
-            described = self._by_the_short_way(material, report)
-        except nodes.TooLarge:
-            described = None
-        if described is not None and not report.warnings:
-            numbers = [
-                layer.numbers.get(name.lower(), 0.0) for layer in described.layers for name in attributes.STRETCH
-            ]
-            if any(number != 0.0 for number in numbers):
-                self._wanted[uid(material)] = frozenset({attributes.GENERATED})
-            return described
-        output = material.node_tree.get_output_node("CYCLES")
-        if output is None:
-            self._report.warnings += report.warnings
-            return described
-        owner = f"Material '{material.name}'"
-        graph = describe_graph(material.node_tree, lambda node: self._images.of_node(node, owner))
+    def _of_nodes(self, material: bpy.types.Material) -> MaterialDescription:
+        tree, owner, key = material.node_tree, f"Material '{material.name}'", uid(material)
+        if tree.get_output_node("CYCLES") is None:
+            self._report.warn(f"{owner}: it has no Material Output node, its surface is black")
+        graph = describe_graph(tree, lambda node: self._images.of_node(node, owner))
         self._kept.fills_space |= graph["volume"] is not None
-        self._wanted[uid(material)] = attributes.wanted(graph)
-        return MaterialDescription(
-            material.name,
-            graph=json.dumps(graph),
-            displacement_method=material.displacement_method,
+        self._wanted[key] = attributes.wanted(graph)
+        described = MaterialDescription(
+            material.name, json.dumps(graph), displacement_method=material.displacement_method
         )
-
-    def _by_the_short_way(self, material: bpy.types.Material, report: Report) -> MaterialDescription:
-        if material.grease_pencil is not None or not uses_nodes(material):
-            return _plain(material)
-        inputs = Inputs(f"Material '{material.name}'", self._images, report)
-        output = material.node_tree.get_output_node("CYCLES")
-        if output is None:
-            inputs.warn("it has no Material Output node, its surface is black")
-            return MaterialDescription(material.name, base_color=(0.0, 0.0, 0.0), specular=False)
-        for name in ("Volume", "Displacement"):
-            if isinstance(nodes.trace(nodes.Input(output.inputs[name])), nodes.Source):
-                inputs.warn(f"its {name.lower()} is told by its nodes alone")
-        found = nodes.trace(nodes.Input(output.inputs["Surface"]))
-        if not isinstance(found, nodes.Source):
-            # Nothing to hit but a volume's border; without a volume Blender shows black.
-            through = output.inputs["Volume"].is_linked
-            return MaterialDescription(
-                material.name, base_color=(0.0, 0.0, 0.0), specular=False, alpha=0.0 if through else 1.0
-            )
-        return shaders.describe(found, material.name, inputs)
+        found = self._aovs.describe(tree, lambda node: self._images.of_node(node, owner))
+        if found is not None:
+            described.aovs = json.dumps(found[0]), found[1]
+            self._wanted[key] |= attributes.wanted(found[0])
+        return described
 
 
 def uses_nodes(holder: bpy.types.ID) -> bool:
@@ -138,10 +101,19 @@ def uses_nodes(holder: bpy.types.ID) -> bool:
     return always or holder.use_nodes
 
 
-def _plain(material: bpy.types.Material) -> MaterialDescription:
-    return MaterialDescription(
-        material.name,
-        base_color=tuple(material.diffuse_color[:3]),
-        metallic=material.metallic,
-        roughness=material.roughness,
-    )
+def _default() -> MaterialDescription:
+    """Cycles' material of an empty slot."""
+    kind = "ShaderNodeBsdfPrincipled" if bpy.app.version >= _DEFAULT_IS_PRINCIPLED else "ShaderNodeBsdfDiffuse"
+    return MaterialDescription("(none)", json.dumps(_one_node(kind, {})))
+
+
+def _without_nodes(material: bpy.types.Material) -> dict[str, Any]:
+    """The graph that Cycles gives a material without nodes."""
+    return _one_node("ShaderNodeBsdfDiffuse", {"Color": list(material.diffuse_color[:3])})
+
+
+def _one_node(kind: str, inputs: dict[str, Any], end: str = "surface", socket: str = "BSDF") -> dict[str, Any]:
+    """A graph of one node."""
+    node = {"type": kind, "name": kind, "options": {}, "inputs": inputs}
+    ends = {"surface": None, "volume": None, "displacement": None, end: {"node": 0, "socket": socket}}
+    return {"nodes": [node], **ends}

@@ -7,8 +7,6 @@ a node that the caller must understand.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,17 +16,6 @@ import bpy
 _KEEPS_VALUES = (5, 0, 0)
 # Deeper than any sane tree; a group that holds itself cannot be made in Blender.
 _DEEPEST = 1000
-
-#: Nodes that are looked into from one end, each as often as it is reached, and one inside the other.
-_MOST_VISITS, _DEEPEST_VISIT = 2000, 60
-
-# Nodes that are being looked into, and the visits since there was none.
-_open: set[tuple[int, tuple[int, ...]]] = set()
-_visits = 0
-
-
-class TooLarge(Exception):
-    """A tree of so many or so deep nodes is handed over whole instead of being looked into."""
 
 
 @dataclass(frozen=True)
@@ -54,23 +41,6 @@ class Source:
     def inputs(self) -> list[Input]:
         """All inputs of the node that are in use."""
         return [Input(socket, self.groups) for socket in self.node.inputs if socket.enabled]
-
-
-@contextmanager
-def entered(source: Source) -> Iterator[bool]:
-    """Whether a node may be looked into: not if that is already going on, for then its links run in a circle. Raises `TooLarge`."""
-    global _visits
-    _visits = _visits + 1 if _open else 0
-    if _visits > _MOST_VISITS or len(_open) > _DEEPEST_VISIT:
-        raise TooLarge
-    key = (source.node.as_pointer(), tuple(group.as_pointer() for group in source.groups))
-    is_new = key not in _open
-    _open.add(key)
-    try:
-        yield is_new
-    finally:
-        if is_new:
-            _open.discard(key)
 
 
 def trace(start: Input) -> Source | Input | None:
@@ -129,22 +99,3 @@ def value(socket: bpy.types.NodeSocket) -> Any:
     if own is None:
         return None
     return tuple(own) if hasattr(own, "__len__") else float(own)
-
-
-def find_upstream(start: Input, kind: str) -> Source | None:
-    """The nearest node of a type above an input, breadth first."""
-    level, seen = [start], set()
-    while level:
-        following = []
-        for one in level:
-            found = trace(one)
-            if not isinstance(found, Source):
-                continue
-            if found.node.type == kind:
-                return found
-            key = (found.node.as_pointer(), *(group.as_pointer() for group in found.groups))
-            if key not in seen:
-                seen.add(key)
-                following += found.inputs()
-        level = following
-    return None

@@ -1,32 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world: one colour, or an equirectangular image with its turn."""
+"""The world: one colour, an equirectangular image with its rotation, or a graph of its nodes."""
 
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import bpy
-from mathutils import Matrix
+from mathutils import Euler, Matrix
 
-from ..description import Colour, Report, WorldDescription
-from . import graph, nodes, values, visibility
+from ..description import WorldDescription
+from . import graph, nodes, visibility
 from .camera import rows
 from .image import Images
 from .material import uses_nodes
-from .texture import Inputs
 
 
-def describe(world: bpy.types.World | None, images: Images, report: Report) -> WorldDescription:
+def describe(world: bpy.types.World | None, images: Images) -> WorldDescription:
     """What the engine is told of the world; none is black."""
     if world is None:
         return WorldDescription()
-    described = Report()
-    try:
-        description = _surface(world, Inputs(f"World '{world.name}'", images, described))
-    except nodes.TooLarge:
-        description = None
-    if description is None or described.warnings:
-        description = _by_its_nodes(world, images, report)
+    description = _surface(world, images)
     description.hidden_from = visibility.world_hidden_from(world)
     return description
 
@@ -47,82 +41,62 @@ def fills_space(world: bpy.types.World | None) -> bool:
     return output is not None and isinstance(nodes.trace(nodes.Input(output.inputs["Volume"])), nodes.Source)
 
 
-def _by_its_nodes(world: bpy.types.World, images: Images, report: Report) -> WorldDescription:
-    owner = f"World '{world.name}'"
-    return WorldDescription(graph=json.dumps(graph.describe(world.node_tree, lambda node: images.of_node(node, owner))))
-
-
-def _surface(world: bpy.types.World, inputs: Inputs) -> WorldDescription:
+def _surface(world: bpy.types.World, images: Images) -> WorldDescription:
     if not uses_nodes(world):
         return WorldDescription(color=tuple(world.color))
-    output = world.node_tree.get_output_node("CYCLES")
-    if output is None:
-        return WorldDescription()
-    if isinstance(nodes.trace(nodes.Input(output.inputs["Volume"])), nodes.Source):
-        inputs.warn("volume: its nodes say what fills space")
-    start = nodes.Input(output.inputs["Surface"])
-    found = nodes.trace(start)
-    if not isinstance(found, nodes.Source):
-        return WorldDescription()
-    if found.node.type == "TEX_ENVIRONMENT":
-        # A colour where a shader is expected shines as it is.
-        return _shining(start, 1.0, inputs)
-    if found.node.type not in {"BACKGROUND", "EMISSION"}:
-        behind = nodes.find_upstream(start, "BACKGROUND")
-        inputs.warn(
-            f"{found.node.bl_label} is not supported yet, "
-            + ("its first background is used" if behind else "the plain world colour is used")
-        )
-        if behind is None:
-            return WorldDescription(color=tuple(world.color))
-        found = behind
-    return _shining(found.input("Color"), inputs.constant(found.input("Strength")), inputs)
+    owner = f"World '{world.name}'"
+    described = graph.describe(world.node_tree, lambda node: images.of_node(node, owner))
+    return _plain(described) or WorldDescription(graph=json.dumps(described))
 
 
-def _shining(start: nodes.Input, strength: float, inputs: Inputs) -> WorldDescription:
-    """What shines with the colour of an input, so strongly."""
-    colour = values.constant(start)
-    if colour is not None:
-        return WorldDescription(color=_times(colour[:3], strength))
-    found = nodes.trace(start)
-    if found.node.type != "TEX_ENVIRONMENT":
-        behind = nodes.find_upstream(start, "TEX_ENVIRONMENT")
-        if behind is None:
-            return _plain(found.node, start, strength, inputs)
-        inputs.warn(f"{found.node.bl_label} is not supported yet, the image before it is used as it is")
-        found = behind
-    if found.node.projection != "EQUIRECTANGULAR":
-        inputs.warn("the mirror ball projection is not supported yet, the image is taken as equirectangular")
-    return WorldDescription(
-        color=_times((1.0, 1.0, 1.0), strength),
-        image=inputs.images.index(found.node.image, inputs.owner, associated=True),
-        rotation=_turn(found, inputs),
-    )
+def _plain(described: dict[str, Any]) -> WorldDescription | None:
+    """A colour or an equirectangular image, turned; None where the nodes say more."""
+    if described["volume"] is not None or described["surface"] is None:
+        return None
+    color, strength = described["surface"], 1.0
+    shader = described["nodes"][color["node"]]
+    if shader["type"] in {"ShaderNodeBackground", "ShaderNodeEmission"}:
+        color, strength = shader["inputs"]["Color"], shader["inputs"]["Strength"]
+    if isinstance(strength, dict):
+        return None
+    if not isinstance(color, dict):
+        return WorldDescription(color=tuple(part * strength for part in color))
+    image = described["nodes"][color["node"]]
+    options = image["options"]
+    is_plain = image["type"] == "ShaderNodeTexEnvironment" and options["projection"] == "EQUIRECTANGULAR"
+    rotation = _rotation(image["inputs"].get("Vector"), described["nodes"]) if is_plain else None
+    if rotation is None or color["socket"] != "Color" or options["image"] is None:
+        return None
+    return WorldDescription(color=(strength,) * 3, image=options["image"], rotation=rows(rotation))
 
 
-def _plain(node: bpy.types.Node, start: nodes.Input, strength: float, inputs: Inputs) -> WorldDescription:
-    inputs.warn(f"{node.bl_label} is not supported yet, one colour is used")
-    colour = values.estimate(start) or nodes.value(start.socket)
-    return WorldDescription(color=_times(colour[:3], strength))
-
-
-def _turn(source: nodes.Source, inputs: Inputs) -> tuple[tuple[float, ...], ...]:
-    """World direction to image direction."""
+def _rotation(vector: Any, described: list[dict[str, Any]]) -> Matrix | None:
+    """The rotation from a direction in the world to one in its image, if that is all that the nodes before it do."""
     matrix = Matrix.Identity(4)
-    found = nodes.trace(source.input("Vector"))
-    while isinstance(found, nodes.Source) and found.node.type == "MAPPING":
-        matrix = matrix @ inputs.mapping(found)
-        found = nodes.trace(found.input("Vector"))
-    # A world's Generated and Object coordinates are the direction itself.
-    if isinstance(found, nodes.Source) and not (
-        found.node.type == "TEX_COORD" and found.socket.name in {"Generated", "Object"}
-    ):
-        inputs.warn("coordinates other than Generated are not supported for its image yet, Generated is used")
+    while isinstance(vector, dict):
+        node = described[vector["node"]]
+        if node["type"] == "ShaderNodeTexCoord" and vector["socket"] in {"Generated", "Object"}:
+            # Of a world they are the direction itself.
+            vector = None
+        elif node["type"] == "ShaderNodeMapping" and node["options"]["vector_type"] in {"POINT", "TEXTURE"}:
+            step = _mapping(node)
+            if step is None:
+                return None
+            matrix, vector = matrix @ step, node["inputs"].get("Vector")
+        else:
+            return None
     x, y, z = matrix.to_scale()
-    if matrix.translation.length > 1e-6 or max(abs(x - y), abs(x - z)) > 1e-5:
-        inputs.warn("location and scale of a Mapping node are not supported for its image yet, only rotation is used")
-    return rows(matrix.to_quaternion().to_matrix())
+    if vector is not None or matrix.translation.length > 1e-6 or max(abs(x - y), abs(x - z)) > 1e-5:
+        return None
+    return matrix.to_quaternion().to_matrix()
 
 
-def _times(colour: Colour, strength: float) -> Colour:
-    return tuple(part * strength for part in colour)
+def _mapping(node: dict[str, Any]) -> Matrix | None:
+    """The map of a Mapping node, where nothing drives it."""
+    parts = [node["inputs"].get(name) for name in ("Location", "Rotation", "Scale")]
+    if any(isinstance(part, dict) for part in parts):
+        return None
+    location, rotation, scale = (part or [fill] * 3 for part, fill in zip(parts, (0.0, 0.0, 1.0), strict=True))
+    turn = Euler(rotation).to_matrix().to_4x4()
+    matrix = Matrix.Translation(location) @ turn @ Matrix.Diagonal(scale).to_4x4()
+    return matrix.inverted_safe() if node["options"]["vector_type"] == "TEXTURE" else matrix

@@ -127,7 +127,7 @@ class RenderedView:
         if problem:
             host.update_stats("", problem)
         elif picture is None:
-            host.update_stats("", "Building trees")
+            host.update_stats("", "Building BVH")
         else:
             most = picture.wanted.settings.samples
             host.update_stats("", f"Sample {picture.samples}" + (f"/{most}" if most < 1 << 16 else ""))

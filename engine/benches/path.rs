@@ -6,7 +6,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use petzval_render::camera::Model;
 use petzval_render::film::Film;
 use petzval_render::integrator::path::{Approximations, KindLimits, Limits};
-use petzval_render::pipeline::{Pipeline, Shot, render_tile};
+use petzval_render::pipeline::{Pipeline, RenderContext, render_tile};
 use petzval_render::sampler::{
     pattern::Pattern,
     raster::Raster,
@@ -41,7 +41,7 @@ fn bench(c: &mut Criterion) {
         ] {
             let cameras = [stage::camera(model, wavelength_nm, SIZE)];
             let pipeline = Pipeline::Auto.with(&cameras[0]);
-            let shot = Shot {
+            let shot = RenderContext {
                 stage: &stage,
                 cameras: &cameras,
                 clip: None,

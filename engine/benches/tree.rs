@@ -16,14 +16,14 @@ mod stage;
 /// Enough that the tree's parts come from memory as they do in a render.
 const RAYS: usize = 1 << 17;
 
-/// From the pinhole through random places of the picture, in random order: 50 mm on 36 x 20.25 mm along +y.
+/// Camera rays from the pinhole through random places of the picture, in random order: 50 mm on 36 x 20.25 mm along +y.
 fn primary() -> Vec<Ray> {
     let mut dice = Dice::new(1);
     let mut place = |width: f32| width * (dice.roll() - 0.5) / 50.0;
     (0..RAYS).map(|_| Ray::new(Vec3A::ZERO, Vec3A::new(place(36.0), 1.0, place(20.25)).normalize())).collect()
 }
 
-/// From where those met something, spread by the cosine.
+/// Rays from the hits of the camera rays, spread by the cosine.
 fn bounce(scene: &Scene, accel: &Accel, primary: &[Ray]) -> Vec<Ray> {
     let mut dice = Dice::new(2);
     let from = |ray: &Ray| {

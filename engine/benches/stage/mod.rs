@@ -6,10 +6,11 @@
 use glam::{Affine3A, DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model};
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use petzval_render::sampler::mix;
+use petzval_render::scene::closure::Principled;
 use petzval_render::scene::corners::Corners;
-use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::texture::Texture;
 use petzval_render::scene::{Scene, SceneBuilder, world::World};
@@ -27,12 +28,12 @@ const ROWS: [f32; 5] = [0.8, 2.0, 5.0, 12.0, 30.0];
 pub(crate) struct Dice(u32);
 
 impl Dice {
-    /// From a seed.
+    /// The numbers of a seed.
     pub(crate) fn new(seed: u32) -> Self {
         Self(mix(seed ^ 0x51ed_270b))
     }
 
-    /// The next.
+    /// Returns the next random number, from 0 to below 1.
     pub(crate) fn roll(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9);
         (mix(self.0) >> 8) as f32 / (1u32 << 24) as f32
@@ -99,20 +100,22 @@ fn quad(corners: [[f32; 3]; 4]) -> MeshDescription {
 }
 
 fn plain(rgb: [f32; 3]) -> Material {
-    Material { base_color: Input::Constant(Rgb::from(rgb)), specular: false, ..Material::default_grey() }
+    Material::diffuse("plain", Rgb::from(rgb), Rgb::ZERO)
 }
 
 fn metal(rgb: [f32; 3], alpha: f32) -> Material {
-    Material { metallic: Input::Constant(1.0), roughness: Input::Constant(alpha.sqrt()), ..plain(rgb) }
+    let base_color = Rgb::from(rgb);
+    let metal = Principled { base_color, metallic: 1.0, roughness: alpha.sqrt(), ..Principled::default() };
+    Material::principled("metal", metal)
 }
 
 fn glass() -> Material {
-    let smooth = Input::Constant(0.0);
-    Material { transmission: Input::Constant(1.0), roughness: smooth, ..plain([1.0; 3]) }
+    let glass = Principled { base_color: Rgb::ONE, transmission: 1.0, roughness: 0.0, ..Principled::default() };
+    Material::principled("glass", glass)
 }
 
 fn lamp(rgb: [f32; 3]) -> Material {
-    Material { emission_color: Input::Constant(Rgb::from(rgb)), emission_strength: 60.0, ..plain([0.0; 3]) }
+    Material::diffuse("lamp", Rgb::ZERO, Rgb::from(rgb) * 60.0)
 }
 
 /// The scene with `n` quads along each side of a body.
@@ -120,7 +123,7 @@ pub(crate) fn scene(n: u32) -> Scene {
     let mut builder = SceneBuilder::new();
     let mut dice = Dice::new(7);
     let mut add = |mesh: MeshDescription, material: Material| {
-        let material = builder.add_material(material).unwrap();
+        let material = builder.add_material(material);
         let mesh = builder.add_mesh(mesh).unwrap();
         builder.add_instance("body", mesh, DMat4::IDENTITY, &[material], true, true).unwrap();
     };
@@ -174,9 +177,9 @@ pub(crate) fn scene(n: u32) -> Scene {
     builder.build(EYE)
 }
 
-/// The same, ready to be rendered.
-pub(crate) fn stage(n: u32) -> Stage {
-    Stage::new(scene(n))
+/// The stage of [`scene`]`(n)`, ready to be rendered.
+pub(crate) fn stage(n: u32) -> PreparedScene {
+    PreparedScene::new(scene(n))
 }
 
 /// 50 mm on 36 x 20.25 mm, f/2, focused at 2 m, as one of the camera models sees it; at one wavelength or at all.
@@ -184,7 +187,7 @@ pub(crate) fn camera(model: Model, wavelength_nm: Option<f64>, [width, height]: 
     Camera::new(&description(model, wavelength_nm), width, height).unwrap()
 }
 
-/// Of that camera.
+/// The description of the camera at [`EYE`].
 pub(crate) fn description(model: Model, wavelength_nm: Option<f64>) -> CameraDescription {
     let up = Affine3A::from_rotation_x(PI / 2.0);
     let matrix = DMat4::from_translation(EYE) * glam::Mat4::from(up).as_dmat4();

@@ -152,7 +152,7 @@ fn part_name() -> String {
     format!("{PREFIX}{}-{}{SUFFIX}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Removes temporary files that nobody has locked: those of processes that were killed. Whatever cannot be removed stays.
+/// Removes temporary files that no process has locked: those of processes that were killed. Files that cannot be removed stay.
 fn remove_leftovers(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {

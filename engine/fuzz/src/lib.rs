@@ -1,4 +1,4 @@
-//! What every target asks of a reader.
+//! The properties that every target tests of a reader.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub fn lens(bytes: &[u8], name: &str) {
     }
 }
 
-/// The same of a glass catalogue; its indices are numbers.
+/// A glass catalogue is read or refused in one line; its indices are finite.
 pub fn catalogue(bytes: &[u8]) {
     match agf::parse_bytes(bytes, "x.agf") {
         Ok((media, _)) => media.iter().for_each(|medium| assert!(medium.index(587.6).is_finite())),
@@ -33,7 +33,7 @@ pub fn catalogue(bytes: &[u8]) {
     }
 }
 
-/// The same of a glass of refractiveindex.info.
+/// A glass of refractiveindex.info is read or refused in one line; its index is finite.
 pub fn glass_page(bytes: &[u8]) {
     match rii::parse_bytes(bytes, "x.yml", "X") {
         Ok(medium) => assert!(medium.index(587.6).is_finite()),

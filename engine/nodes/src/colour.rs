@@ -5,11 +5,11 @@ use crate::vector::each;
 use glam::Vec3A;
 
 choices! {
-    /// How three numbers name a colour.
+    /// The meaning of a colour's three numbers.
     pub(crate) ColourModel { Rgb = "RGB", Hsv = "HSV", Hsl = "HSL" }
 }
 
-/// Rec.709's weights.
+/// Weights of luminance in Rec. 709.
 const LUMINANCE: Vec3A = Vec3A::new(0.212_639, 0.715_168_7, 0.072_192_3);
 
 pub(crate) fn luminance(colour: Vec3A) -> f32 {

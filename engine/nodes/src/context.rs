@@ -1,15 +1,15 @@
-//! What a program asks of the surface and of images. The renderer implements both traits.
+//! The data of surfaces and images that a program reads. The renderer implements both traits.
 
 use crate::choice::choices;
 use glam::{Vec2, Vec3A, Vec4};
 
-/// Where a program looks: at the point, or beside it by a share of the footprint along its two axes. Bump runs the
+/// The place at which a program is evaluated: the point, or a place beside it by a share of the footprint along its two axes. Bump runs the
 /// program of its height at three such places.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
-    /// Along dP/dx.
+    /// Share along dP/dx.
     pub x: f32,
-    /// Along dP/dy.
+    /// Share along dP/dy.
     pub y: f32,
 }
 
@@ -19,7 +19,7 @@ impl Shift {
 }
 
 choices! {
-    /// What there is to know about a point. A number stands in all three parts; a truth is 1 or 0.
+    /// A field of a point. A number stands in all three parts; a truth is 1 or 0.
     #[expect(missing_docs, reason = "named after Blender's outputs")]
     pub Field {
         Position = "position",
@@ -29,7 +29,7 @@ choices! {
         TrueNormal = "true_normal",
         /// The normal as the mesh has it, in object space: not turned to the viewer, between vertices not of length 1.
         MeshNormal = "mesh_normal",
-        /// From the point to the viewer.
+        /// The direction from the point to the viewer.
         Incoming = "incoming",
         Parametric = "parametric",
         Backfacing = "backfacing",
@@ -38,17 +38,17 @@ choices! {
         /// 0 to 1 through the undeformed mesh's bounds; for a world, the direction, as are position and object.
         Generated = "generated",
         Object = "object",
-        /// In the camera's space; z grows away from the camera.
+        /// The place in the camera's space; z grows away from the camera.
         Camera = "camera",
-        /// On the picture, from 0 to 1 both ways.
+        /// The place on the picture, from 0 to 1 both ways.
         Window = "window",
         /// The mirrored direction to the viewer.
         Reflection = "reflection",
         InstancerGenerated = "instancer_generated",
         InstancerUv = "instancer_uv",
-        /// How far the nearest side of the triangle is, world units.
+        /// Distance of the nearest side of the triangle, world units.
         EdgeDistance = "edge_distance",
-        /// How wide a pixel is there as the camera sees the surface, world units.
+        /// Width of a pixel there as the camera sees the surface, world units.
         PixelWidth = "pixel_width",
         /// The footprint's axes, world units.
         FootprintX = "footprint_x",
@@ -84,7 +84,7 @@ choices! {
         IsReflectionRay = "is_reflection_ray",
         IsTransmissionRay = "is_transmission_ray",
         IsVolumeScatterRay = "is_volume_scatter_ray",
-        /// From where the ray began; for a camera, from where it begins to see (clip start).
+        /// The distance from the ray's origin; for a camera, from its clip start.
         RayLength = "ray_length",
         RayDepth = "ray_depth",
         DiffuseDepth = "diffuse_depth",
@@ -92,7 +92,7 @@ choices! {
         TransparentDepth = "transparent_depth",
         TransmissionDepth = "transmission_depth",
         PortalDepth = "portal_depth",
-        /// From the camera to the point in the camera's space, of length 1; z grows away from the camera.
+        /// The direction from the camera to the point in the camera's space, of length 1; z grows away from the camera.
         ViewVector = "view_vector",
         ViewDepth = "view_depth",
         ViewDistance = "view_distance",
@@ -110,12 +110,12 @@ choices! {
 }
 
 choices! {
-    /// What kind of vector changes space.
+    /// The kind of a vector that changes space.
     #[expect(missing_docs, reason = "named after Blender's")]
     pub Direction { Point = "POINT", Vector = "VECTOR", Normal = "NORMAL" }
 }
 
-/// Where an attribute is looked for.
+/// The kind of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AttributeKind {
     /// A UV map; without a name, the one for rendering.
@@ -137,20 +137,20 @@ pub enum AttributeKind {
 /// An attribute that a program reads. The renderer looks it up once for each mesh, by its place in the list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attribute {
-    /// Where to look.
+    /// The kind of the attribute.
     pub kind: AttributeKind,
-    /// Blender's name of it.
+    /// Name of the attribute in Blender.
     pub name: String,
 }
 
-/// What Ambient Occlusion asks.
+/// The settings of Ambient Occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Occlusion {
-    /// Rays.
+    /// Number of rays.
     pub samples: u8,
-    /// Looks into the surface, not away from it.
+    /// True if the occlusion looks into the surface, not away from it.
     pub inside: bool,
-    /// Only the object itself occludes.
+    /// True if only the object itself occludes.
     pub only_local: bool,
 }
 
@@ -161,7 +161,7 @@ pub trait Context {
         true
     }
 
-    /// The share of rays about a normal, in proportion to the cosine, that meet nothing as far as a distance. Who cannot
+    /// The share of rays about a normal, in proportion to the cosine, that hit nothing as far as a distance. Who cannot
     /// follow rays sees nothing.
     fn open(&self, _: Occlusion, _normal: Vec3A, _distance: f32) -> f32 {
         1.0
@@ -176,13 +176,13 @@ pub trait Context {
 }
 
 choices! {
-    /// How an image is read between its pixels.
+    /// The interpolation of an image between its pixels.
     #[expect(missing_docs, reason = "named after Blender's")]
     pub Interpolation { Linear = "Linear", Closest = "Closest", Cubic = "Cubic" | "Smart" }
 }
 
 choices! {
-    /// What lies beyond an image's edges.
+    /// The values beyond an image's edges.
     #[expect(missing_docs, reason = "named after Blender's")]
     pub Extension { Repeat = "REPEAT", Extend = "EXTEND", Clip = "CLIP", Mirror = "MIRROR" }
 }

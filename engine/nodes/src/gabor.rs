@@ -37,7 +37,7 @@ fn wave(square: f32, turns: f32) -> Vec2 {
 }
 
 impl Gabor {
-    /// At a place already scaled.
+    /// The waves at a place already scaled.
     pub(crate) fn at(&self, kind: GaborKind, p: Vec3A) -> Waves {
         let isotropy = 1.0 - self.anisotropy.clamp(0.0, 1.0);
         let frequency = self.frequency.max(0.001);

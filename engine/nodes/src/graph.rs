@@ -4,7 +4,7 @@ use crate::choice::Choice;
 use serde_json::{Map, Value};
 use std::collections::HashSet;
 
-/// Why a graph's description could not be read at all.
+/// An error by which a graph's description could not be read at all.
 #[derive(Debug, thiserror::Error)]
 pub enum Parsing {
     /// The text is no JSON.
@@ -22,16 +22,16 @@ pub struct Link {
     pub node: usize,
     /// The output socket's identifier.
     pub socket: String,
-    /// What counts if the node is not known: the reading socket's own value, or none, as where nothing is linked.
+    /// The value if the node is not known: the reading socket's own value, or none, as where nothing is linked.
     pub unlinked: Option<[f32; 3]>,
 }
 
-/// What an input gets.
+/// The value of an input.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
     /// A value that stands still; a number stands in all three parts.
     Constant([f32; 3]),
-    /// Another node's output.
+    /// The output of another node.
     Link(Link),
 }
 
@@ -40,7 +40,7 @@ pub enum Input {
 pub struct Node {
     /// Blender's `bl_idname`, such as `ShaderNodeTexNoise`.
     pub kind: String,
-    /// The user's name for it, for messages.
+    /// The user's name for the node, for messages.
     pub name: String,
     /// Inputs by socket identifier. One that is absent has the node's own default, such as the surface's normal.
     pub inputs: Vec<(String, Input)>,
@@ -50,13 +50,13 @@ pub struct Node {
 /// All nodes of a material, and where its outputs begin.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
-    /// In any order.
+    /// The nodes, in any order.
     pub nodes: Vec<Node>,
-    /// What makes up the surface.
+    /// Link to the surface's closure.
     pub surface: Option<Link>,
-    /// What fills the inside.
+    /// Link to the volume's closure.
     pub volume: Option<Link>,
-    /// Where the surface is moved to.
+    /// Link to the displacement of the surface.
     pub displacement: Option<Link>,
 }
 

@@ -1,6 +1,6 @@
 //! Blender's hashes: Jenkins' lookup3 over one to four words, and Jarzynski and Olano's PCG over cells.
 //!
-//! Which numbers they give is a fact of the file format: other hashes would draw other textures.
+//! The numbers of these hashes are a fact of the file format: other hashes would draw other textures.
 
 use glam::{IVec2, IVec3, IVec4, Vec2, Vec3A, Vec4};
 use std::ops::BitXor;
@@ -83,7 +83,7 @@ pub fn random_of(number: u32) -> f32 {
     unit(hash1(number))
 }
 
-/// The same of two numbers.
+/// The number from 0 to 1 that Blender gives things by two numbers.
 pub fn random_of_pair([first, second]: [u32; 2]) -> f32 {
     unit(hash2(first, second))
 }

@@ -1,4 +1,4 @@
-//! How brightly a luminaire shines in each direction, from a file of the Illuminating Engineering Society (LM-63).
+//! Intensity of a luminaire by direction, from a file of the Illuminating Engineering Society (LM-63).
 
 use std::f32::consts::PI;
 
@@ -8,11 +8,11 @@ const CANDELA: f32 = 4.0 * PI / 177.83;
 /// Intensities over two angles, in degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Ies {
-    /// From straight down, growing.
+    /// Vertical angles from straight down, growing.
     vertical: Vec<f32>,
-    /// About the axis, growing, from 0 to 360.
+    /// Horizontal angles about the axis, growing, from 0 to 360.
     horizontal: Vec<f32>,
-    /// By horizontal, then vertical angle.
+    /// Intensities by horizontal, then vertical angle.
     intensity: Vec<Vec<f32>>,
 }
 

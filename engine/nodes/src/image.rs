@@ -1,4 +1,4 @@
-//! Where a direction or point falls on an image.
+//! The place of a direction or point on an image.
 
 use crate::choice::choices;
 use crate::context::{Extension, Interpolation, Textures};
@@ -44,7 +44,7 @@ impl Picture {
     }
 }
 
-/// How much of the image shows along x, y and z.
+/// Weights of the image along x, y and z.
 fn box_weights(normal: Vec3A, blend: f32) -> [f32; 3] {
     let sum = normal.element_sum();
     let [x, y, z] = (if sum > 0.0 { normal / sum } else { normal }).to_array();
@@ -77,7 +77,7 @@ fn box_weights(normal: Vec3A, blend: f32) -> [f32; 3] {
     }
 }
 
-/// From the cube of 0 to 1 to a sphere about its centre.
+/// The place of a point of the cube of 0 to 1 on a sphere about its centre.
 pub(crate) fn sphere(p: Vec3A) -> Vec2 {
     let p = (p - 0.5) * 2.0;
     let length = p.length();

@@ -7,9 +7,9 @@
 //! Every value is three numbers in one register; a number stands in all three, so that it is a vector or a colour at
 //! once, as Blender converts it.
 //!
-//! Who uses whom: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`gabor`] → [`math`] → [`vector`] → [`spectral`] → [`sky`] →
-//! [`ies`] → [`colour`] → [`mix`] → [`table`] → [`context`] → [`image`] → [`surface`] → [`graph`] → [`program`] → [`compile`] →
-//! [`pixels`] → [`points`]. Each uses only those before it.
+//! Dependencies of the modules: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`gabor`] → [`math`] → [`vector`] →
+//! [`spectral`] → [`sky`] → [`ies`] → [`colour`] → [`mix`] → [`table`] → [`context`] → [`image`] → [`surface`] → [`graph`] → [`program`] →
+//! [`compile`] → [`pixels`] → [`points`]. Each uses only those before it.
 
 mod choice;
 mod colour;

@@ -178,12 +178,12 @@ pub(crate) fn map_range(kind: RangeKind, value: f32, from: [f32; 2], to: [f32; 2
     to[0] + share * (to[1] - to[0])
 }
 
-/// Between two bounds given in either order.
+/// Returns `value` clamped between two bounds, given in either order.
 pub(crate) fn clamp_between(value: f32, a: f32, b: f32) -> f32 {
     if a > b { value.max(b).min(a) } else { value.max(a).min(b) }
 }
 
-/// Never below the first bound unless the second is.
+/// Returns `value` clamped between two bounds: never below the first unless the second is.
 pub(crate) fn clamp_in_order(value: f32, least: f32, most: f32) -> f32 {
     value.max(least).min(most)
 }

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3A};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 choices! {
-    /// What waves run along: an axis, a diagonal, or out from an axis or a point.
+    /// The direction of waves: an axis, a diagonal, or out from an axis or a point.
     pub(crate) WaveAxis { X = "X", Y = "Y", Z = "Z", All = "DIAGONAL" | "SPHERICAL" }
 }
 choices! { pub(crate) WaveKind { Bands = "BANDS", Rings = "RINGS" } }
@@ -126,7 +126,7 @@ pub(crate) fn gradient(kind: GradientKind, p: Vec3A) -> f32 {
     value.clamp(0.0, 1.0)
 }
 
-/// Whether the first colour shows, at a place already scaled.
+/// True if the first colour shows, at a place already scaled.
 pub(crate) fn checker(p: Vec3A) -> bool {
     let odd = |part: f32| (part.floor() as i32).unsigned_abs() % 2 == 1;
     let p = off_the_border(p);

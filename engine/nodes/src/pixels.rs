@@ -69,7 +69,7 @@ impl Pixels {
     }
 }
 
-/// The cubic B-spline's.
+/// Weights of the cubic B-spline at `t`.
 fn cubic_weights(t: f32) -> [f32; 4] {
     let s = 1.0 - t;
     [

@@ -9,9 +9,9 @@ use glam::{Affine3A, Vec3A, Vec4};
 pub struct Column {
     /// One value a point.
     pub values: Vec<Vec4>,
-    /// How it changes over the footprint in x, where it does.
+    /// The derivative over the footprint in x, one a point; empty where the column does not change.
     pub along_x: Vec<Vec4>,
-    /// The same in y.
+    /// The derivative over the footprint in y, one a point; empty where the column does not change.
     pub along_y: Vec<Vec4>,
 }
 
@@ -22,14 +22,14 @@ impl Column {
     }
 }
 
-/// All points.
+/// A table of shading points, by the columns of their values.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
     fields: Vec<(Field, Column)>,
     attributes: Vec<(Attribute, Column)>,
-    /// From world space to the object's.
+    /// The transform from world space to the object's.
     pub world_to_object: Affine3A,
-    /// From world space to the camera's.
+    /// The transform from world space to the camera's.
     pub world_to_camera: Affine3A,
 }
 
@@ -45,7 +45,8 @@ const KINDS: [(&str, AttributeKind); 7] = [
 ];
 
 impl Points {
-    /// Adds a field by its name in small letters, `true_normal`, or an attribute as `uv:UVMap`. False: no such field.
+    /// Adds a field by its name in small letters, `true_normal`, or an attribute as `uv:UVMap`. False if there is no
+    /// such field.
     pub fn add(&mut self, name: &str, column: Column) -> bool {
         if let Some((kind, name)) = name.split_once(':') {
             let Some((_, kind)) = KINDS.iter().find(|(word, _)| *word == kind) else { return false };
@@ -57,7 +58,7 @@ impl Points {
         field.is_some()
     }
 
-    /// One of them, for a program that reads these attributes.
+    /// The point of this number, for a program that reads these attributes.
     pub fn point<'a>(&'a self, number: usize, attributes: &'a [Attribute]) -> impl Context + 'a {
         Point { table: self, number, attributes }
     }

@@ -6,11 +6,11 @@ use glam::{Vec3A, Vec4};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Table {
     pub(crate) rows: Vec<Vec4>,
-    /// Off for a ramp of constant steps.
+    /// False for a ramp of constant steps.
     pub(crate) interpolate: bool,
-    /// Where the first and last row lie.
+    /// Positions of the first and last row.
     pub(crate) range: [f32; 2],
-    /// Whether curves go on straight beyond their ends.
+    /// True if curves go on straight beyond their ends.
     pub(crate) extrapolate: bool,
 }
 

@@ -57,7 +57,7 @@ pub(crate) fn divide(a: Vec3A, b: Vec3A) -> Vec3A {
 }
 
 impl VectorMathKind {
-    /// Whether the node's result is its Value, not its Vector.
+    /// True if the node's result is its Value, not its Vector.
     pub(crate) fn gives_value(self) -> bool {
         matches!(self, Self::Dot | Self::Distance | Self::Length)
     }
@@ -133,7 +133,7 @@ pub(crate) fn mapping(kind: MappingKind, p: Vec3A, location: Vec3A, rotation_rad
     }
 }
 
-/// The same as a matrix, for all but normals.
+/// The matrix of [`mapping`], for all kinds but normals.
 pub(crate) fn affine_mapping(kind: MappingKind, location: Vec3A, rotation_rad: Vec3A, scale: Vec3A) -> Affine3A {
     let turn = euler_matrix(rotation_rad);
     match kind {

@@ -1,6 +1,6 @@
-//! What becomes of a graph: folding, what is dropped, conversions, weights, and graphs that are wrong.
+//! Compilation of a graph: folding, dropped nodes, conversions, weights, and graphs that are wrong.
 //!
-//! What single nodes give is held against Cycles, in tests/test_nodes_against_cycles.py.
+//! Values of single nodes are held against Cycles, in tests/test_nodes_against_cycles.py.
 
 use glam::Vec3A;
 use petzval_nodes::{Column, Graph, Layer, LayerKind, Pixels, Points, Program, Registers, Report, compile};
@@ -43,7 +43,7 @@ fn run(program: &Program) -> Registers {
     registers
 }
 
-/// The colour that the only layer glows with.
+/// The colour that the only layer emits.
 fn colour(program: &Program) -> Vec3A {
     let [layer] = &program.surface[..] else { panic!("one layer, not {:?}", program.surface) };
     program.value(layer.input("Color").expect("a colour"), &run(program))

@@ -101,7 +101,7 @@ fn short(x: f64) -> String {
     }
 }
 
-/// With thin spaces between thousands.
+/// The count with thin spaces between thousands.
 fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let groups: Vec<&str> =

@@ -1,5 +1,5 @@
-//! What a lens makes of the light of a point, as designers report it: [`spot`]s, [`fan`]s, [`wavefront`]s, transfer
-//! functions ([`mtf`]), what diffraction makes of a point ([`psf`]), [`distortion`] with field curvature and lateral colour, and [`illumination`].
+//! The image of a point by a lens, as designers report it: [`spot`]s, [`fan`]s, [`wavefront`]s, transfer functions ([`mtf`]), the
+//! diffraction image of a point ([`psf`]), [`distortion`] with field curvature and lateral colour, and [`illumination`].
 //!
 //! All of it by exact rays. A field is a direction of view, counted at the entrance pupil; its light is a parallel beam, or comes
 //! from a point of the plane that is sharp. On the film *tangential* is the direction of the field's azimuth, *sagittal* that at right
@@ -55,17 +55,17 @@ struct View {
 /// A ray on the film.
 #[derive(Clone, Copy, Debug)]
 struct Landing {
-    /// Behind the last surface.
+    /// The ray behind the last surface.
     out: Ray,
-    /// (u, v), mm.
+    /// The point on the film, (u, v), mm.
     film: DVec2,
     /// The light it stands for; a point radiates as a matt surface does.
     weight: f64,
 }
 
 impl<'a> Analysis<'a> {
-    /// For light of these vacuum wavelengths in nm, all of one weight; `main` is the number of that by which beams are found and
-    /// distortion is counted. `azimuth_rad` is that of the fields, from +x towards +y.
+    /// The analysis for light of these vacuum wavelengths in nm, all of one weight; `main` is the number of that by which beams are found
+    /// and distortion is counted. `azimuth_rad` is that of the fields, from +x towards +y.
     ///
     /// `None` where the entrance pupil lies at infinity, or there is no such wavelength: fields are counted at the pupil.
     pub fn new(
@@ -155,7 +155,7 @@ impl<'a> Analysis<'a> {
         Some(View { field: self.field(angle_deg), window })
     }
 
-    /// Rays of a field, `side` by `side` evenly over its window, that come through at the line's wavelength and meet the film.
+    /// Rays of a field, `side` by `side` evenly over its window, that come through at the line's wavelength and hit the film.
     fn landings(&self, line: usize, view: &View, side: usize) -> Vec<Landing> {
         let Line { tracer, probe, .. } = &self.lines[line];
         let mut bundle = tracer.bundle(Travel::FromScene);
@@ -174,13 +174,13 @@ impl<'a> Analysis<'a> {
         weights.into_iter().enumerate().filter_map(landing).collect()
     }
 
-    /// Where the ray through the middle of the stop crosses the plane of its field, at the line's wavelength, whether a rim stops it
-    /// or not; `None`: there is no such ray.
+    /// The point at which the ray through the middle of the stop crosses the plane of its field, at the line's wavelength, whether a rim
+    /// stops it or not; `None`: there is no such ray.
     fn chief(&self, line: usize, view: &View) -> Option<DVec2> {
         self.lines[line].probe.aim(&view.field, DVec2::ZERO, view.window.centre).ok()
     }
 
-    /// Where that ray leaves the lens.
+    /// The chief ray of a view as it leaves the lens, at the line's wavelength.
     fn chief_out(&self, line: usize, view: &View) -> Option<Ray> {
         let probe = &self.lines[line].probe;
         probe.tracer.from_scene(probe.origin.ray(&view.field, self.chief(line, view)?)).ok()
@@ -231,7 +231,7 @@ pub(crate) struct Touching {
 }
 
 impl Touching {
-    /// At (u, v), with directions of the film's coordinates that are to lie in the plane.
+    /// The plane that touches the film at (u, v), with directions of the film's coordinates that are to lie in the plane.
     pub(crate) fn new(frame: &FilmFrame, film: DVec2, [sagittal, tangential]: [DVec2; 2]) -> Self {
         let place = frame.at(film.x, film.y);
         // Of the film's own two directions what lies in the plane: light that comes along the axis sees them as they are.
@@ -243,7 +243,7 @@ impl Touching {
         Self { point: place.point, sagittal, tangential }
     }
 
-    /// Where a ray crosses the plane: sagittal and tangential, mm.
+    /// The point at which a ray crosses the plane: sagittal and tangential, mm.
     fn crossing(&self, ray: &Ray) -> DVec2 {
         let normal = self.sagittal.cross(self.tangential);
         let t = (self.point - ray.origin).dot(normal) / ray.direction.dot(normal);
@@ -251,12 +251,12 @@ impl Touching {
         DVec2::new(from.dot(self.sagittal), from.dot(self.tangential))
     }
 
-    /// Its direction's cosines to the two directions.
+    /// Cosines of a direction to the sagittal and the tangential direction.
     pub(crate) fn cosines(&self, direction: DVec3) -> DVec2 {
         DVec2::new(direction.dot(self.sagittal), direction.dot(self.tangential))
     }
 
-    /// What of a direction with these cosines lies in the plane.
+    /// The vector in the plane with these sagittal and tangential cosines.
     pub(crate) fn direction(&self, cosines: DVec2) -> DVec3 {
         self.sagittal * cosines.x + self.tangential * cosines.y
     }

@@ -23,7 +23,7 @@ pub const PHOTOPIC: [(f64, f64); 5] = [(470.0, 0.091), (510.0, 0.503), (555.0, 1
 
 /// Rays of a wavelength; and of a second try, where nearly all of the first are lost.
 const RAYS: [u32; 2] = [1024, 65_536];
-/// Of all wavelengths together, fewer say nothing about a spot.
+/// Least number of rays of all wavelengths together: fewer say nothing about a spot.
 const FEWEST_RAYS: usize = 12;
 /// Infinity, in radii of the front glass: nearer, defocus would be seen; farther, roundings.
 const FAR: f64 = 1e8;
@@ -32,7 +32,7 @@ const FARTHEST_IMAGE: f64 = 1e5;
 /// Steps along a curved film; each leaves a hundredth of the last one's error or less.
 const CURVED_STEPS: usize = 16;
 
-/// What is to be sharp, in lens space.
+/// The subject that is to be sharp, in lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Subject {
     /// A point, mm.
@@ -41,13 +41,13 @@ pub enum Subject {
     Direction(DVec3),
 }
 
-/// Why no film makes a point sharp.
+/// An error by which no film makes a point sharp.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum AutofocusError {
-    /// All of its rays are lost.
+    /// All of the point's rays are lost.
     #[error("no light of it gets through the lens; choose a point that the lens sees, or open the diaphragm")]
     NothingThrough,
-    /// Its rays leave the lens parallel or diverging.
+    /// The point's rays leave the lens parallel or diverging.
     #[error("the lens forms no real image of it; choose a point farther away")]
     NoRealImage,
 }
@@ -55,18 +55,18 @@ pub enum AutofocusError {
 /// The film on which a point is sharpest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sharpest {
-    /// Where the axis meets it, lens space.
+    /// The z at which the axis meets it, lens space.
     pub film_z_mm: f64,
     /// Root of the mean square distance of the rays from their middle, on that film.
     pub rms_mm: f64,
-    /// That middle, lens space.
+    /// The middle of the rays on that film, lens space.
     pub image_mm: DVec3,
 }
 
 /// A lens ready to be focused.
 #[derive(Clone, Debug)]
 pub struct Autofocus {
-    /// By wavelength, with its weight.
+    /// The lens at each wavelength, with the weight of the wavelength.
     lines: Vec<(Tracer, f64)>,
     entrance: EntranceMap,
     far_mm: f64,
@@ -79,7 +79,7 @@ pub struct Autofocus {
 type Weighted = (Ray, f64);
 
 impl Autofocus {
-    /// For light of these vacuum wavelengths (nm) and weights, such as [`PHOTOPIC`].
+    /// A lens for light of these vacuum wavelengths (nm) and weights, such as [`PHOTOPIC`].
     pub fn new(system: &System, wavelengths: &[(f64, f64)]) -> Self {
         let lines: Vec<_> = wavelengths.iter().map(|&(nm, weight)| (system.at_wavelength(nm), weight)).collect();
         let of_map = [0, lines.len() / 2, lines.len().saturating_sub(1)];
@@ -124,7 +124,7 @@ impl Autofocus {
         Ok(sharpest)
     }
 
-    /// What gets through of the subject's light: evenly over the solid angle.
+    /// The rays of the subject's light that get through: evenly over the solid angle.
     fn beam(&self, subject: Subject) -> Result<Vec<Weighted>, AutofocusError> {
         let from = match subject {
             Subject::Point(point) => point,

@@ -1,4 +1,4 @@
-//! How wide the beam from an infinitely far point on the axis is that a lens lets through.
+//! Width of the beam from an infinitely far point on the axis that a lens lets through.
 //!
 //! The f-number of first-order optics is that of the diaphragm alone. Where the rim of a glass is narrower than the diaphragm when
 //! fully open, the lens is as fast as that rim allows, and that is what makers engrave.
@@ -19,14 +19,14 @@ const HALVINGS: u32 = 40;
 pub struct AxialBeam {
     /// Twice the largest height of a ray along the axis, in the y-z plane, that comes through; mm, by exact rays.
     pub diameter_mm: f64,
-    /// Index of the surface that stops the next ray outside; `None`: all that meets the first surface comes through.
+    /// Index of the surface that stops the next ray outside; `None`: all that hits the first surface comes through.
     pub ended_by: Option<usize>,
 }
 
 impl AxialBeam {
     /// The beam at a vacuum wavelength in nm; `None`: nothing comes through.
     ///
-    /// What is dark in the middle does not count: a central obstruction makes a beam darker, not narrower.
+    /// A dark middle does not count: a central obstruction makes a beam darker, not narrower.
     pub fn new(system: &System, wavelength_nm: f64) -> Option<Self> {
         let tracer: Tracer = system.at_wavelength(wavelength_nm);
         let widest = system.surfaces().first()?.semi_diameter_mm;
@@ -49,9 +49,9 @@ impl AxialBeam {
     }
 }
 
-/// How fast the lens is as it stands. If the diaphragm ends the beam, that is the focal length over the diameter of the entrance pupil,
-/// to first order, as designers count it; if a rim does, it is the focal length over the diameter of the beam. `None`: the lens has no
-/// focal length, or is dark.
+/// The f-number of the lens with its present opening. If the diaphragm ends the beam, it is the focal length over the diameter of the
+/// entrance pupil, to first order, as designers count it; if a rim does, it is the focal length over the diameter of the beam. `None`: the
+/// lens has no focal length, or is dark.
 ///
 /// The focal length is that on the side of the scene, which differs from the other in an eye.
 pub fn f_number(system: &System, wavelength_nm: f64) -> Option<f64> {

@@ -1,4 +1,4 @@
-//! What a surface reflects, lets through and absorbs: bare, or under thin films.
+//! Reflection, transmission and absorption of a surface: bare, or under thin films.
 //!
 //! A coating's thickness belongs to the light's wavelength, not to the lens: a lens that is scaled keeps it.
 
@@ -20,7 +20,7 @@ pub struct Coating(Option<Arc<Stack>>);
 
 #[derive(Debug, PartialEq)]
 struct Stack {
-    /// As it is written in a lens file.
+    /// The text in a lens file.
     name: String,
     /// The outermost, beside the air, first.
     layers: Vec<Layer>,
@@ -29,7 +29,7 @@ struct Stack {
 /// The index of what carries a mirror's layers; metal lets no light get there.
 const BELOW_A_MIRROR: f64 = 1.5;
 
-/// Why a coating is none.
+/// An error in the text of a coating.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CoatingError {
     /// The name of no recipe.
@@ -38,10 +38,10 @@ pub enum CoatingError {
         known = recipes::names()
     )]
     Recipe(String),
-    /// The name of no film.
+    /// A name that is no film's.
     #[error("unknown film '{0}'; name one of {known}, or an index as 1.38 or 2.3-0.01i", known = films::names())]
     Film(String),
-    /// No thickness.
+    /// A text that is no thickness of a film.
     #[error(
         "'{0}' is no thickness of a film; write 100nm, or 0.25w@550 for a quarter of a wave of 550 nm inside of it"
     )]
@@ -54,14 +54,14 @@ pub const ASSUMED: &str = "MgF2";
 /// A surface is coated where glass meets air: where the larger index is more than so many times the smaller.
 const COATED: f64 = 1.25;
 
-/// Whether a surface between two media is one that is coated.
+/// True if a surface between two media is one that is coated.
 pub(crate) fn parts_glass_from_air(from: &Medium, to: &Medium) -> bool {
     let [a, b] = [from, to].map(|medium| medium.index(line_nm::D).abs());
     a.max(b) > COATED * a.min(b)
 }
 
 impl Coating {
-    /// None.
+    /// No coating.
     pub const BARE: Self = Self(None);
 
     /// Layers, the outermost first.
@@ -69,7 +69,7 @@ impl Coating {
         Self((!layers.is_empty()).then(|| Arc::new(Stack { name: name.to_owned(), layers })))
     }
 
-    /// As a lens file has it: a recipe's name, with `@NM` behind it for another design wavelength, or layers.
+    /// The coating of a text in a lens file: a recipe's name, with `@NM` behind it for another design wavelength, or layers.
     pub fn parse(text: &str) -> Result<Self, CoatingError> {
         if let Some(recipe) = Recipe::named(text) {
             return Ok(recipe.coating());
@@ -81,7 +81,7 @@ impl Coating {
         Ok(Self::of(text, layers))
     }
 
-    /// As [`Self::parse`] reads it.
+    /// The text that [`Self::parse`] reads.
     pub fn name(&self) -> &str {
         self.0.as_ref().map_or("none", |stack| &stack.name)
     }
@@ -96,8 +96,8 @@ impl Coating {
         self.0.as_ref().map_or(&[], |stack| &stack.layers)
     }
 
-    /// What becomes of light that comes through a medium of index `from` to a mirror under an angle with this cosine: what its layers do
-    /// not turn round they, or what is below them, absorb. Bare, a mirror is perfect.
+    /// The split of light that comes through a medium of index `from` to a mirror under an angle with this cosine: light that is not
+    /// reflected is absorbed in the layers or below them. Bare, a mirror is perfect.
     pub fn mirrored(&self, from: f64, wavelength_nm: f64, cos_incidence: f64) -> Split {
         let Some(stack) = &self.0 else { return Split::MIRROR };
         let reflected =
@@ -105,8 +105,8 @@ impl Coating {
         Split { reflected, transmitted: [0.0; 2] }
     }
 
-    /// What becomes of light of a vacuum wavelength that comes from a medium of index `from` to one of index `to` under an angle with
-    /// this cosine. The layers' outside is on the side of the medium with the smaller index.
+    /// The split of light of a vacuum wavelength that comes from a medium of index `from` to one of index `to` under an angle with this
+    /// cosine. The layers' outside is on the side of the medium with the smaller index.
     pub fn split(&self, from: f64, to: f64, wavelength_nm: f64, cos_incidence: f64) -> Split {
         match &self.0 {
             None => layers::split([].iter(), from, to, wavelength_nm, cos_incidence),

@@ -17,16 +17,16 @@ use crate::lane::{Lane, Mask, Real};
 
 pub use mask::{ApertureMask, MaskError};
 
-/// More blades than this look round.
+/// Largest number of blades: more look round.
 const MOST_BLADES: u32 = 64;
 
 /// No lane holds more numbers.
 const WIDEST_LANE: usize = 16;
 
-/// Why blades make no diaphragm.
+/// An error by which blades make no diaphragm.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum DiaphragmError {
-    /// More blades than a diaphragm has.
+    /// The number of blades is larger than that of any diaphragm.
     #[error("{0} blades; give 3 to {MOST_BLADES}, or 0 for a round opening")]
     Blades(u32),
     /// The turn of the blades is no angle.
@@ -56,7 +56,7 @@ pub struct Diaphragm<R = f64> {
 struct Masked {
     shape: Arc<ApertureMask>,
     radius_mm: f64,
-    /// Of the rotation.
+    /// Cosine of the rotation.
     cos: f64,
     sin: f64,
 }
@@ -75,9 +75,14 @@ impl Diaphragm {
         Self { rotation_rad, mask, ..Self::round(radius_mm) }
     }
 
-    /// The same without its mask: the circle that holds it.
+    /// A copy of this diaphragm without its mask: the circle that holds the mask.
     pub(crate) fn without_mask(&self) -> Self {
         Self { mask: None, ..self.clone() }
+    }
+
+    /// The mask that shapes the opening, turned by [`Self::rotation_rad`], its width spanning the circle of [`Self::radius_mm`].
+    pub fn mask(&self) -> Option<&ApertureMask> {
+        self.mask.as_ref().map(|mask| &*mask.shape)
     }
 
     /// True if a mask shapes the opening.
@@ -91,8 +96,9 @@ impl Diaphragm {
         Self::bladed(radius_mm, blades, 0.0, rotation_rad)
     }
 
-    /// The same of curved blades: `curvature` from 0 (straight, [`Self::polygon`]) to 1 (the full circle); it is taken
-    /// into that range. Fewer than three blades, or the full circle: round.
+    /// An opening of `blades` curved blades in the circle of `radius_mm`; one corner lies at `rotation_rad` from the x axis towards y.
+    /// `curvature` goes from 0 (straight, [`Self::polygon`]) to 1 (the full circle); it is taken into that range. Fewer than three blades,
+    /// or the full circle: round.
     pub fn bladed(radius_mm: f64, blades: u32, curvature: f64, rotation_rad: f64) -> Self {
         // Below a millionth an arc leaves its chord by less than f32 holds of the radius, and its centre is too far.
         let curvature = if curvature > 1e-6 { curvature } else { 0.0 };
@@ -114,7 +120,7 @@ impl Diaphragm {
         Self { radius_mm, apothem_mm: radius_mm * cos, rotation_rad, curvature, bulge, sides, mask: None }
     }
 
-    /// As [`Self::bladed`], from what a user gave: the blades at most 64, the curvature in 0 to 1, the rotation finite.
+    /// [`Self::bladed`] of a user's settings: the blades at most 64, the curvature in 0 to 1, the rotation finite.
     pub fn checked(radius_mm: f64, blades: u32, curvature: f64, rotation_rad: f64) -> Result<Self, DiaphragmError> {
         if blades > MOST_BLADES {
             return Err(DiaphragmError::Blades(blades));
@@ -138,7 +144,7 @@ impl Diaphragm {
         self.sides.len() as u32
     }
 
-    /// From the axis to the middle of a blade's edge, in mm: where the opening is narrowest.
+    /// Distance from the axis to the middle of a blade's edge, in mm: where the opening is narrowest.
     pub fn inner_radius_mm(&self) -> f64 {
         if self.blades() > 0 && self.curvature > 0.0 {
             let (radius, centre, _) = self.arc();
@@ -152,13 +158,27 @@ impl Diaphragm {
         self.rotation_rad
     }
 
-    /// How far the blades are curved: 0 straight, and less than 1, which is round.
+    /// Curvature of the blades: 0 straight, and less than 1, which is round.
     pub fn curvature(&self) -> f64 {
         self.curvature
     }
 
-    /// Of one curved blade: radius of its arc and signed place of its centre towards the side (mm), and half of the
-    /// angle it spans (rad).
+    /// Distance from the axis to the chord between two corners, mm; the radius of a round opening.
+    pub fn apothem_mm(&self) -> f64 {
+        self.apothem_mm
+    }
+
+    /// Half of the inverse distance from the centre of a blade's arc to its chord, in 1/mm; 0 if the blades are straight.
+    pub fn bulge(&self) -> f64 {
+        self.bulge
+    }
+
+    /// Unit vectors from the centre to the middle of each blade's edge; empty if round.
+    pub fn sides(&self) -> &[[f64; 2]] {
+        &self.sides
+    }
+
+    /// One curved blade: radius of its arc and signed place of its centre towards the side (mm), and half of the angle it spans (rad).
     fn arc(&self) -> (f64, f64, f64) {
         let radius = self.radius_mm / self.curvature;
         let half_angle = (self.curvature * (0.5 * TAU / f64::from(self.blades())).sin()).asin();
@@ -226,7 +246,7 @@ impl Diaphragm {
         [out * nx - across * ny, out * ny + across * nx]
     }
 
-    /// The same in numbers of another kind.
+    /// This diaphragm in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Diaphragm<R> {
         Diaphragm {
             radius_mm: R::from_f64(self.radius_mm),
@@ -241,7 +261,8 @@ impl Diaphragm {
 }
 
 impl Masked {
-    /// One lane after the other, in f64: a lookup gains nothing from lanes, and so comes out alike in all.
+    /// True at the points that are open. One lane after the other, in f64: a lookup gains nothing from lanes, and so comes out alike in
+    /// all.
     #[cold]
     fn are_open<L: Lane>(&self, x_mm: L, y_mm: L) -> L::Mask {
         let mut is_open = [L::Real::ZERO; WIDEST_LANE];

@@ -1,4 +1,4 @@
-//! What diffraction does to a picture whose aberrations and defocus are already there: the transfer function of the pupil's shape.
+//! Diffraction in a picture that already has aberrations and defocus: the transfer function of the pupil's shape.
 //!
 //! Rays make the geometric picture. Of its contrast at the frequency ν diffraction leaves, to good approximation, the part that it would
 //! leave of a perfect lens with the same pupil: the overlap of the pupil with itself, shifted by λν in direction cosines, over its area

@@ -1,4 +1,4 @@
-//! What a drawing of a lens shows: its surfaces in the y-z plane, and exact rays of several fields in it.
+//! The drawing of a lens: its surfaces in the y-z plane, and exact rays of several fields in it.
 //!
 //! Places are (z, y) in lens space, mm.
 
@@ -26,13 +26,13 @@ const APPROACH: f64 = 0.18;
 /// A surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// From the lower rim to the upper.
+    /// Points from the lower rim to the upper.
     pub points: Vec<[f64; 2]>,
-    /// Half of the diameter of what is missing in the middle, or 0.
+    /// Half of the diameter of the missing middle, or 0.
     pub hole_mm: f64,
-    /// Light is reflected.
+    /// True if the surface reflects light.
     pub is_mirror: bool,
-    /// The glass behind it; `None`: air, or a mirror.
+    /// The glass behind the surface; `None`: air, or a mirror.
     pub glass_behind: Option<String>,
 }
 
@@ -48,15 +48,15 @@ pub struct FieldRays {
 /// The drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// Scene side first.
+    /// Surfaces, scene side first.
     pub surfaces: Vec<Profile>,
     /// Index of the surface with the diaphragm.
     pub stop: usize,
     /// Half of the diaphragm's opening.
     pub stop_semi_diameter_mm: f64,
-    /// By the angles asked for.
+    /// Rays of each field angle.
     pub fields: Vec<FieldRays>,
-    /// From the lowest to the highest place where drawn rays meet it.
+    /// Points of the film from the lowest to the highest place where drawn rays hit it.
     pub film: Vec<[f64; 2]>,
 }
 
@@ -119,7 +119,7 @@ fn profile(s: &Surface) -> Profile {
     }
 }
 
-/// Where rays are sent.
+/// The lens through which rays are sent.
 struct Beams<'a> {
     tracer: Tracer,
     origin: Origin,
@@ -186,7 +186,7 @@ impl Beams<'_> {
         runs
     }
 
-    /// Where a ray that comes through goes.
+    /// The path of a ray that comes through.
     fn path(&self, ray: Ray) -> Option<Vec<[f64; 2]>> {
         let (out, hits) = self.tracer.path_from_scene(ray).ok()?;
         let first = *hits.first()?;
@@ -204,7 +204,7 @@ impl Beams<'_> {
         Some(std::iter::once(start).chain(hits).chain([end]).map(flat).collect())
     }
 
-    /// Along the axis, the film included.
+    /// The extent along the axis, the film included.
     fn extent(&self) -> [f64; 2] {
         let all = self.surfaces.iter().flat_map(|s| &s.points).map(|p| p[0]).chain([self.film.z_mm]);
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)])

@@ -1,5 +1,5 @@
-//! Where to aim from the scene so that nearly every ray gets through the lens: the entrance pupil as it is, moving and
-//! closing with the angle from the axis.
+//! The target of rays from the scene, so that nearly every ray gets through the lens: the entrance pupil as it is, moving and closing with
+//! the angle from the axis.
 //!
 //! Seen from a direction the clear pupil lies in a disc at right angles to it. The map holds the centre and radius of
 //! that disc by the angle from the axis, up to directions behind the lens: a fisheye's pupil turns round to meet them. A
@@ -28,7 +28,7 @@ const AZIMUTHS: usize = 12;
 /// The clear pupil as seen from the scene.
 #[derive(Clone, Debug)]
 pub struct EntranceMap {
-    /// On the axis; directions are counted from here.
+    /// The middle of the map, on the axis; directions are counted from here.
     middle: DVec3,
     discs: Vec<Disc>,
     /// Ball that holds the front glass.
@@ -39,16 +39,16 @@ pub struct EntranceMap {
 /// The beam from one direction.
 #[derive(Clone, Copy, Debug, Default)]
 struct Disc {
-    /// Of the centre from the map's middle, towards the side that the beam comes from, mm.
+    /// Offset of the centre from the map's middle, towards the side that the beam comes from, mm.
     offset: f64,
-    /// 0 if nothing gets through.
+    /// Radius; 0 if nothing gets through.
     radius: f64,
 }
 
 /// A ray to the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
-    /// Unit vector.
+    /// Direction of the ray, unit.
     pub direction: DVec3,
     /// Density of the choice per steradian, seen from where the ray starts.
     pub pdf_per_sr: f64,
@@ -57,9 +57,9 @@ pub struct Aim {
 /// A point of the scene and the discs at right angles to the line from it to the map's middle.
 struct View {
     distance: f64,
-    /// To the point.
+    /// Direction to the point.
     towards: DVec3,
-    /// In the plane of the axis and the point; at right angles to both.
+    /// Axes in the plane of the axis and the point, and at right angles to that plane.
     axes: [DVec3; 2],
     disc: Disc,
     /// The disc that hides the whole front glass.

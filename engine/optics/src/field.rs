@@ -8,7 +8,7 @@ use crate::trace::Ray;
 /// vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
-    /// Where the light goes.
+    /// Direction of the light.
     pub along: DVec3,
     across: DVec3,
     up: DVec3,
@@ -30,13 +30,13 @@ impl Field {
         self.across * at.x + self.up * at.y
     }
 
-    /// What of a place lies in the plane.
+    /// The coordinates of a place in the plane.
     pub fn coordinates(&self, place: DVec3) -> DVec2 {
         DVec2::new(place.dot(self.across), place.dot(self.up))
     }
 }
 
-/// Where the rays of fields come from.
+/// The source of the rays of fields.
 #[derive(Clone, Copy, Debug)]
 pub struct Origin {
     /// The object plane, lens space, mm; `None`: at infinity.
@@ -55,7 +55,7 @@ impl Origin {
         Ray { origin, direction: (target - origin).normalize_or(DVec3::Z) }
     }
 
-    /// Where the ray of `field` through a place crosses its plane.
+    /// The point at which the ray of `field` through a place crosses its plane.
     pub fn crossing(&self, field: &Field, place: DVec3) -> DVec2 {
         let Ray { origin, direction } = self.ray(field, DVec2::ZERO);
         let way = if self.object_z_mm.is_some() { place - origin } else { direction };

@@ -1,6 +1,6 @@
-//! Gaussian optics: what a row of surfaces does to rays close to the axis.
+//! Gaussian optics: the effect of a row of surfaces on rays close to the axis.
 //!
-//! A ray is (y, ν) with height y in mm and ν = n u, the reduced slope; light that has met an odd number of mirrors
+//! A ray is (y, ν) with height y in mm and ν = n u, the reduced slope; light that has hit an odd number of mirrors
 //! travels in a medium of negative index, so that u stays dy/dz (Welford, *Aberrations of Optical Systems*, §3).
 
 use std::ops::Mul;
@@ -8,18 +8,18 @@ use std::ops::Mul;
 /// The 2 × 2 matrix that takes (y, ν) on one plane to (y′, ν′) on another. Its determinant is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matrix {
-    /// y′ by y.
+    /// Derivative of y′ by y.
     pub a: f64,
-    /// y′ by ν, in mm.
+    /// Derivative of y′ by ν, in mm.
     pub b: f64,
-    /// ν′ by y, in 1/mm: minus the power.
+    /// Derivative of ν′ by y, in 1/mm: minus the power.
     pub c: f64,
-    /// ν′ by ν.
+    /// Derivative of ν′ by ν.
     pub d: f64,
 }
 
 impl Matrix {
-    /// Changes nothing.
+    /// The identity.
     pub const IDENTITY: Self = Self { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
 
     /// A surface of `curvature` (1/mm) from signed index `from` to signed index `to`.
@@ -32,7 +32,7 @@ impl Matrix {
         Self { b: thickness_mm / index, ..Self::IDENTITY }
     }
 
-    /// The same way back: light that comes from the other side, its indices and ways turned round.
+    /// The matrix of the way back: light comes from the other side, and the order of the surfaces is reversed.
     pub fn reversed(&self) -> Self {
         Self { a: self.d, d: self.a, ..*self }
     }
@@ -59,21 +59,21 @@ impl Mul for Matrix {
 
 /// One surface as Gaussian optics sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Thin {
-    /// Curvature in 1/mm.
+pub struct ParaxialSurface {
+    /// Curvature of the surface, 1/mm.
     pub curvature: f64,
-    /// Signed index before.
+    /// Signed index before the surface.
     pub from: f64,
-    /// Signed index after.
+    /// Signed index after the surface.
     pub to: f64,
     /// The way to the next vertex; behind the last surface as far as the film is published.
     pub onward: Matrix,
-    /// What that way adds to the Petzval sum, 1/mm: nothing, but in a gradient.
+    /// The part of the Petzval sum by that way, 1/mm: 0, but in a gradient.
     pub petzval_onward: f64,
 }
 
-/// From the first vertex to the last: every surface, and the travel between them.
-pub fn between_vertices(surfaces: &[Thin]) -> Matrix {
+/// The matrix from the first vertex to the last: every surface, and the travel between them.
+pub fn between_vertices(surfaces: &[ParaxialSurface]) -> Matrix {
     let mut matrix = Matrix::IDENTITY;
     for (i, s) in surfaces.iter().enumerate() {
         if i > 0 {
@@ -84,16 +84,16 @@ pub fn between_vertices(surfaces: &[Thin]) -> Matrix {
     matrix
 }
 
-/// From the first vertex to the vertex plane of `stop`, before that surface acts.
-pub fn front_of(surfaces: &[Thin], stop: usize) -> Matrix {
+/// The matrix from the first vertex to the vertex plane of `stop`, before that surface acts.
+pub fn front_of(surfaces: &[ParaxialSurface], stop: usize) -> Matrix {
     match stop.checked_sub(1) {
         None => Matrix::IDENTITY,
         Some(last) => surfaces[last].onward * between_vertices(&surfaces[..stop]),
     }
 }
 
-/// From the vertex plane of `stop`, after that surface has acted, to the last vertex.
-pub fn rear_of(surfaces: &[Thin], stop: usize) -> Matrix {
+/// The matrix from the vertex plane of `stop`, after that surface has acted, to the last vertex.
+pub fn rear_of(surfaces: &[ParaxialSurface], stop: usize) -> Matrix {
     if stop + 1 == surfaces.len() {
         return Matrix::IDENTITY;
     }

@@ -1,4 +1,4 @@
-//! Where the film must stand for a distance to be sharp, and the film plane itself (Wu et al. 2011, §4).
+//! The place of the film at which a distance is sharp, and the film plane itself (Wu et al. 2011, §4).
 //!
 //! Conjugates are the exact paraxial ones. Distances to the scene are measured along the axis from the centre of the
 //! entrance pupil, positive in front of the lens; [`Focusing`] knows of other ways to count them.
@@ -17,7 +17,7 @@ use crate::trace::Ray;
 pub use groups::{Focused, GroupsError};
 pub use scale::{Anchor, Focusing, Relation};
 
-/// Why no film plane makes a distance sharp.
+/// An error by which no film plane makes a distance sharp.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FocusError {
     /// The distance is no positive number.
@@ -73,7 +73,7 @@ impl Conjugates {
 
     /// Object plane in lens space of the film plane `film_z_mm`; infinite if that is the focal plane.
     fn object_z_mm(&self, film_z_mm: f64) -> f64 {
-        // The ray (y, ν) on the last vertex plane that meets the film on the axis, taken back: the inverse matrix.
+        // The ray (y, ν) on the last vertex plane that hits the film on the axis, taken back: the inverse matrix.
         let distance = (film_z_mm - self.last_z_mm) / self.image_index;
         let Matrix { a, b, c, d } = self.matrix;
         let (y, nu) = (-d * distance - b, c * distance + a);
@@ -178,16 +178,16 @@ impl Focus {
 /// positive swing the right edge towards it (−z): both turn right-handed about the axis named.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmPlane {
-    /// Where the axis meets the film before it is shifted.
+    /// The z at which the axis meets the film before it is shifted.
     pub z_mm: f64,
     /// Turn about the horizontal axis x.
     pub tilt_rad: f64,
     /// Turn about the vertical axis y.
     pub swing_rad: f64,
-    /// Where the middle of the picture lies in the film's own coordinates (shift, rise).
+    /// The place of the picture's middle in the film's own coordinates (shift, rise).
     pub shift_mm: [f64; 2],
-    /// Of a ball-shaped film, a retina: one over its radius, negative if its edge lies nearer to the lens than its middle
-    /// where light goes towards +z, as a lens surface's. Its coordinates u and v are those of the plane that touches it.
+    /// Curvature of a ball-shaped film, a retina: one over its radius, negative if its edge lies nearer to the lens than its middle where
+    /// light goes towards +z, as a lens surface's. Its coordinates u and v are those of the plane that touches it.
     pub curvature_per_mm: f64,
 }
 
@@ -241,7 +241,7 @@ const STEEPEST: f64 = 0.98;
 pub struct FilmFrame {
     /// Right, up, and away from the scene.
     axes: DMat3,
-    /// Where the axis meets the film, and the film turns.
+    /// The point at which the axis meets the film, and about which the film turns.
     vertex: DVec3,
     shift: DVec2,
     curvature: f64,
@@ -250,7 +250,7 @@ pub struct FilmFrame {
 /// A point of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmPoint {
-    /// Lens space, mm.
+    /// The point, lens space, mm.
     pub point: DVec3,
     /// Unit normal, as [`FilmPlane::normal`].
     pub normal: DVec3,
@@ -284,7 +284,7 @@ impl FilmFrame {
         }
     }
 
-    /// Where a ray from the lens meets the film: its coordinates (u, v), mm. `None` if it misses it or goes away.
+    /// The point at which a ray from the lens hits the film: its coordinates (u, v), mm. `None` if it misses it or goes away.
     #[inline]
     pub fn meet(&self, ray: &Ray) -> Option<[f64; 2]> {
         let to = self.axes.transpose();

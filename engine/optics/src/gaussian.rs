@@ -14,9 +14,9 @@ use crate::trace::Ray;
 /// A lens at one wavelength as two matrices, one a section.
 #[derive(Clone, Debug)]
 pub struct GaussianLens {
-    /// From the first vertex plane to the last, in x and y.
+    /// Matrices from the first vertex plane to the last, in x and y.
     whole: [Matrix; 2],
-    /// From the stop to the last vertex plane.
+    /// Matrices from the stop to the last vertex plane.
     rear: [Matrix; 2],
     last_z: f64,
     /// Signed index before the film.
@@ -51,7 +51,7 @@ impl GaussianLens {
         DVec2::new(point(0), point(1))
     }
 
-    /// How much of the square of slopes a mm² of the opening fills, seen from a film at `film_z_mm`.
+    /// The part of the square of slopes that a mm² of the opening fills, seen from a film at `film_z_mm`.
     pub fn slopes_per_mm2(&self, film_z_mm: f64) -> f64 {
         1.0 / (self.spread(0, film_z_mm) * self.spread(1, film_z_mm)).abs()
     }
@@ -81,7 +81,7 @@ impl GaussianLens {
     }
 }
 
-/// Back the same way: the determinant is 1.
+/// The inverse of a matrix whose determinant is 1.
 fn inverse(m: Matrix) -> Matrix {
     Matrix { a: m.d, b: -m.b, c: -m.c, d: m.a }
 }

@@ -1,11 +1,11 @@
 //! Light that is reflected twice inside of a lens.
 //!
-//! Here to first order: how bright the disc is that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright each is, [`brute`] finds all of them without looking.
+//! Here to first order: how bright the disc is that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright
+//! each is, [`brute`] finds all of them without looking.
 //!
-//! What a surface reflects near the axis its coating says. A path that is reflected at surface j
-//! and then at i < j goes through all surfaces up to j, back to i, and on to the film: its matrix says how wide the beam is
-//! there, and at every surface on its way whose rim may narrow it. A parallel beam of radius h that fills a disc of radius r is
-//! h² / r² times as bright there, times both reflectances.
+//! The reflectance of a surface near the axis is that of its coating. A path that is reflected at surface j and then at i < j goes through
+//! all surfaces up to j, back to i, and on to the film: its matrix says how wide the beam is there, and at every surface on its way whose
+//! rim may narrow it. A parallel beam of radius h that fills a disc of radius r is h² / r² times as bright there, times both reflectances.
 
 pub mod beam;
 pub mod brute;
@@ -14,14 +14,14 @@ pub mod packet;
 pub mod power;
 pub mod ranking;
 
-use crate::first_order::{Matrix, Thin};
+use crate::first_order::{Matrix, ParaxialSurface};
 use crate::surface::Section;
 use crate::system::System;
 
 /// A path with two reflections.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ghost {
-    /// The surfaces that reflect, the earlier on the lens first; light meets the later one first.
+    /// The surfaces that reflect, the earlier on the lens first; light hits the later one first.
     pub surfaces: [usize; 2],
     /// The product of both reflectances.
     pub reflectance: f64,
@@ -45,7 +45,7 @@ pub fn all(system: &System, wavelength_nm: f64, film_z_mm: f64, least_radius_mm:
         for earlier in 0..later {
             let product = reflectance(earlier) * reflectance(later);
             // A mirror is no ghost, and a stop reflects nothing.
-            let is_mirror = |s: &Thin| s.from * s.to < 0.0;
+            let is_mirror = |s: &ParaxialSurface| s.from * s.to < 0.0;
             if product == 0.0 || is_mirror(&surfaces[earlier]) || is_mirror(&surfaces[later]) {
                 continue;
             }
@@ -70,7 +70,7 @@ struct Path {
 }
 
 impl Path {
-    fn new(system: &System, surfaces: &[Thin], [earlier, later]: [usize; 2], to_film: f64) -> Self {
+    fn new(system: &System, surfaces: &[ParaxialSurface], [earlier, later]: [usize; 2], to_film: f64) -> Self {
         let mut walk = Walk { system, ray: [1.0, 0.0], beam: f64::INFINITY };
         let mirror = |curvature: f64, index: f64| Matrix::surface(curvature, index, -index);
         // There.
@@ -164,7 +164,7 @@ mod tests {
         }
     }
 
-    /// On the axis the exact disc is that of first order where a lens is stopped down: the twice-reflected light of a triplet, brightest
+    /// The exact disc on the axis of a lens that is stopped down is that of first order: the twice-reflected light of a triplet, brightest
     /// first alike.
     #[test]
     fn discs_are_those_of_the_exact_trace() {

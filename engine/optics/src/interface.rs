@@ -1,4 +1,4 @@
-//! What an interface between two media does to the direction of a ray.
+//! Refraction and reflection of a ray's direction at an interface between two media.
 //!
 //! Directions are unit vectors; the normal need not be: it comes with its squared length and with (N · D)², as
 //! [`crate::surface::Crossing`] holds them.
@@ -20,20 +20,20 @@ pub struct Interface<R = f64> {
 const NEAR_CRITICAL: f64 = 1e-2;
 
 impl Interface {
-    /// From index `from` to index `to`.
+    /// The interface from index `from` to index `to`.
     pub fn new(from: f64, to: f64) -> Self {
         let excess = (from - to) * (from + to) / (to * to);
         Self { ratio: from / to, excess }
     }
 
-    /// The same in numbers of another kind.
+    /// This interface in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Interface<R> {
         Interface { ratio: R::from_f64(self.ratio), excess: R::from_f64(self.excess) }
     }
 }
 
 impl<R: Real> Interface<R> {
-    /// The refracted unit directions of the rays `d` that met the surface from `side`, and where there is one: false
+    /// The refracted unit directions of the rays `d` that hit the surface from `side`, and where there is one: false
     /// means total internal reflection.
     ///
     /// D′ = m D − s (m² − 1) N / (√r + m √q), with q = (N · D)² and r = m² q − (m² − 1) |N|². This is Snell's
@@ -49,20 +49,20 @@ impl<R: Real> Interface<R> {
 /// An interface at several wavelengths, one in each lane.
 #[derive(Clone, Copy)]
 pub struct Interfaces<L> {
-    /// As in [`Interface`].
+    /// The ratio, as in [`Interface`].
     pub ratio: L,
-    /// As in [`Interface`].
+    /// The excess, as in [`Interface`].
     pub excess: L,
 }
 
 impl<L: Lane> Interfaces<L> {
-    /// From one index to the other, in each lane.
+    /// The interfaces from one index to the other, in each lane.
     #[inline(always)]
     pub fn between([from, to]: [L; 2]) -> Self {
         Self { ratio: from / to, excess: (from - to) * (from + to) / (to * to) }
     }
 
-    /// As [`Interface::refract`]; `may_be_critical` if any excess is positive.
+    /// [`Interface::refract`] in lanes; `may_be_critical` if any excess is positive.
     #[inline(always)]
     pub fn refract(
         &self,

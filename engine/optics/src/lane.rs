@@ -1,4 +1,4 @@
-//! What a lane of numbers can do: one number, or as many as the processor works on at once.
+//! Operations on a lane of numbers: one number, or as many as the processor works on at once.
 //!
 //! The tracer is written once, over [`Lane`]. `f64` and `f32` are lanes of one; [`Doubles`] and [`Singles`] are vector
 //! registers of them, as wide as the processor at hand has them (2 to 8 of `f64`, 4 to 16 of `f32`, chosen while the
@@ -28,13 +28,13 @@ pub trait Real: Lane<Real = Self, Mask = bool> + PartialOrd + Debug + Default + 
     const EPSILON: Self;
     /// Largest finite number.
     const LARGEST: Self;
-    /// 0.
+    /// Zero.
     const ZERO: Self;
-    /// 1.
+    /// One.
     const ONE: Self;
     /// The nearest number of this kind.
     fn from_f64(x: f64) -> Self;
-    /// Exact.
+    /// The value in f64, exactly.
     fn to_f64(self) -> f64;
     /// a b − c d with the error of one rounding or two.
     fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> Self;
@@ -44,9 +44,9 @@ pub trait Real: Lane<Real = Self, Mask = bool> + PartialOrd + Debug + Default + 
 
 /// A computation that is written for every kind of lane.
 pub trait LaneKernel<R: Real> {
-    /// What it yields.
+    /// The result.
     type Output;
-    /// Runs it. `zero` is a lane of zeros, from which others are made; mark the function `#[inline(always)]`.
+    /// Runs the kernel. `zero` is a lane of zeros, from which others are made; mark the function `#[inline(always)]`.
     fn run<L: Lane<Real = R>>(self, zero: L) -> Self::Output;
 }
 
@@ -66,7 +66,7 @@ pub trait Lane:
     type Real: Real;
     /// The answer to a comparison.
     type Mask: Mask;
-    /// How many numbers.
+    /// Number of numbers in the lane.
     const WIDTH: usize;
     /// Runs `work` with the instructions of this lane, where it is not inlined into a kernel, which has them.
     fn within<T>(self, work: impl FnOnce() -> T) -> T;
@@ -76,46 +76,46 @@ pub trait Lane:
     fn load(self, numbers: &[Self::Real]) -> Self;
     /// Writes the numbers to `to`, which must hold [`Self::WIDTH`].
     fn store(self, to: &mut [Self::Real]);
-    /// Number `i`.
+    /// The number in lane `i`.
     fn of(self, i: usize) -> Self::Real;
-    /// Square root; none of a negative number.
+    /// Square root; NaN of a negative number.
     fn sqrt(self) -> Self;
-    /// Without the sign.
+    /// The absolute value.
     fn abs(self) -> Self;
-    /// `self` ≤ `other`; false if either is no number, as are the others.
+    /// `self` ≤ `other`; false if either is NaN, as are the other comparisons.
     fn at_most(self, other: Self) -> Self::Mask;
-    /// `self` < `other`.
+    /// True in the lanes where `self` < `other`.
     fn less(self, other: Self) -> Self::Mask;
     /// `yes` where `mask` is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// a b − c d, see [`Real::difference_of_products`]. For the rare place where the products cancel.
     fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> Self;
 
-    /// `other` ≤ `self`.
+    /// True in the lanes where `other` ≤ `self`.
     #[inline(always)]
     fn at_least(self, other: Self) -> Self::Mask {
         other.at_most(self)
     }
 
-    /// `other` < `self`.
+    /// True in the lanes where `other` < `self`.
     #[inline(always)]
     fn greater(self, other: Self) -> Self::Mask {
         other.less(self)
     }
 
-    /// The smaller; `other` if either is no number.
+    /// The smaller; `other` if either is NaN.
     #[inline(always)]
     fn least(self, other: Self) -> Self {
         Self::select(self.less(other), self, other)
     }
 
-    /// The larger; `other` if either is no number.
+    /// The larger; `other` if either is NaN.
     #[inline(always)]
     fn most(self, other: Self) -> Self {
         Self::select(other.less(self), self, other)
     }
 
-    /// True if finite.
+    /// True in the lanes whose number is finite.
     #[inline(always)]
     fn is_finite(self) -> Self::Mask {
         self.abs().at_most(self.like(Self::Real::LARGEST))
@@ -223,7 +223,7 @@ impl Real for f64 {
         self
     }
 
-    /// Kahan's way.
+    /// Kahan's algorithm: two fused multiplications, so that little is lost where the products cancel.
     #[cold]
     fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> Self {
         let product = c * d;

@@ -1,4 +1,4 @@
-//! Exact and paraxial optics of real lenses: what a lens does to a ray, where its planes and pupils lie, where to aim.
+//! Exact and paraxial optics of real lenses: the paths of rays, the places of planes and pupils, and directions to aim rays in.
 //!
 //! # Axes, signs, units
 //!

@@ -1,15 +1,15 @@
 //! Gaussian properties of a lens at one wavelength (Wu et al. 2011, §3.2.2).
 
-use crate::first_order::{Thin, between_vertices, front_of, rear_of};
+use crate::first_order::{ParaxialSurface, between_vertices, front_of, rear_of};
 use crate::surface::Section;
 use crate::system::System;
 
 /// The image of the stop on one side of the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pupil {
-    /// Its place in lens space; `None`: at infinity (telecentric).
+    /// Place of the pupil in lens space; `None`: at infinity (telecentric).
     pub z_mm: Option<f64>,
-    /// Its diameter; `None`: infinite.
+    /// Diameter of the pupil; `None`: infinite.
     pub diameter_mm: Option<f64>,
 }
 
@@ -20,9 +20,9 @@ pub struct Paraxial {
     pub wavelength_nm: f64,
     /// Focal length on the image side, n′ / power; positive if the lens converges.
     pub efl_mm: Option<f64>,
-    /// From the last vertex to the image focal point, signed along z.
+    /// Distance from the last vertex to the image focal point, signed along z.
     pub bfd_mm: Option<f64>,
-    /// From the first vertex to the object focal point, signed along z.
+    /// Distance from the first vertex to the object focal point, signed along z.
     pub ffd_mm: Option<f64>,
     /// Object principal plane.
     pub object_principal_plane_mm: Option<f64>,
@@ -44,7 +44,7 @@ pub struct Paraxial {
     pub film_z_mm: f64,
     /// Radius of the Petzval surface, −1 / (n′ P); negative is hollow towards the lens.
     pub petzval_radius_mm: Option<f64>,
-    /// From the first vertex to the film.
+    /// Distance from the first vertex to the film.
     pub total_track_mm: f64,
     /// Number of surfaces.
     pub surfaces: usize,
@@ -104,8 +104,8 @@ fn size_mm(system: &System) -> f64 {
     system.surfaces().iter().map(|s| s.thickness_mm.abs() + s.semi_diameter_mm).sum()
 }
 
-/// The stop through the surfaces before it: (y, ν) from the first vertex meets its centre if A y + B ν = 0.
-fn entrance_pupil(system: &System, surfaces: &[Thin]) -> Pupil {
+/// The stop through the surfaces before it: (y, ν) from the first vertex hits its centre if A y + B ν = 0.
+fn entrance_pupil(system: &System, surfaces: &[ParaxialSurface]) -> Pupil {
     let front = front_of(surfaces, system.stop());
     let finite = |x: f64| (x.abs() < INFINITE * size_mm(system)).then_some(x);
     let diameter = 2.0 * system.stop_semi_diameter_mm();
@@ -113,7 +113,7 @@ fn entrance_pupil(system: &System, surfaces: &[Thin]) -> Pupil {
 }
 
 /// The stop through itself and the surfaces after it: (0, ν) there leaves the last vertex as (B ν, D ν).
-fn exit_pupil(system: &System, surfaces: &[Thin]) -> Pupil {
+fn exit_pupil(system: &System, surfaces: &[ParaxialSurface]) -> Pupil {
     let rear = rear_of(surfaces, system.stop());
     let finite = |x: f64| (x.abs() < INFINITE * size_mm(system)).then_some(x);
     let image_index = surfaces.last().map_or(1.0, |s| s.to);

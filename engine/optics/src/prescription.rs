@@ -13,19 +13,19 @@ use moving::MovingParts;
 
 pub use metadata::{LensGroup, Metadata};
 
-/// What follows a surface.
+/// The medium or mirror behind a surface.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Behind {
+pub enum NextMedium {
     /// The surface refracts into this medium.
     Medium(Medium),
     /// The surface reflects; the medium stays what it was.
     Mirror,
 }
 
-/// Where a row stands in its file, counted from 1. Row and column 0: not from a file.
+/// The place of a row in its file, counted from 1. Row and column 0: not from a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// Line.
+    /// Line in the file.
     pub line: usize,
     /// Column, in characters.
     pub column: usize,
@@ -34,21 +34,21 @@ pub struct Place {
 /// One surface of a prescription. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceRow {
-    /// Shape.
+    /// Shape of the surface.
     pub shape: Shape,
-    /// How the surface stands to its place on the axis: decentred and tilted, if at all.
+    /// The pose of the surface at its place on the axis: decentred and tilted, if at all.
     pub pose: Pose,
     /// Distance along the axis to the next vertex, the last to the film; negative after one reflection.
     pub thickness_mm: f64,
-    /// What follows the surface.
-    pub behind: Behind,
+    /// The medium or mirror behind the surface.
+    pub behind: NextMedium,
     /// Half of the clear diameter. A ray at exactly this distance from the axis passes.
     pub semi_diameter_mm: f64,
     /// Half of the diameter of a central obstruction, or 0.
     pub obstruction_mm: f64,
     /// Thin films on the surface; `None`: nothing is known of them.
     pub coating: Option<Coating>,
-    /// Where the row begins in its file.
+    /// The beginning of the row in its file.
     pub place: Place,
 }
 
@@ -75,7 +75,7 @@ pub enum Column {
     Pose,
 }
 
-/// Why a row or a list of rows makes no lens.
+/// An error by which a row or a list of rows makes no lens.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PrescriptionError {
     /// A number is infinite or none.
@@ -83,7 +83,7 @@ pub enum PrescriptionError {
     NotFinite {
         /// Index of the surface, from 0.
         surface: usize,
-        /// Which number.
+        /// The number's column.
         column: Column,
     },
     /// A clear aperture is not positive.
@@ -160,27 +160,27 @@ impl PrescriptionError {
 /// and exact tracing shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {
-    /// Name.
+    /// Name of the lens.
     pub name: String,
     /// The surfaces, scene side first.
     pub surfaces: Vec<SurfaceRow>,
     /// Index of the surface that carries the diaphragm.
     pub stop: usize,
-    /// What the header says.
+    /// Data from the header.
     pub metadata: Metadata,
     /// Radius of curvature of the film (a retina) in mm, signed as a surface's; `None`: plane.
     pub film_radius_mm: Option<f64>,
-    /// What changes with zoom and focus, if anything does; the surfaces have them as in the first position.
+    /// The parts that change with zoom and focus, if there are any; the surfaces have them as in the first position.
     pub moving: Option<MovingParts>,
     /// The file it was read from, as it was named.
     pub source_file: String,
 }
 
-/// How far a surface may fall short of its rim, relative: rounding of published tables.
+/// Relative amount by which a surface may fall short of its rim: rounding of published tables.
 const RIM_ROUNDING: f64 = 1e-9;
 
 impl SurfaceRow {
-    /// Says what is wrong with the row, which has index `surface`.
+    /// Checks the row, which has index `surface`; the error says what is wrong with it.
     pub fn check(&self, surface: usize) -> Result<(), PrescriptionError> {
         let profile = self.shape.profile();
         let mut numbers = vec![
@@ -233,7 +233,7 @@ impl Prescription {
         fixed
     }
 
-    /// The same lens, its surfaces as the first position of what moves has them.
+    /// This lens with its surfaces in the first position of its moving parts.
     pub fn in_first_position(self) -> Self {
         let published = self.moving.as_ref().map(|moving| moving.first_zoom_mm());
         let surfaces = published.map(|zoom_mm| self.at_position(zoom_mm, 0.0).surfaces);
@@ -245,7 +245,7 @@ impl Prescription {
     pub fn identity(&self) -> String {
         let mut text = format!("{:?} {} {:?} {:?}", self.surfaces, self.stop, self.film_radius_mm, self.moving);
         for row in &self.surfaces {
-            if let Behind::Medium(medium) = &row.behind {
+            if let NextMedium::Medium(medium) = &row.behind {
                 let step_nm = 10.0;
                 for nm in (0..=40).map(|i| VISIBLE_NM[0] + step_nm * f64::from(i)) {
                     text += &format!(" {:?} {:?}", medium.index(nm), medium.internal_transmittance(nm, 10.0));
@@ -261,7 +261,7 @@ impl Prescription {
     pub fn media_beyond(&self, shortest_nm: f64, longest_nm: f64) -> Vec<&Medium> {
         let mut beyond: Vec<&Medium> = Vec::new();
         for row in &self.surfaces {
-            if let Behind::Medium(medium) = &row.behind
+            if let NextMedium::Medium(medium) = &row.behind
                 && !medium.is_known_between(shortest_nm, longest_nm)
                 && !beyond.contains(&medium)
             {
@@ -283,7 +283,7 @@ impl Prescription {
         let mut before = Medium::air();
         let mut found = Vec::new();
         for (i, row) in self.surfaces.iter().enumerate() {
-            if let Behind::Medium(behind) = &row.behind {
+            if let NextMedium::Medium(behind) = &row.behind {
                 if parts_glass_from_air(&before, behind) {
                     found.push(i);
                 }
@@ -293,7 +293,8 @@ impl Prescription {
         found
     }
 
-    /// What surfaces are taken to have where glass meets air and nothing is said: an eye nothing, a lens what most have had since 1945.
+    /// The coating that is assumed where glass meets air and nothing is stated: none for an eye, for a lens the one that most have had
+    /// since 1945.
     pub(crate) fn assumed_coating(&self) -> Coating {
         let name = if self.metadata.group == Some(LensGroup::Eye) { "none" } else { ASSUMED };
         Coating::parse(name).unwrap_or_default()
@@ -305,7 +306,7 @@ impl Prescription {
             && self.in_air().into_iter().any(|i| self.surfaces[i].coating.is_none())
     }
 
-    /// Says what is wrong with the lens; readers of files call it last.
+    /// Checks the lens; the error says what is wrong with it. Readers of files call it last.
     pub fn check(&self) -> Result<(), PrescriptionError> {
         if self.surfaces.is_empty() {
             return Err(PrescriptionError::Empty);
@@ -318,8 +319,8 @@ impl Prescription {
             return Err(PrescriptionError::NoSuchStop { stop: self.stop, surfaces });
         }
         let mut media = self.surfaces.iter().filter_map(|row| match &row.behind {
-            Behind::Medium(medium) => Some(medium),
-            Behind::Mirror => None,
+            NextMedium::Medium(medium) => Some(medium),
+            NextMedium::Mirror => None,
         });
         if media.next_back().is_some_and(|medium| medium.gradient().is_some()) {
             return Err(PrescriptionError::GradientAtFilm { surface: surfaces - 1 });

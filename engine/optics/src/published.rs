@@ -1,4 +1,4 @@
-//! What the source of a lens states of it, beside what its surfaces give.
+//! Numbers that the source of a lens states, beside those computed from its surfaces.
 //!
 //! Focal length, f-number and back focus in the header of a lens file are the source's. They are held against the computed values at
 //! the d line, to half of a unit of their last digit. Where a source rounds more than that, or its numbers do not give what it says,
@@ -25,15 +25,15 @@ const ZOOM: &str = "zoom";
 pub struct Published {
     /// The key in the header; `zoom`: the focal length of a position.
     pub key: &'static str,
-    /// As the header has it; `None`: it says nothing of this.
+    /// The text in the header; `None`: it states nothing.
     pub text: Option<String>,
     /// The number; `None` also where the header says that none is published.
     pub value: Option<f64>,
-    /// What the surfaces give; `None`: the lens has no such number.
+    /// The number computed from the surfaces; `None`: the lens has no such number.
     pub computed: Option<f64>,
-    /// Whether the computed number is the published one, to its digits; `None`: none is published.
+    /// True if the computed number is the published one, to its digits; `None`: none is published.
     pub agrees: Option<bool>,
-    /// Why they differ, as the header says.
+    /// The reason of the difference, from the header.
     pub why: Option<String>,
 }
 
@@ -54,8 +54,8 @@ impl Published {
         Self { key, text, value, computed, agrees, why: why.map(str::to_owned) }
     }
 
-    /// Nothing is left to explain: the numbers agree and nobody says otherwise, or they differ and the header says why, or the header
-    /// says that the source states none.
+    /// True if nothing is left to explain: the numbers agree and the header does not say otherwise, or they differ and the header says why,
+    /// or the header says that the source states none.
     pub fn is_accounted_for(&self) -> bool {
         match self.agrees {
             Some(agrees) => agrees == self.why.is_none(),

@@ -1,4 +1,4 @@
-//! Where to aim from a point of the film so that nearly every ray gets through the lens.
+//! The target of rays from a point of the film, so that nearly every ray gets through the lens.
 //!
 //! Rays are aimed at the reference plane, which touches the vertex of the last surface: it lies between film and glass
 //! for every lens, wherever the exit pupil is, at infinity or behind the film. Seen from a film point the clear pupil
@@ -49,7 +49,7 @@ const DEFENSIVE_SHARE: f64 = 0.005;
 pub struct PupilSample {
     /// The point in lens space, mm.
     pub target: DVec3,
-    /// Density with which it was chosen, per mm² of the reference plane.
+    /// Density with which the sample was chosen, per mm² of the reference plane.
     pub pdf_per_mm2: f64,
 }
 
@@ -68,15 +68,14 @@ pub struct PupilMap {
     period: f64,
     /// Cosine and sine of the multiples of the period.
     frames: Vec<DVec2>,
-    /// The film stands upright and any turn leaves the lens as it is: only the distance from the axis counts.
+    /// True if the film stands upright and any turn leaves the lens as it is: only the distance from the axis counts.
     is_plain: bool,
-    /// About the outline, by node of depth, azimuth and radius; by depth and radius if only the blades know of an
-    /// azimuth.
+    /// Ellipses about the outline, by node of depth, azimuth and radius; by depth and radius if only the blades know of an azimuth.
     ellipses: Vec<Ellipse>,
     ellipses_by_azimuth: bool,
-    /// By depth, azimuth and radius.
+    /// Cells by depth, azimuth and radius.
     cells: Vec<Cell>,
-    /// By radius, if nothing else counts.
+    /// Spots by radius, if nothing else counts.
     spots: Vec<Spot>,
     slices: Vec<Slices>,
 }
@@ -87,14 +86,14 @@ struct Located<'a> {
     ellipse: Ellipse,
     /// Cosine and sine of the turn of the cell's axes.
     frame: DVec2,
-    /// The same of the film point's meridian in those axes.
+    /// Cosine and sine of the angle of the film point's meridian in the cell's axes.
     meridian: DVec2,
-    /// The same of the ellipse's axes.
+    /// Cosine and sine of the angle of the ellipse's axes in the cell's axes.
     axes: DVec2,
 }
 
 impl Located<'_> {
-    /// Of samples in the outline, per mm²; 0 if no light arrives.
+    /// Density of samples in the outline, per mm²; 0 if no light arrives.
     #[inline]
     fn density(&self) -> f64 {
         self.cell.density() / self.ellipse.gain()
@@ -106,14 +105,14 @@ impl Located<'_> {
         self.frame.rotate(self.ellipse.in_mm(point, self.meridian, self.axes))
     }
 
-    /// Back from [`Self::to_plane`].
+    /// The inverse of [`Self::to_plane`].
     #[inline]
     fn in_cell(&self, flat: DVec2) -> DVec2 {
         self.ellipse.in_units(conjugate_rotate(self.frame, flat), self.meridian, self.axes)
     }
 }
 
-/// How finely the map is cut.
+/// The numbers of nodes of the map.
 struct Resolution {
     radius: usize,
     depth: usize,
@@ -368,7 +367,7 @@ impl PupilMap {
         (1.0 - DEFENSIVE_SHARE) * inside + DEFENSIVE_SHARE * anywhere
     }
 
-    /// Of places on the whole glass, per mm².
+    /// Density of places on the whole glass, per mm².
     #[inline]
     fn glass_density(&self, flat: DVec2) -> f64 {
         let squared = self.glass_radius * self.glass_radius;

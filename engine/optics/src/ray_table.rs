@@ -10,11 +10,11 @@
 //! where it crosses the stop and how far inside of the rims it passes, for those rims that ever are the one that stops a
 //! ray. So vignetting and blades come out of the same interpolation, without an outline.
 //!
-//! In front of the lens a ray is its unit direction and its point nearest to the entrance pupil's centre: both stay
-//! finite and smooth at 90 degrees from the axis and beyond, where two planes do not.
+//! A ray in front of the lens is its unit direction and its point nearest to the entrance pupil's centre: both stay finite and smooth at 90
+//! degrees from the axis and beyond, where two planes do not.
 //!
-//! What it leaves out: other wavelengths than its own, and aberrations finer than its grid. Wide open these are below
-//! 0.04 pixels of 1000 across (rms) for every shipped lens but the ball, whose rays part without bound towards its rim.
+//! The table leaves out other wavelengths than its own, and aberrations finer than its grid. Wide open these are below 0.04 pixels of 1000
+//! across (rms) for every shipped lens but the ball, whose rays part without bound towards its rim.
 
 use glam::{DVec2, DVec3, Vec4};
 
@@ -32,14 +32,14 @@ mod window;
 use grid::{Axis, Stencil, fill_gaps};
 use window::Window;
 
-/// How finely a table is cut: nodes of each axis.
+/// Resolution of a table: nodes of each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// From the axis to the farthest film point, of a lens that is symmetric about its axis.
+    /// Nodes from the axis to the farthest film point, of a lens that is symmetric about its axis.
     pub film_radius: usize,
-    /// Across and up the film, of any other.
+    /// Nodes across and up the film, of a lens that is not symmetric about its axis.
     pub film_side: usize,
-    /// Across and up the pupil, as one film point sees it. Fewer than four nodes of any axis count as four.
+    /// Nodes across and up the pupil, as one film point sees it. Fewer than four nodes of any axis count as four.
     pub pupil: usize,
 }
 
@@ -78,7 +78,7 @@ pub struct RayTable {
     window: Window,
     pupil: usize,
     groups: usize,
-    /// By film node, pupil row, pupil column: the groups of a ray.
+    /// The groups of a ray, by film node, pupil row and pupil column.
     rays: Vec<Vec4>,
     diaphragm: Diaphragm,
     /// The entrance pupil's centre on the axis, and from there to the first vertex.
@@ -191,9 +191,8 @@ impl RayTable {
         }
     }
 
-    /// From the film to the scene: the ray that leaves the lens after it went from `film_point` to `target`, a point of
-    /// the reference plane; `None` if the lens stops it, or if the table does not reach so far. Its origin lies near the
-    /// first vertex.
+    /// Carries a ray from the film to the scene: the ray that leaves the lens after it went from `film_point` to `target`, a point of the
+    /// reference plane; `None` if the lens stops it, or if the table does not reach so far. Its origin lies near the first vertex.
     #[inline]
     pub fn from_film(&self, film_point: DVec3, target: DVec3) -> Option<Ray> {
         let mut pupil = target.truncate();
@@ -276,7 +275,8 @@ fn conjugate(v: DVec2) -> DVec2 {
 /// A ray that went through the lens, whatever the rims say.
 struct Passed {
     fixed: [f64; FIXED],
-    /// By surface, and again for the obstructions: above 0 where it stops the ray. Last, −1: the surfaces carry it.
+    /// Distances beyond the rims, by surface, and again for the obstructions: above 0 where the surface stops the ray. Last, −1: the
+    /// surfaces carry the ray.
     beyond_rims: Vec<f64>,
 }
 
@@ -340,7 +340,7 @@ fn limiting_rims<'a>(rays: impl Iterator<Item = &'a Passed>) -> Vec<usize> {
     rims
 }
 
-/// Where rays from a film cross the upright plane through its middle, mm.
+/// Extent, on the upright plane through the film's middle, of the points at which rays from the film cross it, mm.
 struct Extent {
     low: DVec2,
     high: DVec2,

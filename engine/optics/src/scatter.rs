@@ -1,6 +1,6 @@
-//! Where light that a surface scatters a little arrives on the film, to first order.
+//! The place on the film of light that a surface scatters by a small angle, to first order.
 //!
-//! A surface that changes the direction of a ray by a small angle moves the place where it meets the film by the angle times the element
+//! A surface that changes the direction of a ray by a small angle moves the place where it hits the film by the angle times the element
 //! B of the matrix from the surface to the film (Peterson, "Analytic expressions for in-field scattered light distributions", Proc.
 //! SPIE 5178, 2004). Angles here are changes of the direction's sine times the index, which refraction keeps: of a
 //! grating of f lines per mm, λ f.
@@ -12,17 +12,17 @@ use crate::system::System;
 /// A surface that scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scatterer {
-    /// Its number in the lens.
+    /// Number of the surface in the lens.
     pub surface: usize,
-    /// How much longer the path is through a bump of height one: the step of the index; of a mirror twice the index.
+    /// Path difference through a bump of height one: the step of the index; of a mirror twice the index.
     pub path_per_height: f64,
-    /// How far on the film light arrives from where it should, for one of the angle; mm.
+    /// Displacement of the light on the film, for one of the angle; mm.
     pub reach_mm: f64,
-    /// Dust can lie on it: there is air on a side.
+    /// True if dust can lie on the surface: there is air on a side.
     pub is_open: bool,
 }
 
-/// Of all surfaces that bend light or throw it back, scene side first, at a vacuum wavelength in nm.
+/// The scattering of all surfaces that refract or reflect light, scene side first, at a vacuum wavelength in nm.
 pub fn scatterers(system: &System, wavelength_nm: f64, film_z_mm: f64) -> Vec<Scatterer> {
     let surfaces = system.thin_in(Section::Y, wavelength_nm);
     let to_film = film_z_mm - system.last_vertex_z_mm();

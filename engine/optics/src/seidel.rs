@@ -2,7 +2,7 @@
 
 use std::iter::Sum;
 
-use crate::first_order::Thin;
+use crate::first_order::ParaxialSurface;
 use crate::glass::line_nm;
 use crate::paraxial::Paraxial;
 use crate::system::System;
@@ -12,7 +12,7 @@ const WIDEST_FIELD_DEG: f64 = 30.0;
 /// The field where a lens file does not say its own.
 const USUAL_FIELD_DEG: f64 = 20.0;
 
-/// What one surface, or the whole lens, adds to the aberrations. In mm.
+/// The aberrations of one surface, or of the whole lens. In mm.
 ///
 /// With the marginal ray's slope n′u′ behind the lens, a ray through the pupil at (ρ, φ) of its radius, φ from the
 /// meridian, misses the Gaussian image by (1 / n′u′) ∂W/∂(ρ cos φ) along the meridian,
@@ -47,7 +47,7 @@ impl Sum for Sums {
 pub struct Seidel {
     /// Angle of the chief ray before the lens, in degrees.
     pub field_deg: f64,
-    /// What each surface adds.
+    /// The sums of each surface.
     pub by_surface: Vec<Sums>,
 }
 
@@ -55,14 +55,14 @@ impl Seidel {
     /// The sums at a vacuum wavelength in nm, for an object plane at `object_z_mm` (`None`: at infinity), at the half
     /// field of the design where the lens file tells it, but no farther out than 30 degrees; else at 20.
     ///
-    /// `None` if the entrance pupil is at infinity, the object in it, an index no number, or a medium a gradient: what
-    /// light does between two surfaces then has its own share, which is not worked out here.
+    /// `None` if the entrance pupil is at infinity, the object in it, an index is not finite, or a medium has a
+    /// gradient: the way between two surfaces then has its own share, which is not worked out here.
     pub fn new(system: &System, wavelength_nm: f64, object_z_mm: Option<f64>) -> Option<Self> {
         let half_field = system.half_field_deg().filter(|d| *d > 0.0).unwrap_or(USUAL_FIELD_DEG);
         Self::at_field(system, wavelength_nm, object_z_mm, half_field.min(WIDEST_FIELD_DEG))
     }
 
-    /// As [`Self::new`], for the chief ray from `field_deg` degrees beside the axis.
+    /// [`Self::new`] for the chief ray from `field_deg` degrees beside the axis.
     pub fn at_field(system: &System, wavelength_nm: f64, object_z_mm: Option<f64>, field_deg: f64) -> Option<Self> {
         if system.has_gradients() {
             return None;
@@ -88,7 +88,7 @@ struct Rays {
 }
 
 impl Rays {
-    /// From the axial point of the object past the rim, and from the object's edge through the centre, of the
+    /// The rays from the axial point of the object past the rim, and from the object's edge through the centre, of the
     /// entrance pupil.
     fn at_first_vertex(system: &System, wavelength_nm: f64, object_z_mm: Option<f64>, field_rad: f64) -> Option<Self> {
         let pupil = Paraxial::new(system, wavelength_nm).entrance_pupil;
@@ -129,13 +129,13 @@ fn by_surface(system: &System, wavelength_nm: f64, mut rays: Rays) -> Vec<Sums> 
 }
 
 /// Snell's invariants n i of the marginal and the chief ray.
-fn invariants(s: &Thin, rays: Rays) -> [f64; 2] {
+fn invariants(s: &ParaxialSurface, rays: Rays) -> [f64; 2] {
     [rays.marginal, rays.chief].map(|[y, nu]| nu + s.from * s.curvature * y)
 }
 
 /// S_I to S_V of one surface. `rays` are those before it, `after` is the marginal ray behind it, `asphericity` as
 /// [`crate::surface::Shape::asphericity`] has it.
-fn seidel_terms(s: &Thin, asphericity: f64, rays: Rays, after: [f64; 2], lagrange: f64) -> [f64; 5] {
+fn seidel_terms(s: &ParaxialSurface, asphericity: f64, rays: Rays, after: [f64; 2], lagrange: f64) -> [f64; 5] {
     let (n, n2, c) = (s.from, s.to, s.curvature);
     let ([y, nu], [yc, _]) = (rays.marginal, rays.chief);
     let [a, ac] = invariants(s, rays);
@@ -148,7 +148,7 @@ fn seidel_terms(s: &Thin, asphericity: f64, rays: Rays, after: [f64; 2], lagrang
         -a * ac * y * delta + asphere * y.powi(3) * yc,
         -ac * ac * y * delta + asphere * y * y * yc * yc,
         -lagrange * lagrange * c * inverse,
-        // The form without a division by A, which is 0 where the marginal ray meets the surface at right angles.
+        // The form without a division by A, which is 0 where the marginal ray hits the surface at right angles.
         -ac * (ac * ac * inverse_square * y - (ac * y - lagrange) * yc * c * inverse) + asphere * y * yc.powi(3),
     ]
 }

@@ -12,7 +12,7 @@ use crate::vector::Vector;
 /// A surface between two media, its vertex at the origin. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SingleSurface {
-    /// Shape.
+    /// Shape of the surface.
     pub shape: Shape,
     /// sign(N · D) of the crossing that is meant, N towards +z at the vertex: +1 or −1.
     pub side: f64,
@@ -28,7 +28,7 @@ pub struct SingleSurface {
     pub obstruction_mm: f64,
 }
 
-/// Where a ray meets the surface.
+/// The hit of a ray on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance along the ray in mm.
@@ -39,10 +39,10 @@ pub struct Hit {
     pub normal: DVec3,
 }
 
-/// What became of a ray.
+/// The outcome of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// Where it meets the surface, if it does; also if it goes no farther.
+    /// The hit on the surface, if there is one; also of a ray that goes no farther.
     pub hit: Option<Hit>,
     /// The unit direction in which it goes on, or why it does not.
     pub direction: Result<DVec3, Failure>,
@@ -57,7 +57,7 @@ impl Outcome {
 impl SingleSurface {
     /// Traces the ray `origin` + t `direction` (of any length but 0) in numbers `R`, by the tracer's own code.
     ///
-    /// As in the tracer, the ray is carried to its point nearest the vertex in f64, whatever `R` is.
+    /// The ray is carried to its point nearest the vertex in f64, whatever `R` is, as in the tracer.
     pub fn trace<R: Real>(&self, origin: DVec3, direction: DVec3) -> Outcome {
         let direction = direction.normalize();
         let carried = -origin.dot(direction);
@@ -85,7 +85,7 @@ impl SingleSurface {
 
     /// Traces the ray by the equations that the paper prints; `None` if it has none for this shape.
     ///
-    /// They are there to be compared with: see docs/numerics.md.
+    /// The equations are there for comparison: see docs/numerics.md.
     pub fn trace_as_printed(&self, origin: DVec3, direction: DVec3) -> Option<Outcome> {
         match &self.shape {
             Shape::Conic(conic) => Some(printed::trace(self, conic, origin, direction)),

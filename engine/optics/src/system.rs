@@ -8,24 +8,24 @@ use thiserror::Error;
 
 use crate::coating::{Coating, Split, parts_glass_from_air};
 use crate::diaphragm::{ApertureMask, Diaphragm, DiaphragmError};
-use crate::first_order::{Matrix, Thin, between_vertices, front_of};
+use crate::first_order::{Matrix, ParaxialSurface, between_vertices, front_of};
 use crate::glass::{Medium, line_nm};
-use crate::prescription::{Behind, Prescription, PrescriptionError};
+use crate::prescription::{NextMedium, Prescription, PrescriptionError};
 use crate::surface::{Pose, Section, Shape};
 
 /// The focal length that the lens is scaled to: radii, thicknesses and apertures all scale (Wu et al. 2011, §4).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum FocalLength {
-    /// As the lens file has it.
+    /// The focal length of the lens file.
     #[default]
     AsPublished,
-    /// The lens file times this factor.
+    /// The focal length of the lens file times this factor.
     Scale(f64),
-    /// So that the focal length at d, n′ / power, has this size in mm: a zoom lens is zoomed to it, another is scaled.
+    /// The focal length at d, n′ / power, in mm: a zoom lens is zoomed to it, another is scaled.
     Millimetres(f64),
 }
 
-/// What the user chooses of a lens. The default: as published, wide open, round.
+/// The user's settings of a lens. The default: as published, wide open, round.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SystemSettings {
     /// Focal length.
@@ -38,11 +38,11 @@ pub struct SystemSettings {
     pub blades: u32,
     /// Turn of the diaphragm, from x towards y.
     pub blade_rotation_rad: f64,
-    /// How far the blades are curved: 0 straight, 1 the full circle.
+    /// Curvature of the blades: 0 straight, 1 the full circle.
     pub blade_curvature: f64,
 }
 
-/// Why no system can be made.
+/// An error by which no system can be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SystemError {
     /// The prescription makes no lens.
@@ -51,9 +51,9 @@ pub enum SystemError {
     /// Scale or focal length is not a positive number.
     #[error("the {what} is {value}; give a number larger than 0")]
     NotPositive {
-        /// Which setting.
+        /// The setting.
         what: &'static str,
-        /// Its value.
+        /// The value of the setting.
         value: f64,
     },
     /// The blades make no diaphragm.
@@ -67,11 +67,11 @@ pub enum SystemError {
         "the lens zooms from {from_mm:.1} to {to_mm:.1} mm, and {asked_mm} mm were asked for; stay within, or scale the lens"
     )]
     BeyondZoom {
-        /// Asked for.
+        /// The focal length that was asked for.
         asked_mm: f64,
-        /// The shortest.
+        /// The shortest focal length of the lens.
         from_mm: f64,
-        /// The longest.
+        /// The longest focal length of the lens.
         to_mm: f64,
     },
 }
@@ -79,7 +79,7 @@ pub enum SystemError {
 /// Powers below this part of 1/track are rounding.
 const NO_POWER: f64 = 1e-12;
 
-/// What happens at a surface.
+/// The action of a surface on light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Element {
     /// Refraction between media, which may be the same.
@@ -108,9 +108,9 @@ impl Element {
 /// One surface in its place. Lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// Shape.
+    /// Shape of the surface.
     pub shape: Shape,
-    /// How it stands to its place on the axis.
+    /// Pose of the surface at its place on the axis.
     pub pose: Pose,
     /// Vertex in lens space.
     pub z_mm: f64,
@@ -120,15 +120,15 @@ pub struct Surface {
     pub semi_diameter_mm: f64,
     /// Half of the diameter of a central obstruction, or 0.
     pub obstruction_mm: f64,
-    /// What happens here.
+    /// Refraction or reflection.
     pub element: Element,
-    /// Thin films on it.
+    /// Thin films on the surface.
     pub coating: Coating,
 }
 
 impl Surface {
-    /// What becomes of light of a vacuum wavelength that comes to the surface under an angle with this cosine, from the scene's side or
-    /// from the film's. A mirror of which nothing is known reflects everything; a gradient counts by its index on the axis.
+    /// The split of light of a vacuum wavelength that comes to the surface under an angle with this cosine, from the scene's side or from
+    /// the film's. A mirror of which nothing is known reflects everything; a gradient counts by its index on the axis.
     pub fn split(&self, wavelength_nm: f64, cos_incidence: f64, towards_film: bool) -> Split {
         let (from, to) = match &self.element {
             Element::Refract { from, to } => (from, to),
@@ -216,7 +216,7 @@ impl System {
         })
     }
 
-    /// The same lens with a mask in its diaphragm instead of blades, turned by `rotation_rad` from x towards y.
+    /// This lens with a mask in its diaphragm instead of blades, turned by `rotation_rad` from x towards y.
     pub fn with_aperture_mask(mut self, mask: Arc<ApertureMask>, rotation_rad: f64) -> Result<Self, SystemError> {
         if !rotation_rad.is_finite() {
             return Err(DiaphragmError::Rotation(rotation_rad).into());
@@ -225,7 +225,7 @@ impl System {
         Ok(self)
     }
 
-    /// The same lens with another coating wherever glass meets air.
+    /// This lens with another coating wherever glass meets air.
     #[must_use]
     pub fn coated(mut self, coating: &Coating) -> Self {
         for surface in &mut self.surfaces {
@@ -370,12 +370,12 @@ impl System {
     }
 
     /// The surfaces as Gaussian optics sees them, in the y-z plane.
-    pub(crate) fn thin(&self, wavelength_nm: f64) -> Vec<Thin> {
+    pub(crate) fn thin(&self, wavelength_nm: f64) -> Vec<ParaxialSurface> {
         self.thin_in(Section::Y, wavelength_nm)
     }
 
     /// The surfaces as Gaussian optics sees them in one section. Decentres and tilts are left out.
-    pub(crate) fn thin_in(&self, section: Section, wavelength_nm: f64) -> Vec<Thin> {
+    pub(crate) fn thin_in(&self, section: Section, wavelength_nm: f64) -> Vec<ParaxialSurface> {
         thin(&self.surfaces, section, wavelength_nm)
     }
 }
@@ -406,8 +406,8 @@ fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
     let mut placed = Vec::with_capacity(prescription.surfaces.len());
     for row in &prescription.surfaces {
         let element = match &row.behind {
-            Behind::Mirror => Element::Reflect { medium: medium.clone() },
-            Behind::Medium(to) => {
+            NextMedium::Mirror => Element::Reflect { medium: medium.clone() },
+            NextMedium::Medium(to) => {
                 let to = if scale == 1.0 { to.clone() } else { to.scaled(scale) };
                 Element::Refract { from: medium, to }
             }
@@ -432,7 +432,7 @@ fn place(prescription: &Prescription, scale: f64) -> Vec<Surface> {
     placed
 }
 
-fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<Thin> {
+fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<ParaxialSurface> {
     let mut sign = 1.0;
     let one = |s: &Surface| {
         let (from, to) = match &s.element {
@@ -448,7 +448,7 @@ fn thin(surfaces: &[Surface], section: Section, wavelength_nm: f64) -> Vec<Thin>
             None => (Matrix::travel(s.thickness_mm, to), 0.0),
             Some(gradient) => gradient.paraxial(behind.base_index(wavelength_nm).copysign(to), s.thickness_mm),
         };
-        Thin { curvature: s.shape.curvature_at_vertex(section), from, to, onward, petzval_onward }
+        ParaxialSurface { curvature: s.shape.curvature_at_vertex(section), from, to, onward, petzval_onward }
     };
     surfaces.iter().map(one).collect()
 }
@@ -467,7 +467,7 @@ fn focal_length_mm(surfaces: &[Surface]) -> Option<f64> {
 
 /// |efl| / diameter of the entrance pupil at d.
 ///
-/// The entrance pupil is the stop seen through the surfaces before it: a ray of height y there meets the stop at
+/// The entrance pupil is the stop seen through the surfaces before it: a ray of height y there hits the stop at
 /// the height A y, so the pupil's diameter is the stop's over |A|.
 fn widest_f_number(surfaces: &[Surface], stop: usize) -> Option<f64> {
     let thin = thin(surfaces, Section::Y, line_nm::D);

@@ -3,6 +3,7 @@
 mod bundle;
 mod fate;
 mod gradient;
+mod layout;
 mod reflected;
 mod spectral;
 mod step;
@@ -18,19 +19,21 @@ use crate::system::{Element, System};
 use crate::vector::Vector;
 
 use gradient::{Gap, Gradients};
-use step::{Action, Passage, Step, is_far};
+use step::{Intersection, is_far};
 
 pub use crate::surface::Failure;
 pub use bundle::{Bundle, Traced};
-pub use reflected::{Encounter, Incidence, Meeting, ReflectedTracer, Wanderer};
+pub use gradient::{GradientNumbers, GradientsBeside};
+pub use reflected::{GhostRay, Incidence, ReflectedTracer, SurfaceCrossing, SurfaceEvent};
 pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
+pub use step::{Action, Step};
 
 /// A ray in lens space, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// A point on it.
+    /// A point on the ray.
     pub origin: DVec3,
-    /// Where it goes: a unit vector.
+    /// The direction: a unit vector.
     pub direction: DVec3,
 }
 
@@ -39,14 +42,14 @@ pub struct Ray {
 pub struct Lost {
     /// Index of the surface that ended it, counted from the scene.
     pub surface: usize,
-    /// Why.
+    /// The reason.
     pub reason: Failure,
 }
 
-/// Which way rays go through a lens.
+/// The direction in which rays go through a lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Travel {
-    /// As light does, from the scene to the film.
+    /// The way of the light, from the scene to the film.
     FromScene,
     /// Back, from the film to the scene.
     FromFilm,
@@ -54,9 +57,10 @@ pub enum Travel {
 
 /// The surfaces in the order of one way through the lens.
 #[derive(Clone, Debug)]
-struct Way<R> {
+struct SurfaceSequence<R> {
     steps: Arc<[Step<R>]>,
-    /// By step; none in a lens without gradients. What the step's `action` says of indices then does not count.
+    /// Gradients beside the surface of each step; none in a lens without gradients. What the step's `action` says of indices then does not
+    /// count.
     gradients: Arc<[Option<Gradients<R>>]>,
     travel: Travel,
     /// Vertices of the first and the last surface on the way.
@@ -69,8 +73,8 @@ struct Way<R> {
 /// Rays go in and come out in f64; between the first and the last surface everything is done in `R`.
 #[derive(Clone, Debug)]
 pub struct Tracer<R = f64> {
-    from_scene: Way<R>,
-    from_film: Way<R>,
+    from_scene: SurfaceSequence<R>,
+    from_film: SurfaceSequence<R>,
     diaphragm: Arc<Diaphragm<R>>,
     wavelength_nm: f64,
 }
@@ -85,10 +89,10 @@ impl System {
         Tracer::new(self, wavelength_nm, index)
     }
 
-    /// As [`Self::at_wavelength`], with the index after each surface given instead of taken from the media; of a gradient,
-    /// where its terms are 0.
+    /// [`Self::at_wavelength`] with the index after each surface given instead of taken from the media; of a gradient, where its terms are
+    /// 0.
     ///
-    /// For comparison with tables that state their indices. Missing ones count as 1.
+    /// It serves for comparison with tables that state their indices. Missing ones count as 1.
     pub fn with_indices(&self, wavelength_nm: f64, after: &[f64]) -> Tracer {
         let at = |i: usize| after.get(i).copied().unwrap_or(1.0);
         let index = |i: usize| [if i == 0 { 1.0 } else { at(i - 1) }, at(i)];
@@ -144,7 +148,7 @@ impl Tracer {
         let last_z = system.last_vertex_z_mm();
         let way = |steps: Vec<Step>, mut gradients: Vec<Option<Gradients<f64>>>, travel, start_z, end_z| {
             gradients.truncate(if gaps.iter().any(Option::is_some) { steps.len() } else { 0 });
-            Way { steps: steps.into(), gradients: gradients.into(), travel, start_z, end_z }
+            SurfaceSequence { steps: steps.into(), gradients: gradients.into(), travel, start_z, end_z }
         };
         Self {
             from_scene: way(from_scene, bent_from_scene, Travel::FromScene, 0.0, last_z),
@@ -154,18 +158,18 @@ impl Tracer {
         }
     }
 
-    /// The same lens without central obstructions.
+    /// A copy of this lens without central obstructions.
     pub(crate) fn without_obstructions(&self) -> Self {
         let clear = |step: &Step| Step { obstruction_squared: 0.0, ..*step };
         Self { from_scene: self.from_scene.map(clear), from_film: self.from_film.map(clear), ..self.clone() }
     }
 
-    /// The same lens without the mask in its diaphragm.
+    /// A copy of this lens without the mask in its diaphragm.
     pub(crate) fn without_mask(&self) -> Self {
         Self { diaphragm: Arc::new(self.diaphragm.without_mask()), ..self.clone() }
     }
 
-    /// The same lens with rims, stop and obstructions taken away: all rays that its surfaces can carry.
+    /// A copy of this lens without rims, stop and obstructions: it passes all rays that its surfaces can carry.
     pub fn without_rims(&self) -> Self {
         let open = |step: &Step| Step {
             clear_squared: f64::INFINITY,
@@ -183,7 +187,7 @@ impl Tracer {
         self.from_scene.steps.iter().any(|s| s.obstruction_squared > 0.0)
     }
 
-    /// The same lens traced in numbers of another kind.
+    /// This lens traced in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Tracer<R> {
         Tracer {
             from_scene: self.from_scene.map(Step::cast),
@@ -195,8 +199,8 @@ impl Tracer {
 }
 
 impl Tracer {
-    /// As [`Self::from_scene`], with the places in lens space that the ray comes by: its hits, and between them some more in
-    /// media in which it bends.
+    /// [`Self::from_scene`] with the places in lens space that the ray comes by: its hits, and between them some more in media in which it
+    /// bends.
     pub fn path_from_scene(&self, ray: Ray) -> Result<(Ray, Vec<DVec3>), Lost> {
         self.from_scene.path(ray, &self.diaphragm)
     }
@@ -213,37 +217,37 @@ impl<R: Real> Tracer<R> {
         self.from_scene.steps.len()
     }
 
-    /// From the scene to the film: the ray that leaves the last surface, its origin on that surface.
+    /// Traces a ray from the scene to the film: the ray that leaves the last surface, its origin on that surface.
     #[inline(never)]
     pub fn from_scene(&self, ray: Ray) -> Result<Ray, Lost> {
         self.from_scene.run(ray, &self.diaphragm, &mut |_| {})
     }
 
-    /// From the film to the scene: the ray that leaves the first surface, its origin on that surface.
+    /// Traces a ray from the film to the scene: the ray that leaves the first surface, its origin on that surface.
     #[inline(never)]
     pub fn from_film(&self, ray: Ray) -> Result<Ray, Lost> {
         self.from_film.run(ray, &self.diaphragm, &mut |_| {})
     }
 
-    /// As [`Self::from_scene`]; appends the hits in lens space to `hits`, in the order of travel, the last on the
-    /// surface that ended the ray if it was reached.
+    /// [`Self::from_scene`] that appends the hits in lens space to `hits`, in the order of travel, the last on the surface that ended the
+    /// ray if it was reached.
     pub fn from_scene_recording(&self, ray: Ray, hits: &mut Vec<DVec3>) -> Result<Ray, Lost> {
         self.from_scene.run_recording(ray, &self.diaphragm, hits)
     }
 
-    /// As [`Self::from_scene`]; appends the length of the way to each surface from the one before, the first from the ray's origin,
-    /// to `lengths_mm`. A length is negative where the ray meets a surface before it has left the one in front of that. In a
-    /// gradient it is the optical path over the index on the axis just before the next surface.
+    /// [`Self::from_scene`] that appends the length of the way to each surface from the one before, the first from the ray's origin, to
+    /// `lengths_mm`. A length is negative where the ray hits a surface before it has left the one in front of that. In a gradient it is
+    /// the optical path over the index on the axis just before the next surface.
     pub fn from_scene_measuring(&self, ray: Ray, lengths_mm: &mut Vec<f64>) -> Result<Ray, Lost> {
         self.from_scene.run_measuring(ray, &self.diaphragm, lengths_mm)
     }
 
-    /// As [`Self::from_film`]; appends the hits in lens space to `hits`, last surface first.
+    /// [`Self::from_film`] that appends the hits in lens space to `hits`, last surface first.
     pub fn from_film_recording(&self, ray: Ray, hits: &mut Vec<DVec3>) -> Result<Ray, Lost> {
         self.from_film.run_recording(ray, &self.diaphragm, hits)
     }
 
-    fn way(&self, travel: Travel) -> &Way<R> {
+    fn way(&self, travel: Travel) -> &SurfaceSequence<R> {
         match travel {
             Travel::FromScene => &self.from_scene,
             Travel::FromFilm => &self.from_film,
@@ -260,12 +264,12 @@ fn bent<R: Real>(
     p: Vector<R>,
     d: Vector<R>,
     diaphragm: &Diaphragm<R>,
-) -> Passage<R> {
+) -> Intersection<R> {
     step.pass_gradients(p, d, diaphragm, None, gradients)
 }
 
-impl Way<f64> {
-    /// As [`Self::run`], with the places in lens space that the ray comes by: its hits, and some between them where it bends.
+impl SurfaceSequence<f64> {
+    /// [`Self::run`] with the places in lens space that the ray comes by: its hits, and some between them where it bends.
     #[inline(never)]
     fn path(&self, ray: Ray, diaphragm: &Diaphragm) -> Result<(Ray, Vec<DVec3>), Lost> {
         let (mut p, mut d) = self.enter(ray);
@@ -290,14 +294,14 @@ impl Way<f64> {
         Ok((self.leave(p.of(0), d.of(0)), places))
     }
 
-    fn map<R: Real>(&self, change: impl Fn(&Step) -> Step<R>) -> Way<R> {
+    fn map<R: Real>(&self, change: impl Fn(&Step) -> Step<R>) -> SurfaceSequence<R> {
         let Self { travel, start_z, end_z, .. } = *self;
         let gradients = self.gradients.iter().map(|beside| beside.as_ref().map(Gradients::cast)).collect();
-        Way { steps: self.steps.iter().map(change).collect(), gradients, travel, start_z, end_z }
+        SurfaceSequence { steps: self.steps.iter().map(change).collect(), gradients, travel, start_z, end_z }
     }
 }
 
-impl<R: Real> Way<R> {
+impl<R: Real> SurfaceSequence<R> {
     /// The media beside a step's surface, where one is a gradient.
     #[inline(always)]
     fn gradients(&self, step: usize) -> Option<&Gradients<R>> {
@@ -316,10 +320,15 @@ impl<R: Real> Way<R> {
     /// so that a source far away keeps its digits.
     #[inline(always)]
     fn enter(&self, ray: Ray) -> (Vector<R>, Vector<R>) {
+        (Vector::from_f64(self.nearest(ray)), Vector::from_f64(ray.direction))
+    }
+
+    /// The point of the ray nearest to the first vertex on the way, seen from there.
+    #[inline(always)]
+    fn nearest(&self, ray: Ray) -> DVec3 {
         let mut origin = ray.origin;
         origin.z -= self.start_z;
-        let near = origin - ray.direction * origin.dot(ray.direction);
-        (Vector::from_f64(near), Vector::from_f64(ray.direction))
+        origin - ray.direction * origin.dot(ray.direction)
     }
 
     /// The ray in lens space that leaves the last surface on the way at `p` of its vertex.
@@ -332,7 +341,7 @@ impl<R: Real> Way<R> {
         Ray { origin: p.with_z(p.z + self.end_z), direction }
     }
 
-    /// Through all steps, each in the coordinates of its own vertex: no digits are lost to the length of the lens.
+    /// Traces a ray through all steps, each in the coordinates of its own vertex: no digits are lost to the length of the lens.
     #[inline(always)]
     fn run(&self, ray: Ray, diaphragm: &Diaphragm<R>, record: &mut impl FnMut(DVec3)) -> Result<Ray, Lost> {
         let (mut p, mut d) = self.enter(ray);

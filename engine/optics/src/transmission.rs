@@ -1,7 +1,7 @@
-//! What a lens lets through along one ray: what its surfaces reflect and absorb on the way, and what its glasses absorb.
+//! Transmission of a lens along one ray: reflection and absorption at its surfaces, and absorption in its glasses.
 //!
 //! Light that is reflected twice is not counted here: it is a ghost. Between two surfaces the planes of incidence turn, so the light
-//! that one has polarised meets the next in another way: amplitudes go on along s and p of each surface in turn (Chipman, *Opt. Eng.*
+//! that one has polarised hits the next in another way: amplitudes go on along s and p of each surface in turn (Chipman, *Opt. Eng.*
 //! 34, 1636, 1995), without the phases by which films delay one against the other, since those change only what two surfaces'
 //! differences between s and p make together.
 
@@ -31,7 +31,7 @@ pub struct Passage {
 struct Met {
     surface: usize,
     cos: f64,
-    /// Through the medium before.
+    /// Length of the way through the medium before.
     length_mm: f64,
     /// Cosine and sine of the turn from the plane of incidence before to this.
     turn: [f64; 2],
@@ -45,20 +45,20 @@ pub struct Passages<'a> {
 }
 
 impl<'a> Passages<'a> {
-    /// Of a lens at a vacuum wavelength, nm.
+    /// The passages of a lens at a vacuum wavelength, nm.
     pub fn new(system: &'a System, wavelength_nm: f64) -> Self {
         let tracer = system.at_wavelength(wavelength_nm);
         let straight = tracer.reflected(&[]);
         Self { system, tracer, straight }
     }
 
-    /// That of a ray which starts at the film; `None` where it is lost.
+    /// The passage of a ray which starts at the film; `None` where it is lost.
     pub fn from_film(&self, ray: Ray) -> Option<Passage> {
         let out = self.tracer.from_film(ray).ok()?;
         self.from_scene(Ray { origin: out.origin, direction: -out.direction })
     }
 
-    /// That of a ray which comes from the scene; `None` where it is lost.
+    /// The passage of a ray which comes from the scene; `None` where it is lost.
     pub fn from_scene(&self, ray: Ray) -> Option<Passage> {
         let (out, hits) = self.tracer.path_from_scene(ray).ok()?;
         let mut met: Vec<Met> = Vec::with_capacity(hits.len());
@@ -117,7 +117,7 @@ impl<'a> Passages<'a> {
         0.5 * power * absorbed
     }
 
-    /// The same as if light were unpolarised before each surface.
+    /// The part of unpolarised light of a wavelength that passes if the light is taken as unpolarised before each surface.
     pub fn part_unpolarised(&self, passage: &Passage, wavelength_nm: f64) -> f64 {
         let one = |met: &Met| {
             let surface = &self.system.surfaces()[met.surface];
@@ -170,7 +170,7 @@ impl<'a> Passages<'a> {
         }
     }
 
-    /// Along the axis: the part of the light of a wavelength that passes there, or would if nothing stood in the middle.
+    /// The part of the light of a wavelength that passes along the axis, or would without a central obstruction.
     pub fn on_axis(&self, wavelength_nm: f64) -> f64 {
         let mut arriving_mm = 0.0;
         let one = |surface: &crate::system::Surface| {
@@ -238,8 +238,8 @@ mod tests {
         assert!((on_axis(mirror, 550.0) - 0.98).abs() < 0.01);
     }
 
-    /// In a plane that holds the axis the planes of incidence are one: s and p each go their own way, and the parts of the two have
-    /// a mean. What polarisation changes is then (∏Ts + ∏Tp) / 2 against ∏(Ts + Tp) / 2.
+    /// Rays in a plane that holds the axis have one plane of incidence: s and p each go their own way, and the parts of the two have a
+    /// mean. The effect of polarisation is then (∏Ts + ∏Tp) / 2 against ∏(Ts + Tp) / 2.
     #[test]
     fn rays_in_one_plane_keep_s_and_p() {
         let text = "# coating: none\n40 6 1.7 40 0 0\n400 8 air 40 0 0\n-60 2 1.6 30 0 0\n50 4 air 30 0 1\n90 6 1.7 30 0 0\n-45 60 air 30 0 0";
@@ -261,7 +261,7 @@ mod tests {
         assert!((all.part(&back, 550.0) - expected).abs() < 1e-10);
     }
 
-    /// A stop bends nothing and turns nothing, nor does a surface that is met at right angles.
+    /// A stop bends nothing and turns nothing, nor does a surface that is hit at right angles.
     #[test]
     fn turns_are_turns() {
         let text = "# coating: none\n40 6 1.7 40 0 0\n400 8 air 40 0 0\n-60 2 1.6 30 0 0\n50 4 air 30 0 0\n0 3 air 20 0 1\n90 6 1.7 30 0 0\n-45 60 air 30 0 0";

@@ -9,11 +9,11 @@ use crate::lane::{Lane, Real};
 /// Three coordinates, each a lane: one vector or several.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector<L> {
-    /// Right.
+    /// Component to the right.
     pub x: L,
-    /// Up.
+    /// Component upwards.
     pub y: L,
-    /// Along the axis.
+    /// Component along the axis.
     pub z: L,
 }
 

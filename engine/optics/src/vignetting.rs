@@ -1,7 +1,7 @@
-//! How far off the axis the rims of a lens let its beam through, by exact rays.
+//! Vignetting: the field angles at which the rims of a lens let its beam through, by exact rays.
 //!
 //! The beam of a field angle is all light from there that the present opening of the stop would let through if it were
-//! alone. Rays are traced through the lens without its rims, and looked at where they meet each surface: a rim cuts
+//! alone. Rays are traced through the lens without its rims, and looked at where they hit each surface: a rim cuts
 //! those that pass outside of it. A polygon of blades counts as the circle through its corners, and central
 //! obstructions do not count.
 
@@ -17,8 +17,8 @@ use beam::RimOfBeam;
 pub(crate) use beam::Probe;
 pub(crate) use survey::Window;
 
-/// How far off the axis the beam comes through. Angles are those of the chief ray before the lens, in degrees; more
-/// than 90 for what lies behind the first vertex. `None`: the lens has no such angle.
+/// The field angles at which the beam comes through. Angles are those of the chief ray before the lens, in degrees;
+/// more than 90 for what lies behind the first vertex. `None`: the lens has no such angle.
 ///
 /// A lens that looks different from different sides has the smallest of the angles up, down, left and right.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,9 +27,9 @@ pub struct Vignetting {
     pub axial_beam_cut_by: Option<usize>,
     /// The largest angle up to which nothing cuts any of the beam; 0 if a rim cuts it on the axis.
     pub free_field_deg: Option<f64>,
-    /// Where half as much of the stop's area is filled as on the axis, to 2 % of the area.
+    /// The angle at which half as much of the stop's area is filled as on the axis, to 2 % of the area.
     pub half_field_deg: Option<f64>,
-    /// Where the last ray is cut.
+    /// The angle at which the last ray is cut.
     pub largest_field_deg: Option<f64>,
 }
 
@@ -43,7 +43,7 @@ const STEP: f64 = 0.25;
 /// Steps end when so short, in degrees: where rims are aimed at, and where areas are counted.
 const SHORTEST_STEP_DEG: f64 = 1e-8;
 const SHORTEST_STEP_BY_AREA_DEG: f64 = 1e-4;
-/// After so many steps in a row they are lengthened.
+/// Number of steps in a row after which they are lengthened.
 const SURE_STEPS: u32 = 4;
 
 impl Vignetting {

@@ -1,27 +1,27 @@
-//! What can go wrong.
+//! Errors of reading, joining and writing pictures.
 
 use std::path::PathBuf;
 
-/// Why pictures cannot be joined.
+/// An error by which pictures cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// Too few.
+    /// Fewer than two pictures.
     #[error("{0} picture: name two or more")]
     TooFew(usize),
     /// A file that is none, or of a kind that is not read.
     #[error("{}: cannot be read: {reason}", file.display())]
     Read {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// As the library says.
+        /// The reason that the library states.
         reason: String,
     },
     /// Nowhere to write.
     #[error("{}: cannot be written: {reason}", file.display())]
     Write {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// As the library says.
+        /// The reason that the library states.
         reason: String,
     },
     /// Pictures of different things.
@@ -29,7 +29,7 @@ pub enum MergeError {
     Unlike {
         /// The one that is not like the first.
         file: PathBuf,
-        /// What is not.
+        /// The property that differs.
         what: String,
     },
     /// More pixels than there is memory for, or than a file of that length can hold.
@@ -37,16 +37,16 @@ pub enum MergeError {
     TooLarge {
         /// The picture.
         file: PathBuf,
-        /// Pixels.
+        /// Width, pixels.
         width: usize,
-        /// Pixels.
+        /// Height, pixels.
         height: usize,
         /// All channels as they are in memory.
         bytes: u64,
         /// The limit.
         why: String,
     },
-    /// It is not known how much it counts.
+    /// The number of samples of the picture is not known.
     #[error("{}: it does not say how many samples its pixels have: render it with --mergeable", .0.display())]
     Counts(PathBuf),
     /// Samples that would count twice.
@@ -55,13 +55,13 @@ pub enum MergeError {
         file.display(), range[0], range[1] - 1, other.display(), range[1]
     )]
     Twice {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// The other.
+        /// The other file.
         other: PathBuf,
-        /// Of both.
+        /// The seed of both.
         seed: u64,
-        /// Those of the other, first and behind the last.
+        /// The samples of the other, first and behind the last.
         range: [u64; 2],
     },
 }

@@ -1,10 +1,10 @@
 //! Renders of the same picture with other samples, joined into one: each pixel by how many samples it has in each.
 //!
-//! A pass is the mean over a pixel's samples, so the whole is the mean of the parts by their counts. Where all parts hold what
-//! their numbers leave out of the sums (the passes "Remainder" and "Remainder Fine") in files without loss, the joined picture is that of one render
-//! with all the samples, to the last bit. Depth, position and normal are means over surfaces; mattes are joined by name. Light of
-//! a kind of lobe is divided by its colour: it is joined times that, as far as the colour is there. Pass indices are those of the
-//! most samples.
+//! A pass is the mean over a pixel's samples, so the whole is the mean of the parts by their counts. Where all parts hold what their
+//! numbers leave out of the sums (the passes "Remainder" and "Remainder Fine") in files without loss, the joined picture is that of one
+//! render with all the samples, to the last bit. Depth, position and normal are means over surfaces; mattes are joined by name. Light of a
+//! kind of lobe is divided by its colour: it is joined times that, as far as the colour is there. Pass indices are those of the most
+//! samples.
 
 use crate::channels::replace;
 use crate::error::MergeError;
@@ -15,18 +15,18 @@ use std::path::{Path, PathBuf};
 
 const COMBINED: &str = "Combined";
 const REMAINDERS: [&str; 2] = ["Remainder", "Remainder Fine"];
-/// As Blender names them, and as it did before its version 5.
+/// The index passes by Blender's names, those of before version 5 included.
 const INDICES: [&str; 4] = ["Object Index", "Material Index", "IndexOB", "IndexMA"];
 /// The depth of what is infinitely far, and less than it.
 const FARTHEST: f32 = 1e10;
 const NEARLY_FARTHEST: f32 = 1e9;
 
-/// What was joined.
+/// Data of the merged picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merged {
     /// Mean samples a pixel.
     pub samples: f64,
-    /// The picture is that of one render, to the last bit.
+    /// True if the picture is that of one render, to the last bit.
     pub is_exact: bool,
 }
 
@@ -100,7 +100,7 @@ fn write(part: &Part, output: &Path) -> Result<(), MergeError> {
     replace(output, |file| part.picture.write().to_buffered(file))
 }
 
-/// Whether they are parts of one picture, none of them twice.
+/// Checks that the files are parts of one picture, none of them twice.
 fn check(parts: &[Part]) -> Result<(), MergeError> {
     let first = &parts[0];
     let names: BTreeSet<&String> = first.names().collect();
@@ -175,13 +175,13 @@ fn totals(counts: &[Vec<f64>]) -> Vec<f64> {
 
 /// The passes of a view layer under way.
 struct Joining<'a> {
-    /// By picture, then pixel.
+    /// Samples by picture, then pixel.
     counts: &'a [Vec<f64>],
     totals: Vec<f64>,
 }
 
 impl Joining<'_> {
-    /// Joins a pass; false where it is the picture, and comes out to its rounding alone.
+    /// Joins a pass; false if it is the picture, and is exact to its rounding only.
     fn pass(&self, parts: &[Part], pass: &str, channels: &[String], done: &mut Vec<(String, Vec<f32>)>) -> bool {
         if REMAINDERS.contains(&pass) {
             // With the picture.
@@ -244,7 +244,7 @@ impl Joining<'_> {
         Some(light.iter().zip(&weights).map(over).collect())
     }
 
-    /// By pixel the value that most samples have; of two that have as many, the lesser.
+    /// The value by pixel that most samples have; of two that have as many, the lesser.
     fn most(&self, parts: &[Part], name: &str) -> Vec<f32> {
         let values: Vec<Vec<f32>> = parts.iter().filter_map(|part| part.channel(name)).collect();
         let of_pixel = |i: usize| {
@@ -286,7 +286,7 @@ impl Joining<'_> {
         out
     }
 
-    /// A channel of the picture with what its numbers leave out; false where that is not there.
+    /// Joins a channel of the picture with what its numbers leave out; false if a part has no such remainder.
     fn exact(&self, parts: &[Part], name: &str, done: &mut Vec<(String, Vec<f32>)>) -> bool {
         let Some((before, channel)) = name.rsplit_once(&format!("{COMBINED}.")) else { return false };
         let rests = REMAINDERS.map(|rest| format!("{before}{rest}.{channel}"));

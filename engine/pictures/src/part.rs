@@ -24,13 +24,13 @@ pub(crate) type Picture = Image<Layers<AnyChannels<FlatSamples>>>;
 pub(crate) struct Part {
     pub(crate) file: PathBuf,
     pub(crate) picture: Picture,
-    /// Of each channel by its whole name ("ViewLayer.Combined.R"): layer and place in it.
+    /// Layer and place in it of each channel, by its whole name ("ViewLayer.Combined.R").
     places: BTreeMap<String, (usize, usize)>,
     /// Names of view layers that say how many samples each pixel has.
     pub(crate) view_layers: Vec<String>,
-    /// For all of them.
+    /// Samples that every pixel has; `None` where pixels have different counts.
     samples: Option<f64>,
-    /// Seed, first, count.
+    /// Seed, first sample and count of each range.
     pub(crate) ranges: Vec<(u64, u64, u64)>,
     /// The values that decide the picture, by name; empty where the file does not say them.
     pub(crate) picture_of: BTreeMap<String, String>,
@@ -82,7 +82,7 @@ impl Part {
         self.picture.layer_data.first().map_or([0; 2], |layer| [layer.size.x(), layer.size.y()])
     }
 
-    /// Whether the file holds what was written into it.
+    /// True if the file's compression is lossless.
     pub(crate) fn is_lossless(&self) -> bool {
         use Compression as C;
         let lossless = |layer: &Layer<_>| {
@@ -125,7 +125,7 @@ impl Part {
         Ok(vec![samples; width * height])
     }
 
-    /// Says how many samples there are now, and which.
+    /// Writes the number of samples, and their ranges, into the picture's attributes.
     pub(crate) fn tell(&mut self, samples: Option<f64>, ranges: &[(u64, u64, u64)]) {
         let told: Vec<String> = ranges.iter().map(|(seed, first, count)| format!("{seed}:{first}+{count}")).collect();
         let values = [(RANGES, (!told.is_empty()).then(|| told.join(" "))), (SAMPLES, samples.map(|n| format!("{n}")))];

@@ -8,10 +8,65 @@ Every error is a subclass of `PetzvalError`; its message is one line: what, wher
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, Protocol
+from typing import Any, Protocol, final, type_check_only
 
 import numpy as np
 import numpy.typing as npt
+
+from .lens_setting import LensLook, LensSetting
+
+__all__ = [
+    "CameraError",
+    "Checkpoint",
+    "FileReplacement",
+    "Job",
+    "Lens",
+    "LensError",
+    "PROCESSOR",
+    "PetzvalError",
+    "Plan",
+    "Scene",
+    "SceneBuilder",
+    "SceneDraft",
+    "SceneError",
+    "__version__",
+    "autofocus_by_json",
+    "autofocus_json",
+    "camera_info_json",
+    "check_exr",
+    "check_replaceable",
+    "checkpoint_problem",
+    "distortion_map",
+    "effects_json",
+    "evaluate_graph",
+    "film_bytes_a_pixel",
+    "framing_json",
+    "free_memory_bytes",
+    "glass_json",
+    "glasses_json",
+    "lens_distortion_json",
+    "lens_drawing_json",
+    "lens_fans_json",
+    "lens_ghosts_json",
+    "lens_groups",
+    "lens_illumination_json",
+    "lens_mtf_json",
+    "lens_psf_json",
+    "lens_spots_json",
+    "lens_transmission_json",
+    "merge_pictures_json",
+    "osl_camera",
+    "pointiness",
+    "random_per_island",
+    "read_bounded",
+    "sharp_points_json",
+    "sharpness_json",
+    "trace_surfaces_json",
+    "write_distortion_map",
+]
+
+_Matrix4 = tuple[tuple[float, float, float, float], ...]
+_Colour = tuple[float, float, float]
 
 class PetzvalError(Exception): ...
 class LensError(PetzvalError): ...
@@ -22,10 +77,11 @@ __version__: str
 PROCESSOR: str
 """What the engine was compiled for: "x86-64-v3", or the kind of processor where there is one engine for all."""
 
+@final
 class Lens:
     """A checked lens prescription, of a file of any kind that `petzval lens convert` reads."""
 
-    def __init__(self, path: str) -> None: ...
+    def __new__(cls, path: str) -> Lens: ...
     @property
     def name(self) -> str: ...
     @property
@@ -80,7 +136,7 @@ def lens_groups() -> list[str]:
 def lens_drawing_json(
     lens: Lens,
     setting: LensSetting | None = None,
-    fields_deg: Sequence[float] = (),
+    fields_deg: Sequence[float] = ...,
     rays: int = 7,
     *,
     wavelength_nm: float = ...,
@@ -91,29 +147,6 @@ def lens_drawing_json(
     angle_deg and rays, each a list of places from before the lens to the film, `rays` from each field evenly over what comes
     through, none where nothing does; film, a line; and of `info_json` name, wavelength_nm, efl_mm, f_number, focus_distance_mm,
     film_z_mm, the principal planes and the pupils. Without fields: the axis, 0.7 of the design's half field, and that."""
-
-class LensSetting(Protocol):
-    """How a lens is set; None: as published. `petzval/lens_setting.py` has the dataclass."""
-
-    scale: float | None
-    focal_length_mm: float | None
-    f_number: float | None
-    pupil_diameter_mm: float | None  # of the entrance pupil; goes before the f-number
-    blades: int
-    blade_curvature: float
-    blade_rotation_rad: float
-    aperture_mask: ApertureMask | None
-    coating: str | None  # wherever glass meets air; None: as the lens file has it
-
-class LensLook(Protocol):
-    """How it is looked at. `petzval/lens_setting.py` has the dataclass."""
-
-    fields_deg: Sequence[float]  # angles to the axis, counted at the entrance pupil; none: the report's own
-    wavelengths_nm: Sequence[float]  # in vacuum, that nearest the d line the main one; none: F, d and C
-    azimuth_deg: float  # of the fields, from right to up
-    focus_distance_mm: float | None
-    best_focus: bool  # the film where the spot of the axis is smallest, instead of where paraxial rays of the main wavelength meet
-    defocus_mm: float  # and so far behind that
 
 # Every report is an object with name, efl_mm, f_number, focus_distance_mm, film_z_mm, wavelengths_nm, main_wavelength (its index),
 # azimuth_deg, airy_radius_mm, half_field_deg, and what stands below. Pairs are [sagittal, tangential]. A field from which nothing
@@ -192,52 +225,62 @@ def glasses_json(catalogue: str | None) -> str:
 def trace_surfaces_json(cases_json: str, *, precision: str = "f64") -> str:
     """The input and output of `petzval surface trace`; `precision` is "f64", "f32" or "printed"."""
 
+@type_check_only
 class ApertureMask(Protocol):
     """A square grey picture over the diameter of the stop; light passes where it is brighter than half."""
 
-    name: str  # for messages
-    side: int
-    values: bytes  # side x side, rows from below
+    @property
+    def name(self) -> str: ...
+    @property
+    def side(self) -> int: ...
+    @property
+    def values(self) -> bytes:
+        """Side x side, rows from below."""
 
+@type_check_only
 class CameraDescription(Protocol):
-    """Read by attribute; `addon/description.py` has the dataclass. None means: the lens's own value."""
+    """Read by attribute, as all descriptions of `addon/description.py`. None means: the lens's own value."""
 
     object_name: str
-    model: str  # "LENS" | "PINHOLE" | "THIN"
-    matrix_world: Sequence[Sequence[float]]  # 4 x 4, row major: camera space to world
-    # Blender's own perspective camera, for PINHOLE and THIN:
+    matrix_world: _Matrix4
+    model: str  # LENS | IMAGE_BASED | PARAXIAL | THICK | THIN | PINHOLE | ORTHOGRAPHIC
     pinhole_focal_length_mm: float
-    pinhole_film_width_mm: float  # of the whole picture, after Blender's sensor fit
-    pinhole_shift: tuple[float, float]  # in units of the larger picture side, as Blender has it
+    pinhole_film_width_mm: float
+    pinhole_shift: tuple[float, float]
     pixel_aspect: float  # the height of a pixel over its width
-    # The real lens:
     lens_path: str
-    focal_length_mm: float | None  # or
+    focal_length_mm: float | None
     focal_scale: float | None
     f_number: float | None
-    pupil_diameter_mm: float | None  # of the entrance pupil; goes before the f-number
-    blades: int  # 0: round, else 3..24
+    pupil_diameter_mm: float | None
+    blades: int
     blade_rotation_rad: float
     blade_curvature: float  # 0: straight blades, 1: a round opening
     aperture_mask: ApertureMask | None  # the opening's shape instead of blades; turned like them
     roughness_nm: float  # of the lens's surfaces, rms
     cleanliness: float  # dust on them: level of IEST-STD-CC1246; 0: none
     veiling_index: float  # barrel and film: part of an even world's light
-    coating: str | None  # wherever glass meets air: a recipe, or layers as in a lens file; None: as the file has it
-    exposes_by_f_number: bool  # what the lens takes makes the picture darker
-    focus_distance: float | None  # along the optical axis from the anchor, Blender units; None: infinity
-    anchor: str  # "ENTRANCE_PUPIL" | "FRONT_VERTEX" | "FILM": what of the lens stands at the camera's origin
-    # "EXACT" | "THIN": 1/U + 1/V = 1/f, with the focus distance U from the object principal plane
-    focus_relation: str
-    focus_point_world: tuple[float, float, float] | None  # wins over focus_distance
-    film_distance_mm: float | None  # last vertex to film centre; wins over both
+    coating: str | None  # wherever glass meets air, by name or layer by layer; None: as the lens file has it
+    exposes_by_f_number: bool  # what the lens takes of the light makes the picture darker
+    focus_distance: float | None
+    anchor: str  # ENTRANCE_PUPIL | FRONT_VERTEX | FILM
+    focus_relation: str  # EXACT | THIN
+    autofocus: tuple[float, float] | None  # picture point, 0 to 1 from the lower left; for the render to resolve
+    focus_point_world: tuple[float, float, float] | None
+    film_distance_mm: float | None
     film_width_mm: float
     film_height_mm: float
-    tilt_rad: float  # the film about its horizontal axis
-    swing_rad: float  # about its vertical axis
-    shift_mm: tuple[float, float]  # the lens right and up against the film
+    tilt_rad: float
+    swing_rad: float
+    shift_mm: tuple[float, float]
     scale_mm_per_unit: tuple[float, float, float]
-    wavelength_nm: float | None  # None: the visible spectrum
+    wavelength_nm: float | None  # None: all that `spectrum` says
+    spectrum: str  # VISIBLE | THREE
+    precision: str  # AUTO | F32 | F64: of the numbers in which rays leave through the lens
+    # Shutter (s), ISO, lumens of a watt; None: radiance one is one in the middle of the picture.
+    exposure: tuple[float, float, float] | None
+    orthographic_width: float  # of the whole picture, Blender units
+    clip: tuple[float, float]  # depths between which camera rays see, Blender units
 
 def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     """What the panel shows and the viewport needs: efl_mm, bfd_mm, f_number (in force), widest_f_number, t_number (null: dark),
@@ -316,12 +359,61 @@ def free_memory_bytes() -> int | None:
     """What this process may still take of the machine's memory, or of its container's; None: the system does not say."""
 
 #: What values belong to ("POINT": vertices, "CORNER": corners of faces, as `loops` number them, "TRIANGLE"), and these, one a row.
-Values = tuple[str, npt.NDArray[np.float32]]
+_Values = tuple[str, npt.NDArray[np.float32]]
 
+@type_check_only
+class MaterialDescription(Protocol):
+    """A material: its shader nodes, as JSON of what `export/graph.py` makes of them."""
+
+    name: str
+    graph: str
+    pass_index: int
+    displacement_method: str  # BUMP | DISPLACEMENT | BOTH
+    # What its nodes give out beside: a graph likewise, whose layers glow with them, and the numbers of these.
+    aovs: tuple[str, Sequence[int]] | None
+
+@type_check_only
+class LightDescription(Protocol):
+    """A lamp. `matrix_world` maps the lamp's axes to the world; it shines along its -z."""
+
+    object_name: str
+    kind: str  # POINT | SPOT | SUN | AREA
+    matrix_world: _Matrix4
+    color: _Colour  # times energy: watts, for SUN watts per square metre
+    radius: float  # POINT, SPOT
+    soft_falloff: bool  # POINT, SPOT: a disk that faces whoever looks at it, rather than a sphere
+    angle_rad: float  # SUN: full angular diameter
+    shape: str  # AREA: RECTANGLE | ELLIPSE
+    size: tuple[float, float]  # AREA: full sides
+    spread_rad: float  # AREA
+    spot_angle_rad: float  # SPOT: full cone
+    spot_blend: float
+    # What the colour is multiplied by: the nodes, as JSON of what `export/graph.py` makes of them.
+    graph: str | None
+    hidden_from: tuple[str, ...]  # of RAYS: as an object, and so what it does not light
+    sets: tuple[int, int]  # of objects that it lights, and that throw shadows in its light
+    light_group: int  # its number; 0 is none
+    max_bounces: int  # after which it lights nothing
+    cast_shadow: bool
+
+@type_check_only
+class WorldDescription(Protocol):
+    """The world."""
+
+    color: _Colour  # times strength
+    image: int | None  # equirectangular, as Blender maps it; multiplied by `color`
+    # Rotation of a Mapping node: world direction to texture direction, 3 x 3.
+    rotation: tuple[tuple[float, float, float], ...]
+    hidden_from: tuple[str, ...]  # of RAYS
+    light_group: int  # its number; 0 is none
+    # Instead of colour and image: the nodes, as JSON of what `export/graph.py` makes of them.
+    graph: str | None
+
+@final
 class SceneBuilder:
     """Takes a scene apart from Python, piece by piece; `build` checks it and builds the trees."""
 
-    def __init__(self) -> None: ...
+    def __new__(cls) -> SceneBuilder: ...
     def add_image(
         self,
         name: str,
@@ -329,8 +421,8 @@ class SceneBuilder:
         *,
         srgb: bool,  # values are sRGB-encoded (uint8 or float); False: linear or non-colour
     ) -> int: ...
-    def add_material(self, material: Any) -> int:
-        """`material` is a MaterialDescription of `addon/description.py`, read by attribute."""
+    def add_material(self, material: MaterialDescription) -> int:
+        """The material's index."""
     def add_mesh(
         self,
         name: str,
@@ -338,13 +430,15 @@ class SceneBuilder:
         triangles: npt.NDArray[np.uint32] | npt.NDArray[np.int32],  # (triangles, 3), vertex indices
         *,
         loops: npt.NDArray[np.uint32] | npt.NDArray[np.int32] | None = None,  # (triangles, 3), corners of faces
-        corner_normals: Values | None = None,  # rows of 3, object space
-        uv_maps: dict[str, Values] | None = None,  # rows of 2
-        attributes: dict[str, Values] | None = None,  # rows of 4
+        corner_normals: _Values | None = None,  # rows of 3, object space
+        uv_maps: dict[str, _Values] | None = None,  # rows of 2
+        attributes: dict[str, _Values] | None = None,  # rows of 4
         material_slots: npt.NDArray[np.int32] | None = None,  # (triangles,) slot of each triangle
         moved_positions: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # a frame before, after
         # Vertices and, if it has them, corner normals, at even times over the exposure.
-        poses: Sequence[tuple[npt.NDArray[np.float32], Values | None]] | None = None,
+        poses: Sequence[tuple[npt.NDArray[np.float32], _Values | None]] | None = None,
+        grids: Sequence[Any] | None = None,  # fields of a volume, as `addon/export/grids.py` makes them
+        keeps_opacity: bool = False,  # the volume is as opaque however large the object is
     ) -> int:
         """Triangles with a non-finite corner or without area are left out and counted in `warnings`."""
     def add_curves(
@@ -380,14 +474,14 @@ class SceneBuilder:
         matrix_world: Sequence[Sequence[float]],
         materials: Sequence[int],
         *,
-        hidden_from: Sequence[str] = (),
+        hidden_from: Sequence[str] = ...,
         links: tuple[int, int, int, int] | None = None,  # `Links.of` of `addon/export/linking.py`
         asset_name: str | None = None,
         moved: tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]] | None = None,
         keys: Sequence[Sequence[Sequence[float]]] | None = None,  # matrices at even times over the exposure
         info: tuple[tuple[float, float, float, float], int, float] | None = None,  # colour, pass index, random
         light_group: int = 0,  # its number; 0 is none
-        softening: tuple[float, float] = (0.0, 0.0),  # Blender's geometry and shading offsets of shadow terminators
+        shadow_terminator: tuple[float, float] = ...,  # Blender's geometry and shading offsets of shadow terminators
         is_holdout: bool = False,  # the camera sees a hole instead
         is_catcher: bool = False,  # its shadows alone are wanted: for `Job.shadow`
         occlusion_distance: float = 0.0,  # of rays that leave it, instead of the settings' `fast_gi_distance`; 0: none
@@ -395,10 +489,10 @@ class SceneBuilder:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
 
         `asset_name`: the topmost parent; `moved`: `matrix_world` a frame before and a frame after."""
-    def add_light(self, light: Any) -> None:
-        """`light` is a LightDescription of `addon/description.py`."""
-    def set_world(self, world: Any) -> None:
-        """`world` is a WorldDescription of `addon/description.py`. Never called: a black world."""
+    def add_light(self, light: LightDescription) -> None:
+        """Adds a lamp."""
+    def set_world(self, world: WorldDescription) -> None:
+        """Never called: a black world."""
     def set_viewport(
         self,
         object_name: str,
@@ -425,10 +519,12 @@ class SceneBuilder:
         """The scene that was told, without its trees. Images, materials and meshes stay in the builder, at their indices; instances,
         lights and the world are to be added again for the next."""
 
+@final
 class SceneDraft:
     def build(self, threads: int = 0, previous: Scene | None = None) -> Scene:
         """Once. Takes from the previous draft's scene what did not change. Rays are slower than in `SceneBuilder.build`'s scenes."""
 
+@final
 class Scene:
     def warnings(self) -> list[str]:
         """What had to be left out when it was built."""
@@ -446,21 +542,33 @@ class Scene:
     @property
     def bvh_seconds(self) -> float: ...
 
+@type_check_only
 class SettingsDescription(Protocol):
+    """How a picture is sampled."""
+
     width: int
     height: int
-    samples: int  # of each pixel, at most
-    noise_threshold: float  # relative error at which a pixel has enough; 0: all get the same
-    min_samples: int  # before the error is first looked at; 0: 16
+    samples: int
+    noise_threshold: float  # relative error at which a pixel has samples enough; 0: all get the same
+    min_samples: int  # before a pixel's error is first looked at; 0: 16
     seed: int
     film_exposure: float  # what the finished light is multiplied by
-    blue_noise: bool  # the errors of neighbouring pixels cancel; not with a noise threshold
-    window: (
-        tuple[int, int, int, int] | None
-    )  # left, bottom, width, height: what is wanted of the picture, roughly; None: all
+    blue_noise: bool  # the errors of neighbouring pixels cancel; ranges of samples then do not make the whole
+    # Left, bottom, width, height in pixels: the part that is looked at, with light missing near its edge; None: all.
+    window: tuple[int, int, int, int] | None
     sample_offset: int
-    threads: int  # 0: all cores
+    threads: int
     max_bounces: int
+    # Of those, how many of each kind.
+    diffuse_bounces: int
+    glossy_bounces: int
+    transmission_bounces: int
+    volume_bounces: int
+    transparent_bounces: int
+    transparent_shadows: int  # surfaces passed by shadow rays, those of the path before included
+    # After a diffuse bounce.
+    reflective_caustics: bool
+    refractive_caustics: bool
     # Most radiance, in the mean of its channels, that light may add to a sample; 0: no limit.
     clamp_direct: float  # seen by the camera, or scattered once
     clamp_indirect: float  # scattered more often
@@ -473,30 +581,35 @@ class SettingsDescription(Protocol):
     fast_gi_bounces: int
     fast_gi_distance: float  # how far it looks
     fast_gi_factor: float  # what the world counts, or the light that is added
-    transparent_film: bool  # world seen directly is left out, alpha 0
-    integrator: str  # PATH | BIDIRECTIONAL: the real lens alone, one scale for all axes
+    transparent_film: bool
+    with_data: bool  # keep what `Job.data` gives
+    pipeline: str  # AUTO | FILM | SCENE | HERO
+    integrator: str  # PATH | BIDIRECTIONAL
 
+@type_check_only
 class ShutterDescription(Protocol):
-    openness: Sequence[float]  # at even times over the exposure; fewer than two: open all the time
-    rolling: float | None  # from the top down, each row for this part of the exposure
-    # Where the camera stands at even times over the exposure; empty: it stands still.
-    camera_keys: Sequence[Sequence[Sequence[float]]]
+    """How the shutter opens, and where the camera stands meanwhile."""
 
+    openness: Sequence[float]  # at even times over the exposure; empty: open all the time
+    rolling: float | None  # from the top down, each row for this part of the exposure; None: all at once
+    camera_keys: Sequence[_Matrix4]  # at even times over the exposure; empty: it stands still
+
+@final
 class Plan:
     """What is simulated of a camera's lens in one picture, and why."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         scene: Scene,
         camera: CameraDescription,
         settings: SettingsDescription,
-        over_the_shutter: Sequence[CameraDescription] = (),
+        over_the_shutter: Sequence[CameraDescription] = ...,
         *,
         effects: dict[str, str] = ...,  # name: "auto" | "on" | "off"; what is not named is auto
         quality: float = 1.0,  # tolerances are divided by it
         ghost_reflections: int = 2,  # 2 | 4
         shutter: ShutterDescription | None = None,  # where anything but the lens moves
-    ) -> None: ...
+    ) -> Plan: ...
     def json(self) -> str:
         """effects: a row each (effect, measure, is_unbounded, unit, tolerance, word, decision "on" | "off", is_available,
         is_uncertain, predicted_cost, why), measure null where it is not measured or unbounded; quality; camera (model "exact" |
@@ -509,27 +622,28 @@ class Plan:
 def effects_json() -> str:
     """The closed list: name, unit, is_available, tolerance at quality 1, in the order of reports."""
 
+@final
 class Job:
     """One render. Starts at once in threads of its own; every method returns without waiting unless it says so."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         scene: Scene,
         camera: CameraDescription,
         settings: SettingsDescription,
-        over_the_shutter: Sequence[CameraDescription] = (),
+        over_the_shutter: Sequence[CameraDescription] = ...,
         *,
         plan: Plan | None = None,  # without one, the camera as it is described
-        mattes: Sequence[str] = (),  # OBJECT | MATERIAL | ASSET | OBJECT_INDEX | MATERIAL_INDEX
+        mattes: Sequence[str] = ...,  # OBJECT | MATERIAL | ASSET | OBJECT_INDEX | MATERIAL_INDEX
         matte_levels: int = 6,
         neighbours: tuple[CameraDescription, CameraDescription] | None = None,
         light_groups: int = 0,
-        parts: Sequence[str] = (),  # of light, for `part`
-        mist: tuple[float, float, float] = (0.0, 1.0, 1.0),  # start, depth, power of the falloff
+        parts: Sequence[str] = ...,  # of light, for `part`
+        mist: tuple[float, float, float] = ...,  # start, depth, power of the falloff: 0, 1, 1
         catches: bool = False,  # keeps what `shadow` and `over_photograph` need
         checkpoint: tuple[str, str, float] | None = None,  # file, fingerprint of the picture, seconds between two
         shutter: ShutterDescription | None = None,  # where anything but the lens moves
-    ) -> None:
+    ) -> Job:
         """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
 
         `mattes` are kept for `matte`, so many names a pixel; `neighbours`, the camera a frame before and a frame after, for
@@ -542,6 +656,8 @@ class Job:
     def matte(self, layer: str) -> npt.NDArray[np.float32]:
         """The channels (id, coverage, id, coverage) of all passes of a layer of Cryptomatte, (height, width, 4 passes),
         first row at the bottom."""
+    def light_group(self, number: int) -> npt.NDArray[np.float32]:
+        """The light of a group, by its number from 1, (height, width, 3), first row at the bottom."""
     def index(self, layer: str) -> npt.NDArray[np.float32]:
         """The pass index that most of a pixel's rays met, of OBJECT_INDEX or MATERIAL_INDEX, (height, width, 1), first row at the
         bottom."""
@@ -577,7 +693,7 @@ class Job:
         """After the end: finds the light that strays in the lens, if the plan has any simulated; `image` then has it. Takes its time."""
     def stop_developing(self) -> None:
         """Ends `develop` in another thread without a result."""
-    def stray(self, name: str) -> np.ndarray:
+    def stray(self, name: str) -> npt.NDArray[np.float32]:
         """A part of that light, of shape (height, width, 3), already in `image`: GHOSTS, GLARE or DIFFRACTION; black where it was not found."""
     def end_checkpoints(self) -> Checkpoint | None:
         """Waits, after the end, until the last checkpoint is written; the checkpoint that this render has written or taken up."""
@@ -592,6 +708,7 @@ def film_bytes_a_pixel(
     """Bytes of memory that each pixel takes of a film that keeps these: as `Job` is asked for them; `groups`: of light and its parts
     together."""
 
+@final
 class Checkpoint:
     """The checkpoint that a render has written or taken up."""
 
@@ -602,11 +719,12 @@ class Checkpoint:
 def checkpoint_problem(file: str | PathLike[str]) -> str | None:
     """Why a file may not be replaced by a checkpoint; None where there is no file, or where it is empty or a checkpoint."""
 
+@final
 class FileReplacement:
     """A temporary file that is to replace another one; without `commit`, the old file stays. Raises `OSError`."""
 
     part: str
-    def __init__(self, place: str | PathLike[str]) -> None: ...
+    def __new__(cls, place: str | PathLike[str]) -> FileReplacement: ...
     def commit(self) -> None:
         """Brings the temporary file to the disk, and renames it into place."""
     def abandon(self) -> None:

@@ -85,7 +85,8 @@ def _run(argv: Sequence[str]) -> int:
         parser.error("a command is missing")
     # Commands have files to clean up; those that need Blender listen for signals in their own way.
     interrupts.raise_at_ctrl_c()
-    return importlib.import_module(f".{COMMANDS[arguments.command][0]}", __package__).run(arguments)
+    status: int = importlib.import_module(f".{COMMANDS[arguments.command][0]}", __package__).run(arguments)
+    return status
 
 
 def _engine_is_missing() -> bool:

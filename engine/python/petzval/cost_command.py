@@ -20,7 +20,7 @@ from .errors import CommandError
 _PICTURES = ("costs.png", "costs.svg")
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Adds `cost`."""
     p = subparsers.add_parser("cost", help="measure what accuracy costs", allow_abbrev=False)
     scene_options.add(p)
@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     return scene_options.study(arguments.blender, options, tell)
 
 
-def _write(found: dict, folder: Path, says) -> str:
+def _write(found: dict[str, Any], folder: Path, says: TextIO) -> str:
     """All files; gives what a terminal shows."""
     from . import atomic_files
     from .cost import advice, tables
@@ -81,7 +81,7 @@ def _write(found: dict, folder: Path, says) -> str:
     return page
 
 
-def _draw(found: dict, folder: Path, says) -> bool:
+def _draw(found: dict[str, Any], folder: Path, says: TextIO) -> bool:
     try:
         import matplotlib  # noqa: F401
     except ImportError:

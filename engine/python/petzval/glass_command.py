@@ -18,7 +18,7 @@ _LINES = (("F", 486.1327), ("d", 587.5618), ("C", 656.2725), ("F'", 479.9914), (
 _SHORTEST_NM, _LONGEST_NM, _PLACES = 320.0, 1000.0, 341
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Adds `glass`."""
     glass = subparsers.add_parser(
         "glass",

@@ -66,6 +66,7 @@ def _description() -> ModuleType:
     name = "petzval_description"
     if name not in sys.modules:
         spec = importlib.util.spec_from_file_location(name, addon_folder() / "description.py")
+        assert spec is not None and spec.loader is not None
         module = importlib.util.module_from_spec(spec)
         # Dataclasses look their module up.
         sys.modules[name] = module

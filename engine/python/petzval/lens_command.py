@@ -24,7 +24,7 @@ _D_LINE_NM = 587.5618
 KINDS = ".lens, .zmx, .seq, .len, .dat or .txt (a table of the Optical Bench)"
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Adds `lens` with its actions."""
     lens = subparsers.add_parser("lens", help="check, convert, describe or trace a lens", allow_abbrev=False)
     actions = lens.add_subparsers(dest="action", metavar="ACTION", required=True)
@@ -85,7 +85,8 @@ def _given(**options: Any) -> dict[str, Any]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the action; returns the exit status."""
-    return arguments.run(arguments)
+    status: int = arguments.run(arguments)
+    return status
 
 
 def _with_notes(answer: str, notes: list[str]) -> str:

@@ -8,6 +8,9 @@ from typing import Any
 
 from .lens_reports.page import DARK, FIELDS, PALE, facts, field_colour, save
 
+#: Points [z, y], mm.
+_Line = list[list[float]]
+
 _GLASS, _RIM, _MIRROR = "#d3e5f2", "#33566f", "#20262b"
 _WIDTH_IN, _LEAST_IN, _MOST_IN = 10.0, 3.2, 8.0
 #: Above and below the lens.
@@ -104,10 +107,10 @@ def _elements(found: dict[str, Any], axes: Any) -> None:
                 axes.plot(*zip(*inside, strict=True), color=_MIRROR, linewidth=2.4, zorder=3, solid_capstyle="butt")
 
 
-def _outline(front: list, back: list) -> list:
+def _outline(front: _Line, back: _Line) -> _Line:
     """About the glass between two surfaces: the smaller one's rim goes straight out to the larger one's height."""
 
-    def out_to(rim: list, other: list) -> list:
+    def out_to(rim: list[float], other: list[float]) -> _Line:
         return [[rim[0], other[1]]] if abs(other[1]) > abs(rim[1]) else []
 
     return [
@@ -116,7 +119,7 @@ def _outline(front: list, back: list) -> list:
     ]  # fmt: skip
 
 
-def _beside(points: list, hole_mm: float) -> list[list]:
+def _beside(points: _Line, hole_mm: float) -> list[_Line]:
     """A surface's line, in two where its middle is missing."""
     if hole_mm <= 0.0:
         return [points]
@@ -150,7 +153,7 @@ def _planes(found: dict[str, Any], axes: Any, seen: tuple[float, float], height:
         z, diameter = found[key]["z_mm"], found[key]["diameter_mm"]
         if z is None or diameter is None or not seen[0] < z < seen[1] or diameter > height:
             continue
-        for side in (-0.5, 0.5):
-            axes.plot(z, side * diameter, marker="_", markersize=9, color="#7d3c98", zorder=6)
+        for half in (-0.5, 0.5):
+            axes.plot(z, half * diameter, marker="_", markersize=9, color="#7d3c98", zorder=6)
         axes.plot([z, z], [-0.5 * diameter, 0.5 * diameter], color="#7d3c98", linewidth=0.7, dashes=(2, 2), zorder=1)
         axes.text(z, -0.5 * diameter - 0.012 * height, name, color="#7d3c98", ha="center", va="top", fontsize=8)

@@ -61,9 +61,8 @@ def _stmap(arguments: argparse.Namespace) -> int:
     main_nm = arguments.wavelength or _D_LINE_NM
     maps = [("", main_nm), *(COLOURS_NM if arguments.colours else ())]
     comments = note(lens.name, arguments.direction, main_nm)
-    shares = _native.write_distortion_map(
-        camera, *arguments.pixels, maps, arguments.direction.upper(), comments, str(out)
-    )
+    width, height = arguments.pixels
+    shares = _native.write_distortion_map(camera, width, height, maps, arguments.direction.upper(), comments, str(out))
     say([*lens.remarks, *lens.range_notes([nm for _, nm in maps])])
     print(f"{out}: {lens.name}, {arguments.direction}, {100.0 * shares[0]:.1f} % of its pixels have a source")
     return 0

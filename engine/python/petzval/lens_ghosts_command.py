@@ -15,7 +15,7 @@ from .lens_setting import add_focus, add_setting, setting_of
 _ROWS = 20
 
 
-def add_parser(actions: argparse._SubParsersAction, kinds: str) -> None:
+def add_parser(actions: argparse._SubParsersAction[argparse.ArgumentParser], kinds: str) -> None:
     """Adds `ghosts`."""
     ghosts = actions.add_parser(
         "ghosts", help="light reflected between the surfaces, the brightest first", allow_abbrev=False

@@ -25,7 +25,7 @@ def _entries(folder: Path) -> tuple[dict[str, Any], ...]:
     order = {group: place for place, group in enumerate(groups())}
     found = [{"id": path.stem, **json.loads(_native.Lens(str(path)).summary_json())} for path in folder.glob("*.lens")]
 
-    def place(entry: dict[str, Any]) -> tuple:
+    def place(entry: dict[str, Any]) -> tuple[Any, ...]:
         focal_mm = entry["focal_length_mm"]
         return (
             order.get(entry["group"], len(order)),

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import argparse
 import json
+from typing import Any
 
 from . import lens_library
 
 _HEADINGS = ("lens", "mm", "F", "field", "film", "")
 
 
-def add_parser(actions: argparse._SubParsersAction) -> None:
+def add_parser(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Adds `list`."""
     parser = actions.add_parser("list", help="the lenses that come with Petzval, by groups", allow_abbrev=False)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
@@ -39,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _row(entry: dict) -> tuple[str, ...]:
+def _row(entry: dict[str, Any]) -> tuple[str, ...]:
     texts = lens_library
     return (
         entry["id"],

@@ -23,7 +23,7 @@ def add_parsers(actions: Any, kinds: str) -> None:
     """Adds the six actions to those of `petzval lens`."""
 
     def add(name: str, help_text: str, fields: str, run: Callable[..., int]) -> argparse.ArgumentParser:
-        parser = actions.add_parser(name, help=help_text, allow_abbrev=False)
+        parser: argparse.ArgumentParser = actions.add_parser(name, help=help_text, allow_abbrev=False)
         parser.add_argument("lens", metavar="FILE", help=f"a lens file ({kinds}), or the name of a shipped lens")
         parser.add_argument(
             "-o", "--output", required=True, metavar="OUT", help="the picture: .svg, .png or .pdf; or .json"

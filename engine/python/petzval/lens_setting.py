@@ -17,29 +17,30 @@ from .errors import CommandError
 
 @dataclass(frozen=True)
 class LensSetting:
-    """See `_native.pyi`."""
+    """The setting of a lens; None: as published."""
 
     scale: float | None = None
     focal_length_mm: float | None = None
     f_number: float | None = None
-    pupil_diameter_mm: float | None = None
+    pupil_diameter_mm: float | None = None  # of the entrance pupil; goes before the f-number
     blades: int = 0
     blade_curvature: float = 0.0
     blade_rotation_rad: float = 0.0
     aperture_mask: Any = None
-    coating: str | None = None
+    coating: str | None = None  # wherever glass meets air; None: as the lens file has it
 
 
 @dataclass(frozen=True)
 class LensLook:
-    """See `_native.pyi`."""
+    """The light and the film of a report."""
 
-    fields_deg: tuple[float, ...] = ()
-    wavelengths_nm: tuple[float, ...] = ()
-    azimuth_deg: float = 90.0
+    fields_deg: tuple[float, ...] = ()  # angles to the axis, counted at the entrance pupil; none: the report's own
+    wavelengths_nm: tuple[float, ...] = ()  # in vacuum, that nearest the d line the main one; none: F, d and C
+    azimuth_deg: float = 90.0  # of the fields, from right to up
     focus_distance_mm: float | None = None
+    # The film where the spot of the axis is smallest, instead of where paraxial rays of the main wavelength meet.
     best_focus: bool = False
-    defocus_mm: float = 0.0
+    defocus_mm: float = 0.0  # and so far behind that
 
 
 def _distance(text: str) -> float:

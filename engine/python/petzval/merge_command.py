@@ -11,7 +11,7 @@ from .errors import CommandError
 from .scene_options import check_writable
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Adds `merge`."""
     p = subparsers.add_parser(
         "merge",

@@ -10,7 +10,7 @@ from typing import Any, TextIO
 from . import scene_options
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Adds `plan`."""
     p = subparsers.add_parser("plan", help="say what a render would simulate, and why", allow_abbrev=False)
     scene_options.add(p)

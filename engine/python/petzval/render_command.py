@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from . import argument_types as types
 from . import interrupts, scene_options
@@ -13,7 +14,7 @@ from .errors import CommandError
 _SUFFIXES = {".exr", ".png"}
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Adds `render`."""
     p = subparsers.add_parser("render", help="render a .blend through a lens", allow_abbrev=False)
     scene_options.add(p)
@@ -79,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     return interrupts.INTERRUPTED
 
 
-def _checked(a: argparse.Namespace) -> dict:
+def _checked(a: argparse.Namespace) -> dict[str, Any]:
     """The options as plain data."""
     options = scene_options.checked(a)
     output = Path(a.output) if a.output else Path(f"{Path(a.scene).stem}.png")

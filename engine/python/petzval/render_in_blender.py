@@ -56,7 +56,7 @@ class _Strict:
         return f"bad usage: --{option} {shown}: must be from {low} to {high}{unit}; see petzval render --help"
 
 
-def render(options: dict) -> int:
+def render(options: dict[str, Any]) -> int:
     """Renders as `render_command` has checked the options, or plans as `plan_command` has, or measures as `cost_command`
     has; gives the exit status and has said what went wrong."""
     voice = _own_stderr(options.get("stderr_fd"))
@@ -88,7 +88,7 @@ def _own_stderr(fd: int | None) -> TextIO:
     return voice
 
 
-def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
+def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
     """What went wrong, if something did; and whether the render was broken off."""
     try:
         import bpy
@@ -108,9 +108,9 @@ def _render(options: dict, voice: TextIO) -> tuple[str | None, bool]:
     scene = bpy.context.scene
     scene.render.engine = addon.engine.ENGINE
     found: dict[str, Any] = {}
-    error = _apply(scene, options, addon, found)
-    if error:
-        return error, False
+    wrong = _apply(scene, options, addon, found)
+    if wrong:
+        return wrong, False
     watch = addon.loop.WATCH
     watch.study = study = _study(options.get("study"), scene, watch)
     watch.checkpoint, watch.checkpoint_every_s = options["checkpoint"], options["checkpoint_every_s"]
@@ -150,7 +150,7 @@ class _NothingToKeep(Exception):
     """The render was broken off before its first sample."""
 
 
-def _render_into(output: str, scene: Any, addon: Any, options: dict, voice: TextIO) -> str | None:
+def _render_into(output: str, scene: Any, addon: Any, options: dict[str, Any], voice: TextIO) -> str | None:
     """Renders into a file that is replaced only by a whole picture; the error, if any."""
     from petzval import atomic_files
 
@@ -212,7 +212,7 @@ def _end_checkpoints(watch: Any, is_done: bool, voice: TextIO) -> None:
             print(f"petzval: kept in {checkpoint.path}: the same command goes on from there", file=voice)
 
 
-def _study(asked: dict | None, scene: Any, watch: Any) -> Any:
+def _study(asked: dict[str, Any] | None, scene: Any, watch: Any) -> Any:
     """What is to be done instead of a render, if something is."""
     if asked is None:
         return None
@@ -234,7 +234,7 @@ def _save(study: Any, file: str, interrupted: bool) -> str | None:
     return None
 
 
-def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
+def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> str | None:
     """Sets what the command line asked for; the error, if any. What had to be found goes into `found`."""
     r, own = _Strict(scene.render), _Strict(scene.petzval)
     if scene.camera is None:
@@ -279,7 +279,7 @@ def _apply(scene: Any, o: dict, addon: Any, found: dict) -> str | None:
     return _apply_sharp(scene, o["sharp"], addon, found) if o["sharp"] else None
 
 
-def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict) -> str | None:
+def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict[str, Any]) -> str | None:
     """Turns the film so that three points of the world are sharp; the error, if any."""
     try:
         film = addon.sharp_points.solve(scene.camera, scene, points)
@@ -324,7 +324,7 @@ def _apply_output(r: Any, file: str, output: str, of_layers: bool) -> None:
         settings.color_mode = "RGBA" if r.film_transparent else "RGB"
 
 
-def _apply_camera(scene: Any, camera: Any, o: dict, addon: Any) -> None:
+def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> None:
     own, data = _Strict(camera.petzval), _Strict(camera)
     if o["camera"] or o["lens"]:
         own.model = (o["camera"] or "lens").upper().replace("-", "_")
@@ -403,7 +403,7 @@ def _apply_camera(scene: Any, camera: Any, o: dict, addon: Any) -> None:
         own.shift_x, own.shift_y = o["shift_mm"]
 
 
-def _write_stats(path: Path, last: Any, found: dict) -> None:
+def _write_stats(path: Path, last: Any, found: dict[str, Any]) -> None:
     from petzval import _native, atomic_files
 
     stats = {**last.stats, **found, "processor": _native.PROCESSOR, "peak_memory_mb": _peak_memory_mb(),

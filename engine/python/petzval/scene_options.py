@@ -114,7 +114,7 @@ def add(p: argparse.ArgumentParser) -> None:
     p.add_argument("--blender", metavar="PATH", help="run in this Blender rather than in bpy")
 
 
-def checked(a: argparse.Namespace) -> dict:
+def checked(a: argparse.Namespace) -> dict[str, Any]:
     """These options as plain data, checked as far as they can be without Blender."""
     for file in filter(None, (a.scene, a.lens, a.aperture_mask)):
         check_name(file)
@@ -220,7 +220,7 @@ def check_apart(written: Mapping[str, Path | None], read: Mapping[str, str | Pat
                 raise CommandError(f"{name} {file}: it is the file of {other}, too: name another file")
 
 
-def study(blender: str | None, options: dict, tell: Callable[[dict[str, Any], TextIO, TextIO], None]) -> int:
+def study(blender: str | None, options: dict[str, Any], tell: Callable[[dict[str, Any], TextIO, TextIO], None]) -> int:
     """Has the study in the options made where Blender is, and told by `tell(found, stdout, stderr)`, if something was found;
     the exit status. Without a Blender that is named, the process ends here."""
     # Blender says what it likes on stdout: that is kept for the answer.
@@ -250,7 +250,7 @@ def study(blender: str | None, options: dict, tell: Callable[[dict[str, Any], Te
     return status
 
 
-def in_blender(program: str, options: dict) -> int:
+def in_blender(program: str, options: dict[str, Any]) -> int:
     """Runs the same inside of a Blender program; Ctrl-C is handed on, and its picture waited for."""
     runner = Path(__file__).with_name("render_in_blender.py")
     # Blender may complain on its stderr as it likes: that goes to stdout, and Petzval's own words come through a pipe
@@ -262,7 +262,7 @@ def in_blender(program: str, options: dict) -> int:
                    "ready_fd": tell_ready}  # fmt: skip
     command = [program, "-b", "--factory-startup", "--disable-autoexec", "--python-exit-code", "3"]
     command += ["--python", str(runner), "--", json.dumps(handed_over)]
-    child: subprocess.Popen | None = None
+    child: subprocess.Popen[bytes] | None = None
     asked: list[int] = []
 
     def hand_on(number: int, _frame: object) -> None:

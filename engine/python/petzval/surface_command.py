@@ -23,7 +23,7 @@ The answer is {"cases": [{"id", "status", "t", "point", "normal", "direction"}]}
 """
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Adds `surface` with its one action."""
     surface = subparsers.add_parser("surface", help="trace rays at single surfaces", allow_abbrev=False)
     actions = surface.add_subparsers(dest="action", metavar="ACTION", required=True)
@@ -48,7 +48,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the action; returns the exit status."""
-    return arguments.run(arguments)
+    status: int = arguments.run(arguments)
+    return status
 
 
 def _trace(arguments: argparse.Namespace) -> int:

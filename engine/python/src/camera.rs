@@ -1,7 +1,7 @@
 //! Camera descriptions, read by attribute.
 
-use crate::doorway::away;
-use crate::error::{Error, bad_camera, refused};
+use crate::error::{Error, bad_camera, invalid};
+use crate::gil::without_gil;
 use crate::setting::coating;
 use glam::{DMat4, DVec3};
 use petzval_optics::diaphragm::ApertureMask;
@@ -9,7 +9,7 @@ use petzval_optics::focus::{Anchor, Focusing, Relation};
 use petzval_render::camera::exposure::PhysicalExposure;
 use petzval_render::camera::precision::Precision;
 use petzval_render::camera::scattering::Scattering;
-use petzval_render::camera::{self, CameraDescription, Model, Shown, Spectrum};
+use petzval_render::camera::{self, CameraDescription, EnabledEffects, Model, Spectrum};
 use pyo3::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
@@ -98,7 +98,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             "IMAGE_BASED" => Model::ImageBased,
             "ORTHOGRAPHIC" => Model::Orthographic,
             other => {
-                return Err(refused(format!(
+                return Err(invalid(format!(
                     "camera '{}': there is no camera model '{other}'; use LENS, IMAGE_BASED, PARAXIAL, THICK, THIN, PINHOLE or ORTHOGRAPHIC",
                     c.object_name
                 )));
@@ -109,7 +109,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             "THREE" => Spectrum::Three,
             other => {
                 let what = format!("camera '{}': there is no spectrum '{other}'; use VISIBLE or THREE", c.object_name);
-                return Err(refused(what));
+                return Err(invalid(what));
             }
         };
         let precision = match c.precision.as_str() {
@@ -118,7 +118,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             "F64" => Precision::Double,
             other => {
                 let what = format!("camera '{}': there is no precision '{other}'; use AUTO, F32 or F64", c.object_name);
-                return Err(refused(what));
+                return Err(invalid(what));
             }
         };
         let aperture_mask = match &c.aperture_mask {
@@ -131,7 +131,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             "FRONT_VERTEX" => Anchor::FrontVertex,
             "FILM" => Anchor::Film,
             other => {
-                return Err(refused(format!(
+                return Err(invalid(format!(
                     "camera '{}': there is no anchor '{other}'; use ENTRANCE_PUPIL, FRONT_VERTEX or FILM",
                     c.object_name
                 )));
@@ -141,7 +141,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             "EXACT" => Relation::Exact,
             "THIN" => Relation::Thin,
             other => {
-                return Err(refused(format!(
+                return Err(invalid(format!(
                     "camera '{}': there is no focus relation '{other}'; use EXACT or THIN",
                     c.object_name
                 )));
@@ -180,7 +180,7 @@ impl TryFrom<PyCamera> for CameraDescription {
             scale_mm_per_unit: DVec3::new(sx, sy, sz),
             wavelength_nm: c.wavelength_nm,
             spectrum,
-            shown: Shown::default(),
+            shown: EnabledEffects::default(),
             scattering: Scattering {
                 roughness_nm: c.roughness_nm,
                 cleanliness: c.cleanliness,
@@ -198,11 +198,11 @@ impl TryFrom<PyCamera> for CameraDescription {
     }
 }
 
-/// What the panel shows and the viewport needs.
+/// Data of the camera for the panel and the viewport.
 #[pyfunction]
 pub(crate) fn camera_info_json(py: Python<'_>, camera: PyCamera, width: u32, height: u32) -> Result<String, Error> {
     let description: CameraDescription = camera.try_into()?;
-    let i = away(py, || camera::lens_info(&description, width, height))??;
+    let i = without_gil(py, || camera::lens_info(&description, width, height))??;
     Ok(json!({
         "lens_name": i.lens_name,
         "surfaces": i.surfaces,

@@ -9,22 +9,21 @@ use std::sync::Arc;
 /// A graph, and what of it the engine does otherwise than Blender.
 type Compiled = (Arc<Graph>, Vec<String>);
 
-/// By a graph's text, and the pass index and displacement of what shows it.
+/// Compiled graphs by a graph's text, and the pass index and displacement of its material.
 #[derive(Default)]
 pub(crate) struct Graphs {
     known: HashMap<(String, i32, Displacement), Compiled>,
 }
 
 impl Graphs {
-    /// The graph of a text, if there is one, and what to say of it to `owner`.
+    /// The graph of a text, and what to say of it to `owner`.
     pub(crate) fn read(
         &mut self,
-        json: Option<String>,
+        json: String,
         pass_index: i32,
         displacement: Displacement,
         owner: &str,
-    ) -> Result<(Option<Arc<Graph>>, Vec<String>), Error> {
-        let Some(json) = json else { return Ok((None, Vec::new())) };
+    ) -> Result<(Arc<Graph>, Vec<String>), Error> {
         let key = (json, pass_index, displacement);
         let (graph, reports) = match self.known.get(&key) {
             Some(known) => known,
@@ -33,7 +32,18 @@ impl Graphs {
                 self.known.entry(key).or_insert(made)
             }
         };
-        Ok((Some(graph.clone()), reports.iter().map(|what| format!("{owner}: {what}")).collect()))
+        Ok((graph.clone(), reports.iter().map(|what| format!("{owner}: {what}")).collect()))
+    }
+
+    /// [`Self::read`] of the text of a lamp or a world, if there is one.
+    pub(crate) fn read_some(
+        &mut self,
+        json: Option<String>,
+        owner: &str,
+    ) -> Result<(Option<Arc<Graph>>, Vec<String>), Error> {
+        let Some(json) = json else { return Ok((None, Vec::new())) };
+        let (graph, reports) = self.read(json, 0, Displacement::default(), owner)?;
+        Ok((Some(graph), reports))
     }
 
     /// Drops those that nothing shows any more.

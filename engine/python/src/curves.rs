@@ -7,8 +7,8 @@ use petzval_render::scene::curves::{CurveShape, CurvesDescription, StrandValues}
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What `SceneBuilder.add_curves` takes beside keys and strands.
-pub(crate) struct More<'py> {
+/// The arguments of `SceneBuilder.add_curves` beside keys and strands.
+pub(crate) struct CurveOptions<'py> {
     pub(crate) shape: String,
     pub(crate) pieces: u16,
     pub(crate) first_number: u32,
@@ -22,7 +22,7 @@ pub(crate) fn description(
     name: &str,
     keys: &PyReadonlyArray2<'_, f32>,
     first_keys: &PyReadonlyArray1<'_, i32>,
-    more: More<'_>,
+    more: CurveOptions<'_>,
 ) -> Result<CurvesDescription, Error> {
     let bad = |what: String| bad_scene(format!("curves '{name}': {what}"));
     let shape = match more.shape.as_str() {

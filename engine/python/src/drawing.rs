@@ -1,7 +1,7 @@
 //! Drawings of lenses, for `petzval lens draw`.
 
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
+use crate::gil::without_gil;
 use crate::lens::{Lens, check_wavelength};
 use crate::setting::Setting;
 use petzval_optics::drawing::Drawing;
@@ -9,7 +9,7 @@ use petzval_optics::paraxial::{Paraxial, Pupil};
 use pyo3::prelude::*;
 use serde_json::json;
 
-/// More rays make no drawing.
+/// Largest number of rays: more make no drawing.
 const MOST_RAYS: usize = 1000;
 
 /// See the stub.
@@ -27,13 +27,13 @@ pub(crate) fn lens_drawing_json(
 ) -> Result<String, Error> {
     check_wavelength(wavelength_nm)?;
     if !(1..=MOST_RAYS).contains(&rays) {
-        return Err(refused(format!("{rays} rays a field: give 1 to {MOST_RAYS}")));
+        return Err(invalid(format!("{rays} rays a field: give 1 to {MOST_RAYS}")));
     }
     if let Some(angle) = fields_deg.iter().find(|angle| !(-180.0..=180.0).contains(*angle)) {
-        return Err(refused(format!("a field of {angle} degrees: give angles from -180 to 180")));
+        return Err(invalid(format!("a field of {angle} degrees: give angles from -180 to 180")));
     }
     let (system, focus) = setting.unwrap_or_default().focused(lens, wavelength_nm, focus_distance_mm)?;
-    let drawing = away(py, || {
+    let drawing = without_gil(py, || {
         let usual = || Drawing::usual_angles_deg(&system, &focus, wavelength_nm);
         let angles = if fields_deg.is_empty() { usual() } else { fields_deg };
         Drawing::new(&system, &focus, wavelength_nm, &angles, rays)

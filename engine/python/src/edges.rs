@@ -1,7 +1,7 @@
-//! What a mesh's edges tell of its vertices.
+//! Vertex data from a mesh's edges.
 
-use crate::doorway::away;
 use crate::error::{Error, bad_scene};
+use crate::gil::without_gil;
 use glam::Vec3;
 use numpy::{PyArray1, PyReadonlyArray2};
 use petzval_render::scene::edges;
@@ -15,10 +15,10 @@ pub(crate) fn random_per_island<'py>(
     edges: PyReadonlyArray2<'py, i32>,
 ) -> Result<Bound<'py, PyArray1<f32>>, Error> {
     let edges = pairs(&edges, vertices)?;
-    Ok(PyArray1::from_vec(py, away(py, || edges::random_per_island(vertices, &edges))?))
+    Ok(PyArray1::from_vec(py, without_gil(py, || edges::random_per_island(vertices, &edges))?))
 }
 
-/// How pointed a mesh is at each vertex.
+/// Pointiness of a mesh at each vertex.
 #[pyfunction]
 pub(crate) fn pointiness<'py>(
     py: Python<'py>,
@@ -31,7 +31,7 @@ pub(crate) fn pointiness<'py>(
         return Err(bad_scene(format!("{} positions, but {} normals", positions.len(), normals.len())));
     }
     let edges = pairs(&edges, positions.len())?;
-    Ok(PyArray1::from_vec(py, away(py, || edges::pointiness(&positions, &normals, &edges))?))
+    Ok(PyArray1::from_vec(py, without_gil(py, || edges::pointiness(&positions, &normals, &edges))?))
 }
 
 fn vectors(values: &PyReadonlyArray2<'_, f32>) -> Result<Vec<Vec3>, Error> {

@@ -64,17 +64,17 @@ maps! {
     PlanError => PetzvalError,
 }
 
-/// What Python handed over is not what was asked for.
-pub(crate) fn refused(what: impl Into<String>) -> Error {
+/// An argument from Python is not what was asked for.
+pub(crate) fn invalid(what: impl Into<String>) -> Error {
     Error(PyErr::new::<PetzvalError, _>(what.into()))
 }
 
-/// The same for a piece of a scene.
+/// A piece of a scene from Python is not what was asked for.
 pub(crate) fn bad_scene(what: impl Into<String>) -> Error {
     Error(PyErr::new::<SceneError_, _>(what.into()))
 }
 
-/// The same for a camera.
+/// A camera from Python is not what was asked for.
 pub(crate) fn bad_camera(what: impl Into<String>) -> Error {
     Error(PyErr::new::<CameraError_, _>(what.into()))
 }

@@ -1,7 +1,7 @@
 //! Files that are replaced only by complete ones, and checkpoints, for Python.
 
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
+use crate::gil::without_gil;
 use petzval_files::{Replacement, check_place};
 use petzval_render::job::checkpoint::{OwnFile, check_file};
 use pyo3::exceptions::PyOSError;
@@ -26,7 +26,7 @@ fn os_error(error: &io::Error, file: &Path) -> PyErr {
 #[pyclass]
 pub(crate) struct FileReplacement {
     place: PathBuf,
-    /// Until it is committed or abandoned.
+    /// The replacement, until it is committed or abandoned.
     replacement: Option<Replacement>,
 }
 
@@ -45,7 +45,7 @@ impl FileReplacement {
 
     fn commit(&mut self, py: Python<'_>) -> Result<(), Error> {
         let replacement = self.replacement.take().ok_or_else(gone)?;
-        away(py, || replacement.commit())?.map_err(|error| os_error(&error, &self.place).into())
+        without_gil(py, || replacement.commit())?.map_err(|error| os_error(&error, &self.place).into())
     }
 
     fn abandon(&mut self) {
@@ -54,7 +54,7 @@ impl FileReplacement {
 }
 
 fn gone() -> Error {
-    refused("the temporary file is gone: it was committed or abandoned")
+    invalid("the temporary file is gone: it was committed or abandoned")
 }
 
 /// See the stub.
@@ -88,6 +88,7 @@ impl Checkpoint {
 /// See the stub.
 #[pyfunction]
 pub(crate) fn read_bounded<'py>(py: Python<'py>, file: PathBuf, most: u64) -> PyResult<Bound<'py, PyBytes>> {
-    let bytes = away(py, || petzval_files::read_bounded(&file, most))?.map_err(|error| os_error(&error, &file))?;
+    let bytes =
+        without_gil(py, || petzval_files::read_bounded(&file, most))?.map_err(|error| os_error(&error, &file))?;
     Ok(PyBytes::new(py, &bytes))
 }

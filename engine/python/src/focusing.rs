@@ -1,8 +1,8 @@
 //! Focus found by the engine: the settings that put it there.
 
 use crate::camera::PyCamera;
-use crate::doorway::{away, here};
 use crate::error::Error;
+use crate::gil::{catch_panic, without_gil};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2};
 use petzval_render::accel::Ray;
@@ -27,7 +27,7 @@ pub(crate) fn autofocus_json(
     let description: CameraDescription = camera.try_into()?;
     let from_middle = Vec2::new(point.0, point.1) - 0.5;
     let stage = scene.stage.clone();
-    let found = away(py, || {
+    let found = without_gil(py, || {
         // Rays of a camera count from its place.
         let beside = (description.position() - stage.scene.origin).as_vec3a();
         let nearest = |ray: &Ray| {
@@ -39,8 +39,8 @@ pub(crate) fn autofocus_json(
     Ok(text(&found))
 }
 
-/// The same where the caller's own rays find what there is: `distance_to(origin, direction)` gets a world ray of unit
-/// direction and gives the distance to what it meets, or None. The caller's lock is held: a panel asks so, for one point.
+/// Focuses on the hit of a picture point's rays, which the caller traces: `distance_to(origin, direction)` gets a world ray of unit
+/// direction and returns the distance to its hit, or None. It runs with the GIL held: a panel calls it for one point.
 #[pyfunction]
 pub(crate) fn autofocus_by_json(
     camera: PyCamera,
@@ -64,7 +64,7 @@ pub(crate) fn autofocus_by_json(
             None
         })
     };
-    let found = here(|| on_picture_point(&description, [width, height], from_middle, nearest))?;
+    let found = catch_panic(|| on_picture_point(&description, [width, height], from_middle, nearest))?;
     match complaint.into_inner() {
         Some(error) => Err(error.into()),
         None => Ok(text(&found?)),
@@ -82,11 +82,11 @@ pub(crate) fn sharp_points_json(
 ) -> Result<String, Error> {
     let description: CameraDescription = camera.try_into()?;
     let points = points_world.map(|(x, y, z)| DVec3::new(x, y, z));
-    let found = away(py, || on_three_points(&description, [width, height], points))??;
+    let found = without_gil(py, || on_three_points(&description, [width, height], points))??;
     Ok(text(&found))
 }
 
-/// Where the camera is sharp, over a grid of its picture.
+/// The sharp distances of a camera, over a grid of its picture.
 #[pyfunction]
 #[pyo3(signature = (camera, width, height, columns, rows, confusion_mm = None))]
 pub(crate) fn sharpness_json(
@@ -99,7 +99,7 @@ pub(crate) fn sharpness_json(
     confusion_mm: Option<f64>,
 ) -> Result<String, Error> {
     let description: CameraDescription = camera.try_into()?;
-    let found = away(py, || sharpness(&description, [width, height], [columns, rows], confusion_mm))??;
+    let found = without_gil(py, || sharpness(&description, [width, height], [columns, rows], confusion_mm))??;
     // What is infinite is null in JSON.
     let finite = |t: Option<f64>| t.filter(|t| t.is_finite());
     let point = |p: &SharpPoint| {

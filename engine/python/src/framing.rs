@@ -1,8 +1,8 @@
 //! A lens beside a pinhole: how it frames alike, and the map between their pictures.
 
 use crate::camera::PyCamera;
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
+use crate::gil::without_gil;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_pictures::channels;
 use petzval_render::camera::CameraDescription;
@@ -12,10 +12,10 @@ use pyo3::prelude::*;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// By wavelength, then pixel.
+/// Maps by wavelength, then pixel.
 type Maps = Vec<Vec<[f32; 4]>>;
 
-/// More pixels are no map that anybody wants.
+/// Largest number of pixels of a map.
 const MOST_PIXELS: u64 = 1 << 28;
 
 /// The settings that frame what Blender's camera frames.
@@ -30,10 +30,10 @@ pub(crate) fn framing_json(
     let by = match by {
         "FOCAL_LENGTH" => Framed::ByFocalLength,
         "FILM" => Framed::ByFilm,
-        other => return Err(refused(format!("there is no framing by '{other}'; use FOCAL_LENGTH or FILM"))),
+        other => return Err(invalid(format!("there is no framing by '{other}'; use FOCAL_LENGTH or FILM"))),
     };
     let description: CameraDescription = camera.try_into()?;
-    let found = away(py, || description.framed_like_blender([width, height], by))??;
+    let found = without_gil(py, || description.framed_like_blender([width, height], by))??;
     Ok(json!({
         "focal_length_mm": found.focal_length_mm,
         "film_width_mm": found.film_width_mm,
@@ -54,11 +54,11 @@ fn pixels(
     let direction = match direction {
         "DISTORT" => Direction::Distort,
         "UNDISTORT" => Direction::Undistort,
-        other => return Err(refused(format!("there is no direction '{other}'; use DISTORT or UNDISTORT"))),
+        other => return Err(invalid(format!("there is no direction '{other}'; use DISTORT or UNDISTORT"))),
     };
     let [width, height] = size.map(u64::from);
     if width * height > MOST_PIXELS {
-        return Err(refused(format!("a map of {width} x {height} pixels: give less")));
+        return Err(invalid(format!("a map of {width} x {height} pixels: give less")));
     }
     let description: CameraDescription = camera.try_into()?;
     let wavelengths = wavelengths_nm.to_vec();
@@ -79,12 +79,12 @@ pub(crate) fn distortion_map<'py>(
     direction: &str,
 ) -> Result<Bound<'py, PyArray3<f32>>, Error> {
     let work = pixels(camera, [width, height], &[wavelength_nm], direction)?;
-    let values: Vec<f32> = away(py, work)??.concat().into_flattened();
+    let values: Vec<f32> = without_gil(py, work)??.concat().into_flattened();
     Ok(PyArray1::from_vec(py, values).reshape([height as usize, width as usize, 4])?)
 }
 
-/// The same into an OpenEXR file: the first wavelength's map its picture, the others layers of these names. Gives for each the share
-/// of its pixels that lie in the other picture.
+/// Writes distortion maps to an OpenEXR file: the first wavelength's map as its picture, the others as layers of these names. Returns for
+/// each map the share of its pixels that lie in the other picture.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "what a map is of")]
 pub(crate) fn write_distortion_map(
@@ -99,7 +99,7 @@ pub(crate) fn write_distortion_map(
 ) -> Result<Vec<f64>, Error> {
     let (names, wavelengths): (Vec<String>, Vec<f64>) = maps.into_iter().unzip();
     let work = pixels(camera, [width, height], &wavelengths, direction)?;
-    away(py, || {
+    without_gil(py, || {
         let found = work()?;
         let mut named = Vec::new();
         let mut shares = Vec::new();
@@ -122,5 +122,5 @@ pub(crate) fn write_distortion_map(
 #[pyfunction]
 pub(crate) fn osl_camera(py: Python<'_>, camera: PyCamera, width: u32, height: u32) -> Result<String, Error> {
     let description: CameraDescription = camera.try_into()?;
-    Ok(away(py, || description.osl_camera([width, height]))??)
+    Ok(without_gil(py, || description.osl_camera([width, height]))??)
 }

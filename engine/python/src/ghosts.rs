@@ -1,7 +1,7 @@
 //! The ghosts of a source, for `petzval lens ghosts`.
 
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
+use crate::gil::without_gil;
 use crate::lens::{Lens, check_wavelength};
 use crate::setting::Setting;
 use glam::{DVec2, DVec3};
@@ -12,7 +12,7 @@ use petzval_optics::paraxial::Paraxial;
 use pyo3::prelude::*;
 use serde_json::json;
 
-/// More take hours.
+/// Largest number of rays: more take hours.
 const MOST_RAYS: usize = 100_000_000;
 /// A disc is told apart from a point where its radius is this part of the film's diagonal.
 const LEAST_PART: f64 = 1e-3;
@@ -37,17 +37,17 @@ pub(crate) fn lens_ghosts_json(
 ) -> Result<String, Error> {
     check_wavelength(wavelength_nm)?;
     if !(-90.0..=90.0).contains(&angle_deg) || !azimuth_deg.is_finite() {
-        return Err(refused(format!("a source at {angle_deg} degrees: give an angle from -90 to 90 to the axis")));
+        return Err(invalid(format!("a source at {angle_deg} degrees: give an angle from -90 to 90 to the axis")));
     }
     if ![2, 4].contains(&reflections) {
-        return Err(refused(format!("{reflections} reflections: give 2 or 4")));
+        return Err(invalid(format!("{reflections} reflections: give 2 or 4")));
     }
     if brute_force_rays > MOST_RAYS {
-        return Err(refused(format!("{brute_force_rays} rays: give {MOST_RAYS} at most")));
+        return Err(invalid(format!("{brute_force_rays} rays: give {MOST_RAYS} at most")));
     }
     let film_mm = film_mm.or(lens.prescription.metadata.film_mm).unwrap_or([36.0, 24.0]);
     if !film_mm.iter().all(|side| *side > 0.0 && side.is_finite()) {
-        return Err(refused(format!("a film of {} x {} mm: give two lengths", film_mm[0], film_mm[1])));
+        return Err(invalid(format!("a film of {} x {} mm: give two lengths", film_mm[0], film_mm[1])));
     }
     let (system, focus) = setting.focused(lens, wavelength_nm, focus_distance_mm)?;
     let half = DVec2::from(film_mm) * 0.5;
@@ -56,12 +56,12 @@ pub(crate) fn lens_ghosts_json(
     let film = FilmPlane { curvature_per_mm, ..FilmPlane::upright(focus.film_z_mm) }.frame();
     let across = DVec2::from_angle(azimuth_deg.to_radians()) * angle_deg.to_radians().sin();
     let towards = DVec3::new(across.x, across.y, -angle_deg.to_radians().cos());
-    let beam = Beam::new(&system, Source::Far(towards)).ok_or_else(|| refused("the lens has no front glass"))?;
+    let beam = Beam::new(&system, Source::Far(towards)).ok_or_else(|| invalid("the lens has no front glass"))?;
     let tracer = system.at_wavelength(wavelength_nm);
     let paraxial = Paraxial::new(&system, wavelength_nm);
     let front_mm = 2.0 * system.surfaces()[0].semi_diameter_mm;
     let part = paraxial.entrance_pupil.diameter_mm.map_or(1.0, |mm| (mm / front_mm).min(1.0));
-    away(py, || {
+    without_gil(py, || {
         let least_mm = LEAST_PART * DVec2::from(film_mm).length();
         let found = ranking::ranked(&system, &tracer, &beam, (&film, is_film), reflections, part, least_mm);
         let ghosts: Vec<_> = found

@@ -1,6 +1,6 @@
 //! Glasses, for `petzval glass`.
 
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
 use crate::lens::check_wavelength;
 use petzval_optics::formats;
 use petzval_optics::glass::{Catalogue, Medium, line_nm};
@@ -32,14 +32,14 @@ pub(crate) fn glass_json(
 ) -> Result<String, Error> {
     wavelengths_nm.iter().try_for_each(|&nm| check_wavelength(nm))?;
     if !(thickness_mm > 0.0 && thickness_mm.is_finite()) {
-        return Err(refused(format!("a thickness of {thickness_mm} mm: give more than 0")));
+        return Err(invalid(format!("a thickness of {thickness_mm} mm: give more than 0")));
     }
     let (medium, remarks) = match catalogue {
-        None => (Catalogue::shipped().medium(name).map_err(|e| refused(e.to_string()))?, Vec::new()),
+        None => (Catalogue::shipped().medium(name).map_err(|e| invalid(e.to_string()))?, Vec::new()),
         Some(path) => {
             let (media, remarks) = of_file(py, path)?;
             let found = media.iter().find(|medium| medium.name().eq_ignore_ascii_case(name));
-            let found = found.ok_or_else(|| refused(format!("{path}: it has no usable glass '{name}': see --list")))?;
+            let found = found.ok_or_else(|| invalid(format!("{path}: it has no usable glass '{name}': see --list")))?;
             (found.clone(), remarks)
         }
     };

@@ -1,7 +1,7 @@
 //! Shader graphs at points given by hand.
 
-use crate::doorway::away;
 use crate::error::{Error, bad_scene};
+use crate::gil::without_gil;
 use glam::{Affine3A, Mat3A, Vec3A, Vec4};
 use numpy::{PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods, ndarray::Array2};
 use petzval_nodes::{Column, Graph, Layer, Operand, Pixels, Points, Program, Registers, compile};
@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 
-/// What a graph gives at each point.
+/// The values of a graph at each point.
 #[pyfunction]
 #[pyo3(signature = (graph_json, points, *, images = Vec::new(), world_to_object = None, world_to_camera = None))]
 pub(crate) fn evaluate_graph<'py>(
@@ -23,7 +23,7 @@ pub(crate) fn evaluate_graph<'py>(
     let graph = Graph::from_json(graph_json)?;
     let (table, count) = read_points(&points, world_to_object.as_ref(), world_to_camera.as_ref())?;
     let images = images.iter().map(read_image).collect::<Result<Vec<_>, Error>>()?;
-    let (program, reports, values) = away(py, || {
+    let (program, reports, values) = without_gil(py, || {
         let (program, reports) = compile(&graph);
         let values = run(&program, &table, count, &images);
         (program, reports, values)
@@ -124,8 +124,8 @@ fn matrix(values: &PyReadonlyArray2<'_, f64>) -> Result<Affine3A, Error> {
 
 fn read_image(pixels: &PyReadonlyArray3<'_, f32>) -> Result<Pixels, Error> {
     let array = pixels.as_array();
-    let refused = || bad_scene(format!("an image of shape {:?}; give (height, width, 4)", pixels.shape()));
-    let (height, width, 4) = array.dim() else { return Err(refused()) };
+    let invalid = || bad_scene(format!("an image of shape {:?}; give (height, width, 4)", pixels.shape()));
+    let (height, width, 4) = array.dim() else { return Err(invalid()) };
     let pixel = |i: usize| Vec4::from_array(std::array::from_fn(|channel| array[(i / width, i % width, channel)]));
-    Pixels::new(width, (0..width * height).map(pixel).collect()).ok_or_else(refused)
+    Pixels::new(width, (0..width * height).map(pixel).collect()).ok_or_else(invalid)
 }

@@ -1,9 +1,9 @@
 //! Renders, watched from Python.
 
 use crate::camera::{Matrix4, PyCamera};
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
 use crate::files::Checkpoint;
+use crate::gil::without_gil;
 use crate::parts::part;
 use crate::plan::Plan;
 use crate::scene::Scene;
@@ -18,11 +18,11 @@ use petzval_render::film;
 use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::integrator::Integrator;
-use petzval_render::integrator::path::parts::{Part, Parts, Seen};
+use petzval_render::integrator::path::parts::{LightPass, Parts, Seen};
 use petzval_render::integrator::path::{Approximations, FastGi, KindLimits};
 use petzval_render::job::catcher::{self, Laying};
 use petzval_render::job::checkpoint::Checkpoints;
-use petzval_render::job::{self as engine, Beside, Settings};
+use petzval_render::job::{self as engine, OutputOptions, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::pipeline::exposure::{Exposure, Shutter};
 use petzval_render::pipeline::motion::Motion;
@@ -82,19 +82,19 @@ impl TryFrom<PySettings> for Settings {
             "FILM" => Pipeline::FilmFirst,
             "SCENE" => Pipeline::SceneFirst,
             "HERO" => Pipeline::Hero,
-            other => return Err(refused(format!("there is no pipeline '{other}'; use AUTO, FILM, SCENE or HERO"))),
+            other => return Err(invalid(format!("there is no pipeline '{other}'; use AUTO, FILM, SCENE or HERO"))),
         };
         let integrator = match s.integrator.as_str() {
             "PATH" => Integrator::Path,
             "BIDIRECTIONAL" => Integrator::Bidirectional,
-            other => return Err(refused(format!("there is no integrator '{other}'; use PATH or BIDIRECTIONAL"))),
+            other => return Err(invalid(format!("there is no integrator '{other}'; use PATH or BIDIRECTIONAL"))),
         };
         let filter = match s.filter.as_str() {
             "BOX" => Filter::Box,
             "GAUSSIAN" => Filter::Gaussian(s.filter_width_px),
             "BLACKMAN_HARRIS" => Filter::BlackmanHarris(s.filter_width_px),
             other => {
-                return Err(refused(format!(
+                return Err(invalid(format!(
                     "there is no pixel filter '{other}'; use BOX, GAUSSIAN or BLACKMAN_HARRIS"
                 )));
             }
@@ -104,7 +104,7 @@ impl TryFrom<PySettings> for Settings {
             "OFF" => FastGi::Off,
             "REPLACE" => FastGi::Replace { bounces: s.fast_gi_bounces, distance, factor },
             "ADD" => FastGi::Add { distance, factor },
-            other => return Err(refused(format!("there is no fast GI '{other}'; use OFF, REPLACE or ADD"))),
+            other => return Err(invalid(format!("there is no fast GI '{other}'; use OFF, REPLACE or ADD"))),
         };
         Ok(Self {
             width: s.width,
@@ -140,7 +140,7 @@ impl TryFrom<PySettings> for Settings {
     }
 }
 
-/// How the shutter opens, and where the camera stands meanwhile.
+/// The opening of the shutter, and the camera's places meanwhile.
 #[derive(FromPyObject)]
 pub(crate) struct PyShutter {
     openness: Vec<f32>,
@@ -170,9 +170,9 @@ pub(crate) fn film_bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, ha
 #[pyclass(frozen)]
 pub(crate) struct Job {
     job: engine::Job,
-    /// That planning took.
+    /// Seconds that planning took.
     plan_seconds: f64,
-    /// What decides of the light that strays, and the camera before its decisions.
+    /// The plan that decides on stray light, and the camera before its decisions.
     strays: Option<(engine_plan::Plan, CameraDescription)>,
 }
 
@@ -205,7 +205,7 @@ impl Job {
         let checkpoints = match checkpoint {
             Some((file, fingerprint, every_s)) => {
                 let every = Duration::try_from_secs_f64(every_s)
-                    .map_err(|_| refused(format!("checkpoints every {every_s} s: name a time of 0 s or more")))?;
+                    .map_err(|_| invalid(format!("checkpoints every {every_s} s: name a time of 0 s or more")))?;
                 Some(Checkpoints { file, fingerprint, every })
             }
             None => None,
@@ -224,7 +224,7 @@ impl Job {
             None => None,
         };
         let mattes = mattes.iter().map(|name| matte_layer(name)).collect::<Result<Vec<_>, Error>>()?;
-        let mut parts = parts.iter().map(|name| part(name)).collect::<Result<Vec<Part>, Error>>()?;
+        let mut parts = parts.iter().map(|name| part(name)).collect::<Result<Vec<LightPass>, Error>>()?;
         if catches {
             parts.extend(catcher::PARTS);
         }
@@ -235,7 +235,7 @@ impl Job {
         let (now, unplanned) = (planned(&now), now);
         let plan_seconds = plan.map_or(0.0, |plan| plan.plan.seconds);
         let stage = scene.stage.clone();
-        away(py, || -> Result<Self, Error> {
+        without_gil(py, || -> Result<Self, Error> {
             let camera = |d| Camera::new(d, settings.width, settings.height);
             let cameras = descriptions.iter().map(camera).collect::<Result<Vec<Camera>, _>>()?;
             let imaging = |d: &CameraDescription| Imaging::new(d, settings.width, settings.height, stage.scene.origin);
@@ -258,7 +258,7 @@ impl Job {
                 Seen::by(now.matrix_world, stage.scene.origin, matches!(cameras[0], Camera::Orthographic(_)), mist);
             let parts = Parts::new(&parts, seen);
             let beside =
-                Beside { mattes, matte_levels, motion, clip, gains, light_groups, parts, checkpoints, exposure };
+                OutputOptions { mattes, matte_levels, motion, clip, gains, light_groups, parts, checkpoints, exposure };
             let strays = plan.map(|plan| (plan.plan.clone(), unplanned));
             Ok(Self { job: engine::Job::start_with(stage, cameras, settings, beside)?, plan_seconds, strays })
         })?
@@ -266,8 +266,8 @@ impl Job {
 
     fn wait(&self, py: Python<'_>, timeout_s: f64) -> Result<bool, Error> {
         let timeout = Duration::try_from_secs_f64(timeout_s.clamp(0.0, 1e6))
-            .map_err(|_| refused("the time to wait is not a number"))?;
-        away(py, || self.job.wait(timeout))
+            .map_err(|_| invalid("the time to wait is not a number"))?;
+        without_gil(py, || self.job.wait(timeout))
     }
 
     fn progress(&self) -> f32 {
@@ -279,7 +279,7 @@ impl Job {
     }
 
     fn take_tiles<'py>(&self, py: Python<'py>) -> Result<Vec<PyTile<'py>>, Error> {
-        let tiles = away(py, || self.job.take_tiles())?;
+        let tiles = without_gil(py, || self.job.take_tiles())?;
         tiles
             .into_iter()
             .map(|t| {
@@ -292,7 +292,7 @@ impl Job {
 
     fn image<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let (width, height) = self.job.film().size();
-        let pixels = away(py, || self.job.picture())?;
+        let pixels = without_gil(py, || self.job.picture())?;
         array(py, pixels, width, height)
     }
 
@@ -300,7 +300,7 @@ impl Job {
         let (width, height) = self.job.film().size();
         if let Some(place) = ["REMAINDER", "REMAINDER_FINE"].iter().position(|known| *known == name) {
             // With light that strays the picture is no sum of samples.
-            let rest = away(py, || match self.job.strayed() {
+            let rest = without_gil(py, || match self.job.strayed() {
                 Some(_) => vec![[[0.0; 4]; 2]; width as usize * height as usize],
                 None => self.job.film().remainders(),
             })?;
@@ -314,10 +314,10 @@ impl Job {
             "SAMPLES" => (DataPass::Samples, 1),
             other => {
                 let names = "DEPTH, POSITION, NORMAL, VECTOR, SAMPLES, REMAINDER or REMAINDER_FINE";
-                return Err(refused(format!("there is no pass '{other}'; use {names}")));
+                return Err(invalid(format!("there is no pass '{other}'; use {names}")));
             }
         };
-        let flat = PyArray1::from_vec(py, away(py, || self.job.data(pass))?);
+        let flat = PyArray1::from_vec(py, without_gil(py, || self.job.data(pass))?);
         Ok(flat.reshape([height as usize, width as usize, channels])?)
     }
 
@@ -326,16 +326,16 @@ impl Job {
         let film = self.job.film();
         let (width, height) = film.size();
         let channels = 4 * film.mattes().passes();
-        let flat = PyArray1::from_vec(py, away(py, || self.job.matte(layer))?);
+        let flat = PyArray1::from_vec(py, without_gil(py, || self.job.matte(layer))?);
         Ok(flat.reshape([height as usize, width as usize, channels])?)
     }
 
     fn light_group<'py>(&self, py: Python<'py>, number: usize) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let film = self.job.film();
         let group = number.checked_sub(1).and_then(|place| film.groups().get(place));
-        let group = group.ok_or_else(|| refused(format!("there is no light group of number {number}")))?;
+        let group = group.ok_or_else(|| invalid(format!("there is no light group of number {number}")))?;
         let (width, height) = film.size();
-        let pixels = away(py, || group.picture())?;
+        let pixels = without_gil(py, || group.picture())?;
         array(py, pixels, width, height)
     }
 
@@ -343,19 +343,19 @@ impl Job {
         let layer = matte_layer(layer)?;
         let film = self.job.film();
         let (width, height) = film.size();
-        let flat = PyArray1::from_vec(py, away(py, || film.most_seen(layer))?);
+        let flat = PyArray1::from_vec(py, without_gil(py, || film.most_seen(layer))?);
         Ok(flat.reshape([height as usize, width as usize, 1])?)
     }
 
     fn part<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let asked = part(name)?;
-        let pixels = away(py, || self.job.part(asked))?;
-        let pixels = pixels.ok_or_else(|| refused(format!("'{name}' is not kept")))?;
+        let pixels = without_gil(py, || self.job.part(asked))?;
+        let pixels = pixels.ok_or_else(|| invalid(format!("'{name}' is not kept")))?;
         self.array_of_three(py, pixels)
     }
 
     fn shadow<'py>(&self, py: Python<'py>, alone: &Self) -> Result<Bound<'py, PyArray3<f32>>, Error> {
-        let pixels = away(py, || self.job.shadow(&alone.job))?;
+        let pixels = without_gil(py, || self.job.shadow(&alone.job))?;
         self.array_of_three(py, pixels.ok_or_else(keeps_no_shadows)?)
     }
 
@@ -369,7 +369,7 @@ impl Job {
         is_apart: bool,
     ) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let laying = Laying { is_opaque, is_apart };
-        let pixels = away(py, || self.job.over_photograph(&alone.job, sky.map(|sky| &sky.job), laying))?;
+        let pixels = without_gil(py, || self.job.over_photograph(&alone.job, sky.map(|sky| &sky.job), laying))?;
         let (width, height) = self.job.film().size();
         array(py, pixels.ok_or_else(keeps_no_shadows)?, width, height)
     }
@@ -395,7 +395,7 @@ impl Job {
     fn develop(&self, py: Python<'_>) -> Result<(), Error> {
         let Some((plan, camera)) = &self.strays else { return Ok(()) };
         let settings = self.job.settings();
-        away(py, || {
+        without_gil(py, || {
             if let Some(strays) = plan.strays(camera, [settings.width, settings.height])? {
                 self.job.develop(&strays);
             }
@@ -409,13 +409,13 @@ impl Job {
 
     fn stray<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let pass = StrayPass::ALL.into_iter().find(|pass| pass.name() == name);
-        let pass = pass.ok_or_else(|| refused(format!("no light strays by the name of '{name}'")))?;
-        let pixels = away(py, || self.job.stray_pass(pass).iter().map(|light| light.to_array()).collect())?;
+        let pass = pass.ok_or_else(|| invalid(format!("no light strays by the name of '{name}'")))?;
+        let pixels = without_gil(py, || self.job.stray_pass(pass).iter().map(|light| light.to_array()).collect())?;
         self.array_of_three(py, pixels)
     }
 
     fn end_checkpoints(&self, py: Python<'_>) -> Result<Option<Checkpoint>, Error> {
-        Ok(away(py, || self.job.end_checkpoints())?.map(Checkpoint))
+        Ok(without_gil(py, || self.job.end_checkpoints())?.map(Checkpoint))
     }
 
     fn stats_json(&self) -> String {
@@ -493,7 +493,7 @@ impl Job {
 }
 
 fn keeps_no_shadows() -> Error {
-    refused("the render keeps nothing for shadows: make it with catches=True")
+    invalid("the render keeps nothing for shadows: make it with catches=True")
 }
 
 fn matte_layer(name: &str) -> Result<MatteLayer, Error> {
@@ -505,7 +505,7 @@ fn matte_layer(name: &str) -> Result<MatteLayer, Error> {
         "MATERIAL_INDEX" => Ok(MatteLayer::MaterialIndex),
         other => {
             let names = "OBJECT, MATERIAL, ASSET, OBJECT_INDEX or MATERIAL_INDEX";
-            Err(refused(format!("there are no mattes of '{other}'; use {names}")))
+            Err(invalid(format!("there are no mattes of '{other}'; use {names}")))
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Lens files for `petzval lens`.
 
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
+use crate::gil::without_gil;
 use crate::library;
 use crate::setting::Setting;
 use glam::DVec3;
@@ -33,7 +33,7 @@ pub(crate) struct Lens {
 impl Lens {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> Result<Self, Error> {
-        let reading = away(py, || formats::read(&path, Catalogue::shipped()))??;
+        let reading = without_gil(py, || formats::read(&path, Catalogue::shipped()))??;
         let remarks = reading.remarks.iter().map(ToString::to_string).collect();
         Ok(Self { prescription: reading.prescription, remarks })
     }
@@ -54,7 +54,7 @@ impl Lens {
         let write = match kind {
             "lens" => formats::lens::write,
             "zmx" => formats::zmx::write,
-            other => return Err(refused(format!("lenses cannot be written as .{other}; give .lens or .zmx"))),
+            other => return Err(invalid(format!("lenses cannot be written as .{other}; give .lens or .zmx"))),
         };
         Ok(write(&self.prescription, Catalogue::shipped()))
     }
@@ -91,7 +91,7 @@ impl Lens {
         let (system, focus) = setting.focused(self, wavelength_nm, focus_distance_mm)?;
         let p = Paraxial::new(&system, wavelength_nm);
         let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
-        let fields = away(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
+        let fields = without_gil(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
         let total = seidel.as_ref().map(Seidel::total);
         let by_surface = seidel.as_ref().map(|s| &s.by_surface);
         let pupil = |p: &Pupil| json!({ "z_mm": p.z_mm, "diameter_mm": p.diameter_mm });
@@ -161,7 +161,7 @@ impl Lens {
         let trace = match precision {
             "f64" => trace_all::<f64>,
             "f32" => trace_all::<f32>,
-            _ => return Err(refused(format!("precision {precision}: there is no such; give f64 or f32"))),
+            _ => return Err(invalid(format!("precision {precision}: there is no such; give f64 or f32"))),
         };
         let setting = setting.unwrap_or_default();
         let system = match focus {
@@ -172,20 +172,20 @@ impl Lens {
             None => setting.system(self)?,
         };
         let document: Value =
-            serde_json::from_str(rays_json).map_err(|e| refused(format!("the rays are not JSON: {e}")))?;
+            serde_json::from_str(rays_json).map_err(|e| invalid(format!("the rays are not JSON: {e}")))?;
         let rays = document["rays"]
             .as_array()
-            .ok_or_else(|| refused("the rays' JSON has no list \"rays\"; see `petzval lens trace --help`"))?
+            .ok_or_else(|| invalid("the rays' JSON has no list \"rays\"; see `petzval lens trace --help`"))?
             .iter()
             .enumerate()
             .map(|(i, ray)| parse_ray(i, ray))
             .collect::<Result<Vec<_>, Error>>()?;
-        let out = away(py, || trace(&system, &rays, from_film))?;
+        let out = without_gil(py, || trace(&system, &rays, from_film))?;
         Ok(json!({ "rays": out }).to_string())
     }
 }
 
-/// Why there are no Seidel sums; `None`: there are.
+/// The reason why there are no Seidel sums; `None`: there are.
 fn no_seidel(system: &System, p: &Paraxial) -> Option<&'static str> {
     if system.has_gradients() {
         return Some("a medium has a gradient, whose own share is not worked out");
@@ -193,7 +193,7 @@ fn no_seidel(system: &System, p: &Paraxial) -> Option<&'static str> {
     p.entrance_pupil.z_mm.is_none().then_some("the entrance pupil is at infinity")
 }
 
-/// How much wider in radius than a round opening of the diaphragm's own area is the circle that holds it.
+/// Radius of the circle that holds the diaphragm's opening, over that of a round opening of equal area.
 fn rounded(system: &System) -> f64 {
     let diaphragm = system.diaphragm();
     diaphragm.radius_mm() * (PI / diaphragm.area_mm2()).sqrt()
@@ -203,11 +203,11 @@ pub(crate) fn check_wavelength(nm: f64) -> Result<(), Error> {
     if (100.0..=20_000.0).contains(&nm) {
         return Ok(());
     }
-    Err(refused(format!("wavelength {nm} nm: give nanometres; visible light is 380 to 780")))
+    Err(invalid(format!("wavelength {nm} nm: give nanometres; visible light is 380 to 780")))
 }
 
 fn parse_ray(index: usize, ray: &Value) -> Result<(Ray, f64), Error> {
-    let bad = |what: &str| refused(format!("ray {index}: {what}; see `petzval lens trace --help`"));
+    let bad = |what: &str| invalid(format!("ray {index}: {what}; see `petzval lens trace --help`"));
     let vector = |key: &str| -> Result<DVec3, Error> {
         let list = ray[key].as_array().filter(|l| l.len() == 3);
         let numbers: Option<Vec<f64>> = list.and_then(|l| l.iter().map(Value::as_f64).collect());

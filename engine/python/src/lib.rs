@@ -4,7 +4,6 @@
 mod camera;
 mod compiled;
 mod curves;
-mod doorway;
 mod drawing;
 mod edges;
 mod error;
@@ -12,10 +11,10 @@ mod files;
 mod focusing;
 mod framing;
 mod ghosts;
+mod gil;
 mod glass;
 mod graph;
 mod job;
-mod layer;
 mod lens;
 mod library;
 mod material;
@@ -32,7 +31,7 @@ mod surface;
 
 use pyo3::prelude::*;
 
-/// What this module was compiled for: a level of x86-64 (`petzval/processors.py`), or the kind of processor.
+/// The target of this module's compilation: a level of x86-64 (`petzval/processors.py`), or the kind of processor.
 const PROCESSOR: &str = if cfg!(not(target_arch = "x86_64")) {
     std::env::consts::ARCH
 } else if cfg!(all(target_feature = "avx512f", target_feature = "avx512vl")) {
@@ -53,6 +52,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     error::register(m)?;
     m.add_class::<lens::Lens>()?;
     m.add_class::<scene::SceneBuilder>()?;
+    m.add_class::<scene::SceneDraft>()?;
     m.add_class::<scene::Scene>()?;
     m.add_class::<job::Job>()?;
     m.add_class::<plan::Plan>()?;

@@ -1,4 +1,4 @@
-//! What a list of lenses shows of each.
+//! The data of each lens in a list of lenses.
 
 use crate::error::Error;
 use petzval_optics::axial_beam;

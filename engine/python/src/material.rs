@@ -3,15 +3,13 @@
 use crate::camera::Matrix4;
 use crate::compiled::Graphs;
 use crate::error::{Error, bad_scene};
-use crate::layer::PyLayer;
 use glam::{Affine3A, DMat4, Mat3, Mat3A};
 use petzval_render::Rgb;
 use petzval_render::nodes::lamp;
 use petzval_render::scene::graph::Displacement;
 use petzval_render::scene::lamp::{Lamp, LampKind};
-use petzval_render::scene::material::{Aovs, Channel, ImageInput, Input, Material};
-use petzval_render::scene::texture::{Extension, Interpolation};
-use petzval_render::scene::visibility::{Rays, Sets};
+use petzval_render::scene::material::{Aovs, Material};
+use petzval_render::scene::visibility::{LightSets, Rays};
 use petzval_render::scene::world::World;
 use pyo3::prelude::*;
 
@@ -32,90 +30,9 @@ pub(crate) fn visible(hidden_from: &[String], owner: &str) -> Result<Rays, Error
 }
 
 #[derive(FromPyObject)]
-pub(crate) struct PyImageInput {
-    image: u32,
-    uv_map: Option<String>,
-    mapping: [[f32; 3]; 2],
-    interpolation: String,
-    extension: String,
-    channel: String,
-}
-
-impl TryFrom<PyImageInput> for ImageInput {
-    type Error = Error;
-
-    fn try_from(i: PyImageInput) -> Result<Self, Error> {
-        let unknown = |what: &str, value: &str| bad_scene(format!("image input: there is no {what} '{value}'"));
-        let interpolation = match i.interpolation.as_str() {
-            "LINEAR" => Interpolation::Linear,
-            "CLOSEST" => Interpolation::Closest,
-            other => return Err(unknown("interpolation", other)),
-        };
-        let extension = match i.extension.as_str() {
-            "REPEAT" => Extension::Repeat,
-            "EXTEND" => Extension::Extend,
-            "CLIP" => Extension::Clip,
-            "MIRROR" => Extension::Mirror,
-            other => return Err(unknown("extension", other)),
-        };
-        let channel = match i.channel.as_str() {
-            "COLOR" => Channel::Color,
-            "ALPHA" => Channel::Alpha,
-            "RED" => Channel::Red,
-            "GREEN" => Channel::Green,
-            "BLUE" => Channel::Blue,
-            other => return Err(unknown("channel", other)),
-        };
-        Ok(Self { texture: i.image, uv_map: i.uv_map, mapping: i.mapping, interpolation, extension, channel })
-    }
-}
-
-#[derive(FromPyObject)]
-pub(crate) enum PyColour {
-    Constant(Colour),
-    Image(PyImageInput),
-}
-
-#[derive(FromPyObject)]
-pub(crate) enum PyNumber {
-    Constant(f32),
-    Image(PyImageInput),
-}
-
-impl PyColour {
-    pub(crate) fn input(self) -> Result<Input<Rgb>, Error> {
-        Ok(match self {
-            Self::Constant(c) => Input::Constant(rgb(c)),
-            Self::Image(i) => Input::Image(i.try_into()?),
-        })
-    }
-}
-
-impl PyNumber {
-    pub(crate) fn input(self) -> Result<Input<f32>, Error> {
-        Ok(match self {
-            Self::Constant(v) => Input::Constant(v),
-            Self::Image(i) => Input::Image(i.try_into()?),
-        })
-    }
-}
-
-#[derive(FromPyObject)]
 pub(crate) struct PyMaterial {
     name: String,
-    base_color: PyColour,
-    metallic: PyNumber,
-    roughness: PyNumber,
-    ior: f32,
-    specular_ior_level: f32,
-    specular_tint: Colour,
-    transmission: PyNumber,
-    alpha: PyNumber,
-    emission_color: PyColour,
-    emission_strength: f32,
-    specular: bool,
-    layers: Vec<PyLayer>,
-    graph: Option<String>,
+    graph: String,
     pass_index: i32,
     displacement_method: String,
     aovs: Option<(String, Vec<u16>)>,
@@ -135,34 +52,16 @@ impl PyMaterial {
         let aovs = match m.aovs {
             None => None,
             Some((json, numbers)) => {
-                let (graph, told) = graphs.read(Some(json), m.pass_index, Displacement::default(), &owner)?;
+                let (graph, told) = graphs.read(json, m.pass_index, Displacement::default(), &owner)?;
                 for what in told {
                     if !reports.contains(&what) {
                         reports.push(what);
                     }
                 }
-                graph.map(|graph| Aovs { graph, numbers })
+                Some(Aovs { graph, numbers })
             }
         };
-        let material = Material {
-            name: m.name,
-            base_color: m.base_color.input()?,
-            metallic: m.metallic.input()?,
-            roughness: m.roughness.input()?,
-            ior: m.ior,
-            specular_ior_level: m.specular_ior_level,
-            specular_tint: rgb(m.specular_tint),
-            transmission: m.transmission.input()?,
-            alpha: m.alpha.input()?,
-            emission_color: m.emission_color.input()?,
-            emission_strength: m.emission_strength,
-            specular: m.specular,
-            layers: m.layers.into_iter().map(PyLayer::layer).collect::<Result<_, _>>()?,
-            graph,
-            pass_index: m.pass_index,
-            aovs,
-            ..Material::default_grey()
-        };
+        let material = Material { pass_index: m.pass_index, aovs, ..Material::new(m.name, graph) };
         Ok((material, reports))
     }
 }
@@ -215,7 +114,7 @@ impl PyLight {
             other => return Err(unknown("kind of light", other)),
         };
         let owner = format!("Light '{}'", self.object_name);
-        let (graph, mut reports) = graphs.read(self.graph, 0, Displacement::default(), &owner)?;
+        let (graph, mut reports) = graphs.read_some(self.graph, &owner)?;
         for field in graph.iter().flat_map(|graph| lamp::unknown(graph)) {
             reports.push(format!("{owner}: {field:?} is not supported in a light yet, it is 0"));
         }
@@ -225,7 +124,7 @@ impl PyLight {
             color: rgb(self.color),
             graph,
             reaches,
-            sets: Sets { receivers: self.sets.0 & 63, blockers: self.sets.1 & 63 },
+            sets: LightSets { receivers: self.sets.0 & 63, blockers: self.sets.1 & 63 },
             light_group: self.light_group,
             max_bounces: self.max_bounces,
             cast_shadow: self.cast_shadow,
@@ -249,7 +148,7 @@ impl PyWorld {
     /// The world, and what of its nodes the engine does otherwise than Blender.
     pub(crate) fn world(self, graphs: &mut Graphs) -> Result<(World, Vec<String>), Error> {
         let w = self;
-        let (graph, reports) = graphs.read(w.graph, 0, Displacement::default(), "World")?;
+        let (graph, reports) = graphs.read_some(w.graph, "World")?;
         let world = World {
             color: rgb(w.color),
             texture: w.image,

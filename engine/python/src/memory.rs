@@ -1,4 +1,4 @@
-//! How much memory a scene may take.
+//! Memory that is free for a scene.
 
 use pyo3::prelude::*;
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};

@@ -10,7 +10,7 @@ use petzval_render::scene::motion::Poses;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What values belong to ("POINT", "CORNER": of faces, "TRIANGLE"), and these, one a row.
+/// The domain of values ("POINT", "CORNER": of faces, "TRIANGLE"), and these, one a row.
 pub(crate) type PyCorners<'py> = (String, PyReadonlyArray2<'py, f32>);
 
 /// A mesh's vertices at a key, and the normals of its corners, if they are given.
@@ -39,13 +39,13 @@ row!(Vec2, 2);
 row!(Vec3, 3);
 row!(Vec4, 4);
 
-/// One a row; `None` where the rows have another length, or do not lie one after the other.
+/// Reads one vector from each row; `None` where the rows have another length, or do not lie one after the other.
 pub(crate) fn vectors<T: Row>(array: &PyReadonlyArray2<'_, f32>) -> Option<Vec<T>> {
     let values = array.as_slice().ok().filter(|_| array.shape()[1] == T::LENGTH)?;
     Some(values.chunks_exact(T::LENGTH).map(T::of).collect())
 }
 
-/// Three a triangle.
+/// Reads vertex indices, three for each triangle.
 pub(crate) fn indices(array: &Bound<'_, PyAny>) -> Result<Vec<[u32; 3]>, &'static str> {
     const NOT_CONTIGUOUS: &str = "not contiguous";
     fn threes<T: Copy>(list: &[T], of: impl Fn(T) -> u32) -> Vec<[u32; 3]> {
@@ -61,7 +61,7 @@ pub(crate) fn indices(array: &Bound<'_, PyAny>) -> Result<Vec<[u32; 3]>, &'stati
     }
 }
 
-/// By what they belong to.
+/// The values of an array by the domain that they belong to.
 pub(crate) fn corners<T: Row>((domain, array): &PyCorners<'_>) -> Result<Corners<T>, String> {
     let values = vectors(array)
         .ok_or_else(|| format!("give contiguous rows of {} numbers, not {:?}", T::LENGTH, array.shape()))?;
@@ -73,7 +73,7 @@ pub(crate) fn corners<T: Row>((domain, array): &PyCorners<'_>) -> Result<Corners
     }
 }
 
-/// By name.
+/// The arrays of a dictionary by name.
 pub(crate) fn named<T: Row>(dict: Option<&Bound<'_, PyDict>>) -> Result<Vec<Named<T>>, String> {
     let mut found = Vec::new();
     for (key, value) in dict.into_iter().flatten() {

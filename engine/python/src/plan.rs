@@ -1,22 +1,22 @@
 //! Plans of effects: made of a scene and a camera, told of, and handed to a render.
 
 use crate::camera::PyCamera;
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
+use crate::gil::without_gil;
 use crate::job::{PySettings, PyShutter};
 use crate::scene::Scene;
 use petzval_render::camera::clip::Clip;
 use petzval_render::camera::{Camera, CameraDescription};
 use petzval_render::integrator::Integrator;
 use petzval_render::job::forecast::Forecast;
-use petzval_render::job::{Beside, Settings};
-use petzval_render::plan::{self, Decision, Effect, Wishes, Word};
+use petzval_render::job::{OutputOptions, Settings};
+use petzval_render::plan::{self, Decision, Effect, EffectMode, PlanOptions};
 use petzval_render::stray::Reflections;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// What is simulated in one picture, and why.
+/// A plan: the effects that are simulated in one picture, and the reasons.
 #[pyclass(frozen)]
 pub(crate) struct Plan {
     pub(crate) plan: plan::Plan,
@@ -45,11 +45,11 @@ impl Plan {
         let settings: Settings = settings.try_into()?;
         let mut wishes = wishes(&effects, quality, &settings)?;
         wishes.ghost_reflections = Reflections::of(ghost_reflections)
-            .ok_or_else(|| refused(format!("{ghost_reflections} reflections of ghosts: give 2 or 4")))?;
+            .ok_or_else(|| invalid(format!("{ghost_reflections} reflections of ghosts: give 2 or 4")))?;
         let needs_lens = settings.integrator == Integrator::Bidirectional;
         let size = [settings.width, settings.height];
         let stage = scene.stage.clone();
-        let plan = away(py, || {
+        let plan = without_gil(py, || {
             let exposure = shutter.map(|shutter| shutter.exposure(stage.scene.origin));
             plan::Plan::new(&stage, &description, &moving, size, &wishes, needs_lens, exposure.as_ref())
         })??;
@@ -62,9 +62,9 @@ impl Plan {
         let mut settings: Settings = settings.try_into()?;
         settings.pipeline = self.plan.pipeline();
         let (stage, samples) = (scene.stage.clone(), settings.samples);
-        let found = away(py, || -> Result<Forecast, Error> {
+        let found = without_gil(py, || -> Result<Forecast, Error> {
             let ready = Camera::new(&camera, settings.width, settings.height)?;
-            let beside = Beside { clip: Clip::new(&camera, &ready), ..Beside::default() };
+            let beside = OutputOptions { clip: Clip::new(&camera, &ready), ..OutputOptions::default() };
             Ok(Forecast::new(stage, vec![ready], settings, beside)?)
         })??;
         let mut told = self.value();
@@ -86,7 +86,7 @@ impl Plan {
 }
 
 impl Plan {
-    /// Everything that is told of it.
+    /// The report of the plan.
     fn value(&self) -> Value {
         let plan = &self.plan;
         let look = &plan.look;
@@ -135,21 +135,21 @@ fn row(d: &Decision) -> Value {
     })
 }
 
-fn wishes(effects: &BTreeMap<String, String>, quality: f64, settings: &Settings) -> Result<Wishes, Error> {
-    let mut wishes = Wishes::default();
+fn wishes(effects: &BTreeMap<String, String>, quality: f64, settings: &Settings) -> Result<PlanOptions, Error> {
+    let mut wishes = PlanOptions::default();
     (wishes.quality, wishes.pipeline) = (quality, settings.pipeline);
     for (name, word) in effects {
         let names = || Effect::ALL.map(Effect::name).join(", ");
         let effect = Effect::named(name)
-            .ok_or_else(|| refused(format!("there is no effect '{name}'; use one of {}", names())))?;
-        let word =
-            Word::named(word).ok_or_else(|| refused(format!("effect {name} is '{word}'; use auto, on or off")))?;
+            .ok_or_else(|| invalid(format!("there is no effect '{name}'; use one of {}", names())))?;
+        let word = EffectMode::named(word)
+            .ok_or_else(|| invalid(format!("effect {name} is '{word}'; use auto, on or off")))?;
         wishes.say(effect, word);
     }
     Ok(wishes)
 }
 
-/// Name and unit of each effect, in the order of reports, and whether it can be simulated.
+/// Name, unit and tolerance at quality 1 of each effect, in the order of reports, and true if it can be simulated.
 #[pyfunction]
 pub(crate) fn effects_json() -> String {
     let one = |effect: Effect| {

@@ -7,8 +7,8 @@ use petzval_render::scene::points::PointsDescription;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What `SceneBuilder.add_points` takes beside points.
-pub(crate) struct More<'py> {
+/// The arguments of `SceneBuilder.add_points` beside points.
+pub(crate) struct PointOptions<'py> {
     pub(crate) attributes: Option<Bound<'py, PyDict>>,
     pub(crate) moved_points: Option<[PyReadonlyArray2<'py, f32>; 2]>,
     pub(crate) poses: Option<Vec<PyReadonlyArray2<'py, f32>>>,
@@ -18,7 +18,7 @@ pub(crate) struct More<'py> {
 pub(crate) fn description(
     name: &str,
     points: &PyReadonlyArray2<'_, f32>,
-    more: More<'_>,
+    more: PointOptions<'_>,
 ) -> Result<PointsDescription, Error> {
     let bad = |what: String| bad_scene(format!("points '{name}': {what}"));
     let rows = |array: &PyReadonlyArray2<'_, f32>, width: usize, what: &str| -> Result<Vec<f32>, Error> {

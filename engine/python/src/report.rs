@@ -1,7 +1,7 @@
 //! Reports of a lens, for `petzval lens spots`, `fans`, `mtf`, `psf`, `distortion` and `illumination`.
 
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
+use crate::gil::without_gil;
 use crate::lens::{Lens, check_wavelength};
 use crate::setting::{Setting, focus_at};
 use petzval_optics::analysis::Analysis;
@@ -17,23 +17,23 @@ use petzval_render::camera::t_number;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-/// More make no picture.
+/// Largest number of fields, wavelengths, rays, steps or heights of a report.
 const MOST: usize = 2000;
 const MOST_RAYS_OF_A_SIDE: usize = 500;
 
-/// How a lens is looked at. Read by attribute; `petzval/lens_setting.py` has the dataclass.
+/// The settings of a lens report. Read by attribute; `petzval/lens_setting.py` has the dataclass.
 #[derive(FromPyObject)]
 pub(crate) struct Look {
     /// Angles to the axis; none: the report's own.
     fields_deg: Vec<f64>,
-    /// In vacuum; that nearest the d line is the main one. None: F, d and C.
+    /// Wavelengths in vacuum; that nearest the d line is the main one. None: F, d and C.
     wavelengths_nm: Vec<f64>,
-    /// From right to up.
+    /// Azimuth of the fields, from right to up.
     azimuth_deg: f64,
     focus_distance_mm: Option<f64>,
-    /// The film where the axis is sharpest, instead of where paraxial rays meet.
+    /// True if the film is where the axis is sharpest, instead of where paraxial rays meet.
     best_focus: bool,
-    /// From there.
+    /// Displacement of the film from that place.
     defocus_mm: f64,
 }
 
@@ -52,15 +52,15 @@ impl Look {
         lines[self.main(lines)]
     }
 
-    /// Everything that was asked for, checked.
+    /// The analysis that was asked for, checked.
     fn analysis<'a>(&self, system: &'a System) -> Result<Analysis<'a>, Error> {
         let lines = self.lines();
         lines.iter().try_for_each(|&nm| check_wavelength(nm))?;
         if let Some(angle) = self.fields_deg.iter().find(|angle| !(-180.0..=180.0).contains(*angle)) {
-            return Err(refused(format!("a field of {angle} degrees: give angles from -180 to 180")));
+            return Err(invalid(format!("a field of {angle} degrees: give angles from -180 to 180")));
         }
         if lines.len().max(self.fields_deg.len()) > MOST || !self.defocus_mm.is_finite() {
-            return Err(refused(format!(
+            return Err(invalid(format!(
                 "more than {MOST} fields or wavelengths, or a defocus without end: give less"
             )));
         }
@@ -68,13 +68,13 @@ impl Look {
         let focus = focus_at(system, lines[main], self.focus_distance_mm)?;
         let azimuth = self.azimuth_deg.to_radians();
         let analysis = Analysis::new(system, focus, lines, main, azimuth).ok_or_else(|| {
-            refused(format!(
+            invalid(format!(
                 "lens '{}': its entrance pupil lies at infinity, so there is nothing to count fields from: only `lens draw` and `lens trace` show it",
                 system.name()
             ))
         })?;
         let analysis =
-            if self.best_focus { analysis.at_best_focus().map_err(|e| refused(e.to_string()))? } else { analysis };
+            if self.best_focus { analysis.at_best_focus().map_err(|e| invalid(e.to_string()))? } else { analysis };
         let film_z_mm = analysis.film().z_mm + self.defocus_mm;
         Ok(analysis.with_film_at(film_z_mm))
     }
@@ -131,7 +131,7 @@ fn with(mut head: Value, entries: Value) -> String {
 
 fn within(count: usize, most: usize, what: &str) -> Result<(), Error> {
     let is_good = (2..=most).contains(&count);
-    is_good.then_some(()).ok_or_else(|| refused(format!("{count} {what}: give 2 to {most}")))
+    is_good.then_some(()).ok_or_else(|| invalid(format!("{count} {what}: give 2 to {most}")))
 }
 
 /// See the stub.
@@ -146,7 +146,7 @@ pub(crate) fn lens_spots_json(
 ) -> Result<String, Error> {
     within(rays, MOST_RAYS_OF_A_SIDE, "rays over the width of a beam")?;
     let system = look.system(lens, setting)?;
-    away(py, || {
+    without_gil(py, || {
         let (mut analysis, fields, head) = look.open(&system, &SOME)?;
         let film_z_mm = analysis.film().z_mm;
         let mut through = Vec::new();
@@ -187,7 +187,7 @@ pub(crate) fn lens_fans_json(
 ) -> Result<String, Error> {
     within(rays, MOST, "rays of a fan")?;
     let system = look.system(lens, setting)?;
-    away(py, || {
+    without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &SOME)?;
         let fan = |lines: &[FanLine]| -> Vec<Value> {
             let ray = |line: &FanLine| {
@@ -224,19 +224,19 @@ pub(crate) fn lens_mtf_json(
     within(heights, MOST, "heights")?;
     let is_good = |frequency: f64| (1e-6..=1e6).contains(&frequency);
     if !is_good(highest_per_mm) || !is_good(height_step_per_mm) {
-        return Err(refused(format!(
+        return Err(invalid(format!(
             "frequencies to {highest_per_mm} and {height_step_per_mm} lines/mm: give more than 0"
         )));
     }
     let system = look.system(lens, setting)?;
-    away(py, || {
+    without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &SOME)?;
         let curve = |c: &Curve| json!({ "contrast": c.contrast, "geometric": c.geometric, "limit": c.limit });
         let entry = |angle: f64, step_per_mm: f64, count: usize| match analysis.mtf(angle, step_per_mm, count) {
             Ok(mtf) => Ok(json!({ "angle_deg": angle, "is_dark": false, "height_mm": mtf.height_mm,
                                   "sagittal": curve(&mtf.sagittal), "tangential": curve(&mtf.tangential) })),
             Err(MtfError::Dark) => Ok(json!({ "angle_deg": angle, "is_dark": true })),
-            Err(error) => Err(refused(format!("lens '{}': {error}", system.name()))),
+            Err(error) => Err(invalid(format!("lens '{}': {error}", system.name()))),
         };
         let step = highest_per_mm / steps as f64;
         let by_frequency = fields.iter().map(|&angle| entry(angle, step, steps + 1));
@@ -264,7 +264,7 @@ pub(crate) fn lens_mtf_json(
 #[pyfunction]
 pub(crate) fn lens_psf_json(py: Python<'_>, lens: &Lens, setting: Setting, look: Look) -> Result<String, Error> {
     let system = look.system(lens, setting)?;
-    away(py, || {
+    without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &SOME)?;
         let field = |&angle: &f64| match analysis.psf(angle) {
             Ok(psf) => json!({
@@ -298,7 +298,7 @@ pub(crate) fn lens_distortion_json(
 ) -> Result<String, Error> {
     within(count, MOST, "fields")?;
     let system = look.system(lens, setting)?;
-    away(py, || {
+    without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &evenly(count))?;
         let chief = |&angle: &f64| match analysis.chief_ray(angle) {
             Some(ray) => json!({
@@ -331,7 +331,7 @@ pub(crate) fn lens_transmission_json(
     spectrum_nm.iter().try_for_each(|&nm| check_wavelength(nm))?;
     let is_assumed = setting.keeps_coatings() && lens.prescription.assumes_coatings();
     let system = look.system(lens, setting)?;
-    away(py, || {
+    without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &SOME)?;
         let through = analysis.transmission(&fields, &spectrum_nm);
         let field = |one: &FieldTransmission| json!({ "angle_deg": one.angle_deg, "parts": one.parts, "is_dark": one.parts.is_none() });
@@ -371,7 +371,7 @@ pub(crate) fn lens_illumination_json(
 ) -> Result<String, Error> {
     within(count, MOST, "fields")?;
     let system = look.system(lens, setting)?;
-    away(py, || {
+    without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &evenly(count))?;
         let lit = analysis.illumination(&fields);
         let field = |light: &Illumination| {

@@ -2,20 +2,20 @@
 
 use crate::camera::Matrix4;
 use crate::compiled::Graphs;
-use crate::curves::{More, description};
-use crate::doorway::away;
-use crate::error::{Error, bad_scene, refused};
+use crate::curves::{CurveOptions, description};
+use crate::error::{Error, bad_scene, invalid};
+use crate::gil::without_gil;
 use crate::material::{PyLight, PyMaterial, PyWorld, visible};
 use crate::mesh::{PyCorners, PyGrid, PyPose, corners, indices, named, read_grid, read_poses, vectors};
 use crate::points;
 use glam::{DMat4, DVec3};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use petzval_render::scene::mesh::MeshDescription;
-use petzval_render::scene::softening::Softening;
+use petzval_render::scene::shadow_terminator::ShadowTerminator;
 use petzval_render::scene::texture::Texture;
 use petzval_render::scene::viewport::ViewportDescription;
-use petzval_render::scene::visibility::{Links, Sets};
+use petzval_render::scene::visibility::{LightLinking, LightSets};
 use petzval_render::scene::{self as engine, ObjectInfo};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -35,7 +35,7 @@ pub(crate) struct SceneBuilder {
 /// A built scene; cheap to share between renders.
 #[pyclass(frozen)]
 pub(crate) struct Scene {
-    pub(crate) stage: Arc<Stage>,
+    pub(crate) stage: Arc<PreparedScene>,
 }
 
 /// A scene without its trees.
@@ -62,12 +62,12 @@ impl SceneBuilder {
             let (w, h) = shape(array.shape())?;
             let array = array.readonly();
             let values = array.as_slice().map_err(not_contiguous)?;
-            away(py, || Texture::from_floats(name, w, h, values, srgb))??
+            without_gil(py, || Texture::from_floats(name, w, h, values, srgb))??
         } else if let Ok(array) = pixels.cast::<PyArrayDyn<u8>>() {
             let (w, h) = shape(array.shape())?;
             let array = array.readonly();
             let values = array.as_slice().map_err(not_contiguous)?;
-            away(py, || Texture::from_bytes(name, w, h, values, srgb))??
+            without_gil(py, || Texture::from_bytes(name, w, h, values, srgb))??
         } else {
             return Err(bad_scene(format!("image '{name}': give its pixels as a float32 or uint8 array")));
         };
@@ -77,7 +77,7 @@ impl SceneBuilder {
     fn add_material(&mut self, material: PyMaterial) -> Result<usize, Error> {
         let (material, reports) = material.material(&mut self.graphs)?;
         reports.into_iter().for_each(|report| self.builder.warn(report));
-        Ok(self.builder.add_material(material)?)
+        Ok(self.builder.add_material(material))
     }
 
     #[pyo3(signature = (
@@ -138,7 +138,7 @@ impl SceneBuilder {
             keeps_opacity,
         };
         let builder = &mut self.builder;
-        Ok(away(py, || builder.add_mesh(description))??)
+        Ok(without_gil(py, || builder.add_mesh(description))??)
     }
 
     #[pyo3(signature = (
@@ -158,10 +158,10 @@ impl SceneBuilder {
         attributes: Option<Bound<'py, PyDict>>,
         moved_keys: Option<[PyReadonlyArray2<'py, f32>; 2]>,
     ) -> Result<usize, Error> {
-        let more = More { shape, pieces, first_number, uv_maps, attributes, moved_keys };
+        let more = CurveOptions { shape, pieces, first_number, uv_maps, attributes, moved_keys };
         let description = description(name, &keys, &first_keys, more)?;
         let builder = &mut self.builder;
-        Ok(away(py, || builder.add_curves(description))??)
+        Ok(without_gil(py, || builder.add_curves(description))??)
     }
 
     #[pyo3(signature = (name, points, *, attributes = None, moved_points = None, poses = None))]
@@ -174,14 +174,14 @@ impl SceneBuilder {
         moved_points: Option<[PyReadonlyArray2<'py, f32>; 2]>,
         poses: Option<Vec<PyReadonlyArray2<'py, f32>>>,
     ) -> Result<usize, Error> {
-        let description = points::description(name, &points, points::More { attributes, moved_points, poses })?;
+        let description = points::description(name, &points, points::PointOptions { attributes, moved_points, poses })?;
         let builder = &mut self.builder;
-        Ok(away(py, || builder.add_points(description))??)
+        Ok(without_gil(py, || builder.add_points(description))??)
     }
 
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
-        moved = None, keys = None, info = None, light_group = 0, softening = (0.0, 0.0), is_holdout = false,
+        moved = None, keys = None, info = None, light_group = 0, shadow_terminator = (0.0, 0.0), is_holdout = false,
         is_catcher = false, occlusion_distance = 0.0
     ))]
     #[allow(clippy::too_many_arguments)]
@@ -198,7 +198,7 @@ impl SceneBuilder {
         keys: Option<Vec<Matrix4>>,
         info: Option<PyObjectInfo>,
         light_group: u16,
-        softening: (f32, f32),
+        shadow_terminator: (f32, f32),
         is_holdout: bool,
         is_catcher: bool,
         occlusion_distance: f32,
@@ -207,8 +207,8 @@ impl SceneBuilder {
         let Some(instance) = instance else { return Ok(()) };
         self.builder.set_visible(instance, visible(&hidden_from, object_name)?);
         if let Some((receives, blocks, receivers, blockers)) = links {
-            let sets = Sets { receivers: receivers & 63, blockers: blockers & 63 };
-            self.builder.set_links(instance, Links { receives, blocks, sets });
+            let sets = LightSets { receivers: receivers & 63, blockers: blockers & 63 };
+            self.builder.set_links(instance, LightLinking { receives, blocks, sets });
         }
         self.builder.set_light_group(instance, light_group);
         self.builder.set_occlusion_distance(instance, occlusion_distance);
@@ -218,7 +218,7 @@ impl SceneBuilder {
         if is_holdout {
             self.builder.hold_out(instance);
         }
-        self.builder.set_softening(instance, Softening::new(softening.0, softening.1));
+        self.builder.set_shadow_terminator(instance, ShadowTerminator::new(shadow_terminator.0, shadow_terminator.1));
         if let Some((color, pass_index, random)) = info {
             self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });
         }
@@ -286,7 +286,7 @@ impl SceneBuilder {
     ) -> Result<Scene, Error> {
         let origin = finite(camera_position)?;
         let Self { builder, .. } = std::mem::take(self);
-        staged(py, threads, previous, |previous| Stage::after(previous, builder.build(origin)))
+        staged(py, threads, previous, |previous| PreparedScene::after(previous, builder.build(origin)))
     }
 
     fn draft(&mut self, origin: (f64, f64, f64)) -> Result<SceneDraft, Error> {
@@ -300,14 +300,14 @@ impl SceneBuilder {
 impl SceneDraft {
     #[pyo3(signature = (threads = 0, previous = None))]
     fn build(&mut self, py: Python<'_>, threads: usize, previous: Option<Py<Scene>>) -> Result<Scene, Error> {
-        let scene = self.scene.take().ok_or_else(|| refused("this draft was built before"))?;
-        staged(py, threads, previous, |previous| Stage::edited(previous, scene))
+        let scene = self.scene.take().ok_or_else(|| invalid("this draft was built before"))?;
+        staged(py, threads, previous, |previous| PreparedScene::edited(previous, scene))
     }
 }
 
 fn finite(place: (f64, f64, f64)) -> Result<DVec3, Error> {
     let origin = DVec3::from(place);
-    let refusal = || refused("the camera's position is not finite; reset its location");
+    let refusal = || invalid("the camera's position is not finite; reset its location");
     origin.is_finite().then_some(origin).ok_or_else(refusal)
 }
 
@@ -316,14 +316,14 @@ fn staged(
     py: Python<'_>,
     threads: usize,
     previous: Option<Py<Scene>>,
-    make: impl FnOnce(Option<&Stage>) -> Stage + Send,
+    make: impl FnOnce(Option<&PreparedScene>) -> PreparedScene + Send,
 ) -> Result<Scene, Error> {
     let previous = previous.map(|scene| scene.get().stage.clone());
-    let stage = away(py, || -> Result<Stage, Error> {
+    let stage = without_gil(py, || -> Result<PreparedScene, Error> {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
-            .map_err(|e| refused(format!("no threads to be had: {e}")))?;
+            .map_err(|e| invalid(format!("no threads to be had: {e}")))?;
         Ok(pool.install(|| make(previous.as_deref())))
     })??;
     Ok(Scene { stage: Arc::new(stage) })

@@ -1,7 +1,7 @@
-//! How a lens is set, as the commands of `petzval lens` say it.
+//! The settings of a lens, as the commands of `petzval lens` give them.
 
 use crate::camera::PyApertureMask;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
 use crate::lens::Lens;
 use petzval_optics::coating::Coating;
 use petzval_optics::focus::{Focus, Focusing};
@@ -39,7 +39,7 @@ impl Setting {
         let system = match distance_mm.filter(|mm| moving && *mm != f64::INFINITY) {
             Some(mm) => {
                 let done = Focusing::default().by_groups(&lens.prescription, &settings, wavelength_nm, mm);
-                masked(done.map_err(|error| refused(error.to_string()))?.system, &settings, mask)?
+                masked(done.map_err(|error| invalid(error.to_string()))?.system, &settings, mask)?
             }
             None => masked(System::new(&lens.prescription, &settings)?, &settings, mask)?,
         };
@@ -79,7 +79,7 @@ impl Setting {
 
 /// A coating by name or layer by layer.
 pub(crate) fn coating(text: &str) -> Result<Coating, Error> {
-    Coating::parse(text).map_err(|error| refused(error.to_string()))
+    Coating::parse(text).map_err(|error| invalid(error.to_string()))
 }
 
 fn coated(system: System, coating: Option<Coating>) -> System {

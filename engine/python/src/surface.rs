@@ -1,14 +1,14 @@
 //! Single surfaces for `petzval surface`.
 
-use crate::doorway::away;
-use crate::error::{Error, refused};
+use crate::error::{Error, invalid};
+use crate::gil::without_gil;
 use glam::DVec3;
 use petzval_optics::single_surface::{Outcome, SingleSurface};
 use petzval_optics::surface::{Conic, LAST_POWER, Shape};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-/// A ray and the surface that it is to meet.
+/// A ray and the surface that it is to hit.
 struct Case {
     id: Value,
     surface: SingleSurface,
@@ -27,22 +27,22 @@ pub(crate) fn trace_surfaces_json(py: Python<'_>, cases_json: &str, precision: &
         "f64" => |case| Some(case.surface.trace::<f64>(case.origin, case.direction)),
         "f32" => |case| Some(case.surface.trace::<f32>(case.origin, case.direction)),
         "printed" => |case| case.surface.trace_as_printed(case.origin, case.direction),
-        _ => return Err(refused(format!("precision {precision}: there is no such; give f64, f32 or printed"))),
+        _ => return Err(invalid(format!("precision {precision}: there is no such; give f64, f32 or printed"))),
     };
     let document: Value =
-        serde_json::from_str(cases_json).map_err(|e| refused(format!("the cases are not JSON: {e}")))?;
+        serde_json::from_str(cases_json).map_err(|e| invalid(format!("the cases are not JSON: {e}")))?;
     let cases = document["cases"]
         .as_array()
-        .ok_or_else(|| refused("the cases' JSON has no list \"cases\"; see `petzval surface trace --help`"))?
+        .ok_or_else(|| invalid("the cases' JSON has no list \"cases\"; see `petzval surface trace --help`"))?
         .iter()
         .enumerate()
         .map(|(i, case)| Reader::new(i, case).case())
         .collect::<Result<Vec<_>, Error>>()?;
-    let outcomes = away(py, || cases.iter().map(trace).collect::<Vec<_>>())?;
+    let outcomes = without_gil(py, || cases.iter().map(trace).collect::<Vec<_>>())?;
     let answers = cases.iter().zip(outcomes).map(|(case, outcome)| {
         let outcome = outcome.ok_or_else(|| {
             let id = words(&case.id);
-            refused(format!(
+            invalid(format!(
                 "case {id}: the paper prints no equations for \"terms\" or \"radius_x\"; trace it with f64"
             ))
         })?;
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
 
     fn wrong(&self, key: &str, what: &str) -> Error {
         let id = words(&self.id);
-        refused(format!("case {id}: \"{key}\" {what}; see `petzval surface trace --help`"))
+        invalid(format!("case {id}: \"{key}\" {what}; see `petzval surface trace --help`"))
     }
 }
 

@@ -1,10 +1,11 @@
-//! What adaptive sampling saves: the bench scene with as many samples everywhere, and with as many as are needed.
+//! Savings by adaptive sampling: the bench scene with as many samples everywhere, and with as many as are needed.
 //!
 //! `cargo run --release -p petzval-render --example adaptive -- [pinhole|one|exact] [WIDTH] [REFERENCE SAMPLES] [COUNTS.pgm]`
 //!
-//! For each render: camera rays a pixel, also those that serve the error alone; and the error to the reference, relative
-//! (trimmed relMSE, as `tools/bench/noise.py` has it) and as seen (mean square of the difference of the square roots, what
-//! is brighter than white cut off), of the whole picture and of the block of 8 x 8 pixels that is worse than 95 in a hundred. COUNTS.pgm is a picture of the last render's counts, its most as white.
+//! It prints for each render: camera rays a pixel, also those that serve the error alone; and the error to the reference, relative (trimmed
+//! relMSE, as `tools/bench/noise.py` has it) and as seen (mean square of the difference of the square roots, what is brighter than white
+//! cut off), of the whole picture and of the block of 8 x 8 pixels that is worse than 95 in a hundred. COUNTS.pgm is a picture of the last
+//! render's counts, its most as white.
 
 #[path = "../../benches/stage/mod.rs"]
 mod stage;
@@ -18,7 +19,7 @@ use std::time::Duration;
 
 /// Part of the pixels, the worst ones, that are left out.
 const TRIMMED: f64 = 1e-3;
-/// Of the reference's mean.
+/// Least brightness for relative errors, as a part of the reference's mean.
 const FLOOR: f64 = 0.01;
 const MOST: u32 = 512;
 /// Pixels on a side.

@@ -1,4 +1,4 @@
-//! What a lens scatters, in numbers and as a picture: `glare LENS F_NUMBER ROUGHNESS_NM CLEANLINESS VEIL WIDTH HEIGHT FILM_MM OUT.pfm`.
+//! Scattering in a lens, in numbers and as a picture: `glare LENS F_NUMBER ROUGHNESS_NM CLEANLINESS VEIL WIDTH HEIGHT FILM_MM OUT.pfm`.
 //!
 //! The picture has a value of 1e6 in its middle and 1 on its left half.
 

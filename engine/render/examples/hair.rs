@@ -52,7 +52,7 @@ fn hair(strands: u32, shape: CurveShape) -> Scene {
     builder.build(DVec3::ZERO)
 }
 
-/// The same as tubes.
+/// The strands of [`hair`] as tubes of triangles.
 fn tubes(of: &Scene, strands: u32) -> Scene {
     let curves = of.meshes[0].curves.as_ref().expect("hair");
     let (mut positions, mut triangles) = (vec![], vec![]);

@@ -1,23 +1,23 @@
-//! What many emitters cost: `cargo run --release -p petzval-render --example many_lights`.
+//! The cost of many emitters: `cargo run --release -p petzval-render --example many_lights`.
 //!
-//! A floor of 10 x 10 under lamps or emitting triangles that hang at random over it and send as much light all together,
-//! however many they are. Prints the time of a sample, and its noise: relative mean squared error times samples; the least time of
-//! some rounds, place by place, which others on the machine disturb least. Beside many that shine, as many of which ten do: what more things in
-//! the scene cost, whatever shines. A number in the command says how many there are at most.
+//! A floor of 10 x 10 under lamps or emitting triangles that hang at random over it and send as much light all together, however many they
+//! are. Prints the time of a sample, and its noise: relative mean squared error times samples; the least time of some rounds, place by
+//! place, which others on the machine disturb least. Beside many that shine, as many of which ten do: what more things in the scene cost,
+//! whatever shines. A number in the command says how many there are at most.
 
 use glam::{DMat4, DVec3, Vec3, Vec3A};
 use petzval_render::Rgb;
 use petzval_render::accel::Ray;
-use petzval_render::integrator::Stage;
-use petzval_render::integrator::path::{Approximations, KindLimits, Limits, Wave};
+use petzval_render::integrator::PreparedScene;
+use petzval_render::integrator::path::{Approximations, KindLimits, Limits, Wavefront};
 use petzval_render::sampler::PathSampler;
 use petzval_render::scene::SceneBuilder;
 use petzval_render::scene::lamp::{Lamp, LampKind};
-use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
 use std::time::Instant;
 
-/// Of the floor's places that are looked at, along each side.
+/// Number of the floor's places that are looked at, along each side.
 const SIDE: u32 = 16;
 const SAMPLES: u32 = 128;
 const ROUNDS: u32 = 30;
@@ -37,8 +37,8 @@ fn quad(half: f32) -> MeshDescription {
     }
 }
 
-/// `shining` of `count` things shine.
-fn room(kind: &str, count: u32, shining: u32) -> Result<Stage, Box<dyn std::error::Error>> {
+/// A room with `count` objects of which `shining` emit.
+fn room(kind: &str, count: u32, shining: u32) -> Result<PreparedScene, Box<dyn std::error::Error>> {
     let mut builder = SceneBuilder::new();
     let floor = builder.add_mesh(quad(5.0))?;
     builder.add_instance("floor", floor, DMat4::IDENTITY, &[], true, true)?;
@@ -55,12 +55,8 @@ fn room(kind: &str, count: u32, shining: u32) -> Result<Stage, Box<dyn std::erro
             positions.extend([Vec3::X, Vec3::Y, -Vec3::X].map(|corner| at + corner * half));
             triangles.push([first, first + 2, first + 1]);
         }
-        let material = Material {
-            emission_color: Input::Constant(Rgb::ONE),
-            emission_strength: 1000.0 * brightness,
-            ..Material::default_grey()
-        };
-        let materials = [builder.add_material(material)?, builder.add_material(Material::default_grey())?];
+        let lit = Material::diffuse("lit", Rgb::splat(0.8), Rgb::splat(1000.0 * brightness));
+        let materials = [lit, Material::default_grey()].map(|material| builder.add_material(material));
         let material_slots = Some((0..count).map(|i| u32::from(!shines(i))).collect());
         let lit = MeshDescription { name: "lit".into(), positions, triangles, material_slots, ..Default::default() };
         let mesh = builder.add_mesh(lit)?;
@@ -74,7 +70,7 @@ fn room(kind: &str, count: u32, shining: u32) -> Result<Stage, Box<dyn std::erro
             builder.add_lamp(lamp, DMat4::from_translation(place(i)))?;
         }
     }
-    Ok(Stage::new(builder.build(DVec3::ZERO)))
+    Ok(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -112,8 +108,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Follows all paths; gives their noise, and notes where a place took less time than ever.
-fn look(stage: &Stage, limits: &Limits, least: &mut [f64]) -> f64 {
-    let mut wave: Wave = Wave::default();
+fn look(stage: &PreparedScene, limits: &Limits, least: &mut [f64]) -> f64 {
+    let mut wave: Wavefront = Wavefront::default();
     let mut noise = 0.0;
     for pixel in 0..SIDE * SIDE {
         let begun = Instant::now();

@@ -3,9 +3,9 @@
 //! `cargo run --release -p petzval-render --example path_kernel -- [pinhole|thin|one|exact] [SAMPLES] [WIDTHxHEIGHT]
 //! [small|large] [noise] [blue] [lossy]`
 //!
-//! With `lossy` the lens's surfaces and glasses take what they do of the light.
-//! With `noise` it renders twice, with other random numbers, and says by how much the two differ, pixel by pixel and in
-//! blocks of 4 x 4; with `blue` the errors of neighbours cancel.
+//! With `lossy` light is lost at the lens's surfaces and in its glasses. With `noise` it renders twice, with other
+//! random numbers, and says by how much the two differ, pixel by pixel and in blocks of 4 x 4; with `blue` the errors
+//! of neighbours cancel.
 
 #[path = "../../benches/stage/mod.rs"]
 mod stage;
@@ -17,7 +17,7 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What is asked for.
+/// The options of a run.
 struct Wish {
     model: Model,
     wavelength_nm: Option<f64>,
@@ -26,7 +26,7 @@ struct Wish {
     bodies: u32,
     with_noise: bool,
     blue_noise: bool,
-    /// What surfaces and glasses take is taken.
+    /// True if light is lost at surfaces and in glasses.
     transmission: bool,
 }
 

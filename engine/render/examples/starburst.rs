@@ -1,4 +1,5 @@
-//! What a lens makes of a point of light, as a picture and in seconds: `starburst LENS F_NUMBER BLADES WIDTH HEIGHT FILM_MM OUT.pfm [SPIDER]`.
+//! The image of a point of light by a lens, as a picture and in seconds: `starburst LENS F_NUMBER BLADES WIDTH HEIGHT FILM_MM OUT.pfm
+//! [SPIDER]`.
 //!
 //! The picture has one pixel of value 1e6 in its middle, or, with a place `X,Y` (fractions from the middle) behind OUT, there.
 //! `SPIDER` is a number of vanes that are put into the diaphragm, each 3 % of it wide.

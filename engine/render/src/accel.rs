@@ -1,4 +1,4 @@
-//! Finding what a ray meets. Meshes that stand in the scene once share one tree in render space; those that stand in
+//! Finding what a ray hits. Meshes that stand in the scene once share one tree in render space; those that stand in
 //! it several times have one each, in object space, below a tree of their instances. docs/design/tree.md says why.
 
 mod apart;
@@ -22,7 +22,7 @@ mod triangles;
 
 use crate::Rgb;
 use crate::scene::{Scene, curves::Controls, motion::MIDDLE, visibility::Rays};
-use beside::Forests;
+use beside::ExtraTrees;
 use bounds::Bounds;
 use build::build;
 use fearless_simd::{Level, Simd, dispatch};
@@ -40,44 +40,44 @@ use triangles::{Block, LANES};
 /// A half line in render space.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Start.
+    /// Origin of the ray.
     pub origin: Vec3A,
-    /// Unit direction.
+    /// Direction of the ray, unit.
     pub direction: Vec3A,
     /// Nothing farther than this counts, Blender units.
     pub t_max: f32,
     /// The triangle, strand or point that it leaves.
-    pub skip: Skip,
-    /// When: from 0, as the shutter opens, to 65535, as it is closed.
+    pub skip: SelfHit,
+    /// The moment: from 0, as the shutter opens, to 65535, as it is closed.
     pub moment: u16,
 }
 
 impl Ray {
-    /// Without end, in the middle of the exposure.
+    /// A ray without end, in the middle of the exposure.
     #[inline]
     pub fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        Self { origin, direction, t_max: f32::INFINITY, skip: Skip::NONE, moment: MIDDLE }
+        Self { origin, direction, t_max: f32::INFINITY, skip: SelfHit::NONE, moment: MIDDLE }
     }
 
-    /// At another moment.
+    /// This ray at another moment.
     #[inline]
     pub fn at(self, moment: u16) -> Self {
         Self { moment, ..self }
     }
 }
 
-/// A triangle, a strand of hair or a point of a cloud that a ray does not meet, as in Cycles: what leaves it does not come back to it.
+/// A triangle, a strand of hair or a point of a cloud that a ray does not hit, as in Cycles: what leaves it does not come back to it.
 /// A triangle is flat, but the distance to a large one is known less well than how far from it a ray starts; a ribbon that turns to
 /// every ray would hide from itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Skip {
+pub struct SelfHit {
     /// Index of its instance.
     pub instance: u32,
-    /// Its number in its mesh, in its curves, or among its points.
+    /// The number of the triangle, strand or point in its mesh, its curves, or its cloud.
     pub part: u32,
 }
 
-impl Skip {
+impl SelfHit {
     /// The skip of a ray that leaves no surface.
     pub const NONE: Self = Self { instance: u32::MAX, part: u32::MAX };
 
@@ -87,12 +87,12 @@ impl Skip {
     }
 }
 
-/// See [`Hit::v`].
+/// Added to [`Hit::v`] where a round strand is hit from within.
 const FROM_WITHIN: f32 = 3.0;
-/// See [`Hit::v`].
+/// Added to [`Hit::v`] where the normal leans as it does not of a cylinder.
 const LEANS_AWAY: f32 = 6.0;
 
-/// Where a ray met a triangle, a segment of a curve, or a point of a cloud.
+/// A hit of a ray on a triangle, a segment of a curve, or a point of a cloud.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Distance, Blender units.
@@ -100,30 +100,30 @@ pub struct Hit {
     /// Barycentric weight of the triangle's second corner; along a segment, 0 to 1 (beyond on a round end, by
     /// which way the normal leans there). Of a point this and `v` are which way its surface looks: [`points::folded`].
     pub u: f32,
-    /// Barycentric weight of the third; across a segment, -1 to 1, and more where a round strand is met from within or its normal
+    /// Barycentric weight of the third; across a segment, -1 to 1, and more where a round strand is hit from within or its normal
     /// leans the other way: see [`Across`].
     pub v: f32,
     /// Index into the scene's instances.
     pub instance: u32,
     /// Index into the mesh's triangles, or a segment's or point's number.
     pub triangle: u32,
-    /// The ray's.
+    /// The ray's moment.
     pub moment: u16,
 }
 
-/// What [`Hit::v`] says on a strand.
+/// The meaning of [`Hit::v`] on a strand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Across {
     /// The sine of the angle between the outward normal and the view, -1 to 1.
     pub sine: f32,
-    /// A round strand is met from within.
+    /// True if the ray hits a round strand from within.
     pub is_within: bool,
-    /// What of the outward normal is neither across nor along the strand leans away from the view.
+    /// True if the part of the outward normal that is neither across nor along the strand leans away from the view.
     pub leans_away: bool,
 }
 
 impl Across {
-    /// Of a hit's `v`.
+    /// The meaning of a hit's `v` on a strand.
     pub fn of(v: f32) -> Self {
         // By how many steps of 3 it is moved.
         let code = (v / FROM_WITHIN).round().clamp(0.0, 3.0);
@@ -135,17 +135,17 @@ impl Across {
 /// The trees of one scene.
 pub struct Accel {
     level: Level,
-    /// In render space, of all meshes that have one instance.
+    /// The tree in render space of all meshes that have one instance.
     common: TriangleTree,
-    /// In object space, of the others.
+    /// The trees in object space of the other meshes.
     meshes: Vec<Arc<TriangleTree>>,
-    /// Over the instances of those.
+    /// The nodes over the instances of the meshes with trees of their own.
     places: Vec<Node>,
-    /// In the order of its leaves.
+    /// The instances, in the order of the leaves of `places`.
     placed: Vec<PlacedMesh>,
-    /// Hair, and what moves, if there is any.
-    beside: Option<Box<Forests>>,
-    /// By instance.
+    /// Trees of hair, point clouds and moving instances, if there are any.
+    beside: Option<Box<ExtraTrees>>,
+    /// The kinds of ray that see it, by instance.
     visible: Vec<Rays>,
     /// The kinds of ray that nothing is hidden from.
     all_visible: Rays,
@@ -166,7 +166,7 @@ impl Accel {
         Self::over(scene, common, meshes, &parts, Topology::of(scene))
     }
 
-    /// With what stands on these trees.
+    /// The trees of a scene over `common` and `meshes`.
     fn over(
         scene: &Scene,
         common: TriangleTree,
@@ -178,14 +178,14 @@ impl Accel {
 
         let visible: Vec<Rays> = scene.instances.iter().map(|instance| instance.visible).collect();
         let all_visible = visible.iter().fold(Rays::ALL, |all, one| all.common(*one));
-        let beside = Forests::new(scene, parts);
+        let beside = ExtraTrees::new(scene, parts);
         let bounds = places.first().map(Node::bounds).into_iter().chain(common.bounds());
         let bounds = bounds.chain(beside.as_ref().and_then(|beside| beside.bounds())).reduce(|a, b| a.union(&b));
         let (level, refitted) = (Level::new(), 0);
         Self { level, common, meshes, places, placed, beside, visible, all_visible, bounds, topology, refitted }
     }
 
-    /// How many of its trees were there before, see [`Self::new_after`].
+    /// Number of the trees that were there before, see [`Self::new_after`].
     pub fn refitted(&self) -> usize {
         self.refitted
     }
@@ -195,7 +195,7 @@ impl Accel {
         self.bounds.map(|b| (b.low(), b.high()))
     }
 
-    /// The nearest surface.
+    /// The closest hit of a ray of this kind.
     pub fn closest(&self, ray: &Ray, kind: Rays) -> Option<Hit> {
         let found = dispatch!(self.level, simd => self.closest_with(simd, ray, kind));
         match &self.beside {
@@ -210,7 +210,7 @@ impl Accel {
         self.transmittance_of(ray, Rays::SHADOW, opacity)
     }
 
-    /// The same for rays that ask for another reason than a light's shadow.
+    /// [`Self::transmittance`] of a ray of any kind.
     pub fn transmittance_of(&self, ray: &Ray, kind: Rays, mut opacity: impl FnMut(&Hit) -> f32) -> f32 {
         let mut left = 1.0;
         self.each_between(ray, kind, |hit| {
@@ -220,7 +220,7 @@ impl Accel {
         left
     }
 
-    /// The same by colour; `through` says what each surface in between leaves.
+    /// The part of light, by channel, that gets from one end of the ray to the other; `through` says what each surface in between leaves.
     pub fn light_through(&self, ray: &Ray, kind: Rays, mut through: impl FnMut(&Hit) -> Rgb) -> Rgb {
         let mut left = Rgb::ONE;
         self.each_between(ray, kind, |hit| {

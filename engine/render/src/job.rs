@@ -16,15 +16,15 @@ use crate::camera::clip::Clip;
 use crate::camera::real_lens::RealLens;
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
-use crate::film::{Film, Keep, TilePixels};
+use crate::film::{Film, FilmChannels, TilePixels};
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
-use crate::integrator::{Integrator, Stage, bidirectional::Techniques};
+use crate::integrator::{Integrator, PreparedScene, bidirectional::Techniques};
 use crate::pipeline::exposure::Exposure;
 use crate::pipeline::motion::Motion;
-use crate::pipeline::{Counts, Pipeline, Shot, render_pixels, render_tile};
+use crate::pipeline::{Counts, Pipeline, RenderContext, render_pixels, render_tile};
 use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
-use crate::stray::Strayed;
+use crate::stray::StrayLight;
 use adaptive::Adaptive;
 use checkpoint::{Checkpoints, Keeper, Kept, OwnFile};
 use glam::Vec2;
@@ -38,31 +38,30 @@ use std::time::{Duration, Instant};
 /// The most samples a pixel gets in one pass. More cost less overhead; fewer show a picture and stop sooner.
 const MOST_PER_PASS: u32 = 16;
 
-/// What a render shall find beside the picture and [`Settings::with_data`].
+/// The results of a render beside the picture and [`Settings::with_data`].
 #[derive(Default)]
-pub struct Beside {
-    /// For [`Job::matte`].
+pub struct OutputOptions {
+    /// The mattes for [`Job::matte`].
     pub mattes: Vec<MatteLayer>,
     /// Names that a pixel of a matte holds.
     pub matte_levels: u32,
-    /// For [`DataPass::Vector`].
+    /// The motion for [`DataPass::Vector`].
     pub motion: Option<Motion>,
-    /// What of the scene the camera's rays see; `None`: all of it.
+    /// The clip planes of the camera's rays; `None`: none.
     pub clip: Option<Clip>,
-    /// By what each pixel's light is multiplied, rows from below; `None`: by one ([`crate::camera::shade`]).
+    /// Factor of each pixel's light, rows from below; `None`: one ([`crate::camera::shade`]).
     pub gains: Option<Vec<f32>>,
     /// Groups of emitters, from number 1 on, for [`Film::groups`]; bidirectional paths leave them black.
     pub light_groups: u16,
-    /// For [`Job::part`]; black as well.
+    /// The parts for [`Job::part`]; bidirectional paths leave them black.
     pub parts: Parts,
-    /// Where the render is kept while it goes on, and taken up again.
+    /// The file in which the render is kept while it goes on, and from which it is resumed; `None`: none.
     pub checkpoints: Option<Checkpoints>,
-    /// When samples are taken and where the camera is then; `None`: all in the middle of the exposure, but for what the lens
-    /// does meanwhile.
+    /// Times of the samples, and places of the camera; `None`: all in the middle of the exposure, but for changes of the lens.
     pub exposure: Option<Exposure>,
 }
 
-/// What a render did.
+/// Statistics of a render.
 #[derive(Clone, Debug)]
 pub struct Statistics {
     /// Wall time from the start to now or to the end, s.
@@ -75,17 +74,17 @@ pub struct Statistics {
     pub most_samples: u32,
     /// Counts over all threads.
     pub counts: Counts,
-    /// Threads used.
+    /// Number of threads used.
     pub threads: usize,
     /// A thread failed; the picture is what was done until then.
     pub failure: Option<String>,
-    /// What was kept of the render, and had again; `None` where nobody asked.
+    /// Statistics of keeping and resuming the render; `None` if not asked for.
     pub kept: Option<Kept>,
 }
 
 /// State that the threads share.
 struct Shared {
-    stage: Arc<Stage>,
+    stage: Arc<PreparedScene>,
     cameras: Vec<Camera>,
     settings: Settings,
     pipeline: Pipeline,
@@ -94,14 +93,14 @@ struct Shared {
     motion: Option<Motion>,
     exposure: Option<Exposure>,
     parts: Parts,
-    /// Found by the first thread that asks.
+    /// Limits of light transport, found by the first thread that asks.
     limits: OnceLock<Limits>,
     film: Film,
     /// The tiles that are rendered, in their order, where these have as many samples as others.
     tiles: Vec<usize>,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
-    /// Instead of them, where pixels get as many samples as they need.
+    /// The decisions by which pixels get as many samples as they need; `None` where all get as many.
     adaptive: Option<Adaptive>,
     next: AtomicUsize,
     stop: AtomicBool,
@@ -110,7 +109,7 @@ struct Shared {
     /// Whoever adds a tile's pass shares it; who keeps the whole film has it alone.
     gate: RwLock<()>,
     keeper: Option<Keeper>,
-    strayed: Mutex<Option<Arc<Strayed>>>,
+    strayed: Mutex<Option<Arc<StrayLight>>>,
     stop_developing: AtomicBool,
     running: Mutex<usize>,
     ended: Condvar,
@@ -122,7 +121,7 @@ struct Shared {
 pub struct Job {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
-    /// Writes checkpoints.
+    /// The thread that writes checkpoints, if there is one.
     keeping: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -131,28 +130,32 @@ impl Job {
     ///
     /// # Errors
     /// [`SettingsError`].
-    pub fn start(stage: Arc<Stage>, camera: Camera, settings: Settings) -> Result<Self, SettingsError> {
+    pub fn start(stage: Arc<PreparedScene>, camera: Camera, settings: Settings) -> Result<Self, SettingsError> {
         Self::start_moving(stage, vec![camera], settings)
     }
 
-    /// The same with a camera that changes while the shutter is open: as it is at times that lie evenly over it, each
-    /// the middle of an equal part. Every sample has one of them.
+    /// Starts rendering with a camera that changes while the shutter is open: `cameras` has its states at times that lie evenly over the
+    /// exposure, each the middle of an equal part. Every sample has one of them.
     ///
     /// # Errors
     /// [`SettingsError`], also if there is no camera.
-    pub fn start_moving(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings) -> Result<Self, SettingsError> {
-        Self::start_with(stage, cameras, settings, Beside::default())
+    pub fn start_moving(
+        stage: Arc<PreparedScene>,
+        cameras: Vec<Camera>,
+        settings: Settings,
+    ) -> Result<Self, SettingsError> {
+        Self::start_with(stage, cameras, settings, OutputOptions::default())
     }
 
-    /// The same with more to be found.
+    /// Starts rendering like [`Self::start_moving`], with more to be found: `beside`.
     ///
     /// # Errors
     /// [`SettingsError`].
     pub fn start_with(
-        stage: Arc<Stage>,
+        stage: Arc<PreparedScene>,
         cameras: Vec<Camera>,
         settings: Settings,
-        beside: Beside,
+        beside: OutputOptions,
     ) -> Result<Self, SettingsError> {
         let threads = settings.thread_count();
         let shared = Arc::new(Shared::new(stage, cameras, settings, beside)?);
@@ -175,7 +178,7 @@ impl Job {
         self.shared.keeper.as_ref().and_then(Keeper::own_file)
     }
 
-    /// Waits until the render has ended or `timeout` is over; true where it has ended.
+    /// Waits until the render has ended or `timeout` is over; true if it has ended.
     pub fn wait(&self, timeout: Duration) -> bool {
         let running = lock(&self.shared.running);
         let (running, _) =
@@ -260,11 +263,11 @@ impl Job {
     }
 
     /// The scene.
-    pub fn stage(&self) -> &Stage {
+    pub fn stage(&self) -> &PreparedScene {
         &self.shared.stage
     }
 
-    /// What was done so far.
+    /// The statistics so far.
     pub fn statistics(&self) -> Statistics {
         let ended = *lock(&self.shared.ended_at);
         let counts = self.shared.film.sample_counts();
@@ -295,8 +298,13 @@ impl Drop for Job {
 }
 
 impl Shared {
-    /// Before the first thread.
-    fn new(stage: Arc<Stage>, cameras: Vec<Camera>, settings: Settings, beside: Beside) -> Result<Self, SettingsError> {
+    /// The state before the first thread.
+    fn new(
+        stage: Arc<PreparedScene>,
+        cameras: Vec<Camera>,
+        settings: Settings,
+        beside: OutputOptions,
+    ) -> Result<Self, SettingsError> {
         settings.check()?;
         let first = cameras.first().ok_or(SettingsError::Camera)?;
         settings.check_integrator(first)?;
@@ -307,7 +315,7 @@ impl Shared {
         let (width, height) = (settings.width, settings.height);
         let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
         let adapts = settings.noise_threshold > 0.0;
-        let keep = Keep {
+        let keep = FilmChannels {
             surfaces: settings.with_data,
             vectors: beside.motion.is_some(),
             mattes,
@@ -352,7 +360,7 @@ impl Shared {
         Ok(shared)
     }
 
-    /// One thread's life.
+    /// The work of one thread.
     fn work(&self) {
         if let Err(panic) = catch_unwind(AssertUnwindSafe(|| self.render())) {
             let text = panic
@@ -371,7 +379,7 @@ impl Shared {
         self.ended.notify_all();
     }
 
-    /// With what rays that lie evenly over the picture tell of it.
+    /// The limits, with statistics from rays that lie evenly over the picture.
     fn find_limits(&self) -> Limits {
         let unless_zero = |most: f32| if most > 0.0 { most } else { f32::INFINITY };
         const SIDE: u32 = 16;
@@ -401,13 +409,13 @@ impl Shared {
         Limits { roulette: path::roulette(&self.stage, &limits, &rays), ..limits }
     }
 
-    /// What is the same for every sample.
-    fn shot(&self) -> Shot<'_> {
+    /// The data that all samples share.
+    fn shot(&self) -> RenderContext<'_> {
         let s = &self.settings;
         if self.pipeline == Pipeline::SceneFirst {
             self.cameras.iter().filter_map(Camera::traced_lens).for_each(RealLens::prepare_for_scene_first);
         }
-        Shot {
+        RenderContext {
             stage: &self.stage,
             cameras: &self.cameras,
             clip: self.clip,
@@ -459,7 +467,7 @@ impl Shared {
     }
 
     /// The next pass of a tile whose pixels get as many samples as they need; `None` at the end, or where `stopped` said so.
-    fn render_next(&self, shot: &Shot<'_>, adaptive: &Adaptive, stopped: &dyn Fn() -> bool) -> Option<()> {
+    fn render_next(&self, shot: &RenderContext<'_>, adaptive: &Adaptive, stopped: &dyn Fn() -> bool) -> Option<()> {
         let (s, tiles) = (&self.settings, self.film.tile_count());
         let task = self.next.fetch_add(1, Ordering::Relaxed);
         let (pass, tile) = (task / tiles, task % tiles);

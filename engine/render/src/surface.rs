@@ -1,8 +1,8 @@
-//! A point on a surface, from what a ray met: where it is, which way it faces, and its texture coordinates.
+//! A point on a surface, from what a ray hit: where it is, which way it faces, and its texture coordinates.
 
 use crate::accel::curves::radius_scale;
 use crate::accel::points::folded;
-use crate::accel::{Across, Hit, Ray, Skip};
+use crate::accel::{Across, Hit, Ray, SelfHit};
 use crate::scene::curves::Curves;
 use crate::scene::mesh::{GENERATED, Mesh};
 use crate::scene::points::Points;
@@ -12,15 +12,15 @@ use glam::{Vec2, Vec3, Vec3A, Vec4};
 /// A point on a surface in render space.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// Where.
+    /// The position.
     pub position: Vec3A,
-    /// How far rounding may have put `position` from the surface, Blender units.
+    /// Bound of the rounding error of `position` from the surface, Blender units.
     pub position_error: f32,
     /// The triangle's own unit normal, on the side that the ray came from.
     pub geometric_normal: Vec3A,
     /// The interpolated unit normal, on the same side as the triangle's.
     pub shading_normal: Vec3A,
-    /// The ray came from behind the triangle.
+    /// True if the ray came from behind the triangle.
     pub backfacing: bool,
     /// Index of the instance.
     pub instance: u32,
@@ -33,11 +33,11 @@ pub struct SurfacePoint {
     pub barycentric: [f32; 2],
     /// The strand of hair in its curves, or the point in its cloud; [`NO_STRAND`] on a triangle.
     pub strand: u32,
-    /// When a ray met it, as in [`Ray::moment`].
+    /// The moment at which a ray hit it, as in [`Ray::moment`].
     pub moment: u16,
 }
 
-/// [`SurfacePoint::strand`] of triangles.
+/// The value of [`SurfacePoint::strand`] for triangles.
 pub const NO_STRAND: u32 = u32::MAX;
 
 impl SurfacePoint {
@@ -52,7 +52,7 @@ impl SurfacePoint {
         Self::on_triangle(instance, mesh, hit, direction, mesh.corners(hit.triangle), normals.as_ref())
     }
 
-    /// On hair, on a point, or on a mesh that changes its shape.
+    /// A point on hair, on a point of a cloud, or on a mesh that changes its shape.
     #[inline(never)]
     fn on_special(instance: &Instance, mesh: &Mesh, hit: &Hit, direction: Vec3A) -> Self {
         if let Some(curves) = &mesh.curves {
@@ -108,7 +108,7 @@ impl SurfacePoint {
         }
     }
 
-    /// On hair. Its normals are those of a round strand, of ribbons, too: light is scattered as if these were round.
+    /// A point on hair. Its normals are those of a round strand, of ribbons, too: light is scattered as if these were round.
     #[inline(never)]
     fn on_strand(instance: &Instance, curves: &Curves, hit: &Hit, direction: Vec3A) -> Self {
         let strand = curves.strand_of(hit.triangle);
@@ -142,7 +142,7 @@ impl SurfacePoint {
         }
     }
 
-    /// On a point of a cloud. Where its object is stretched, too, the normal leads away from the middle, as in Cycles.
+    /// A point on a point of a cloud. The normal, also where its object is stretched, leads away from the middle, as in Cycles.
     #[inline(never)]
     fn on_ball(instance: &Instance, points: &Points, hit: &Hit, direction: Vec3A) -> Self {
         let ball = points.at(hit.triangle, instance.pose);
@@ -166,15 +166,15 @@ impl SurfacePoint {
         }
     }
 
-    /// A ray without end that leaves it at `origin`: it does not meet the triangle, strand or point that it leaves.
+    /// A ray without end that leaves it at `origin`: it does not hit the triangle, strand or point that it leaves.
     #[inline(always)]
     pub fn leaving(&self, origin: Vec3A, direction: Vec3A) -> Ray {
         let part = if self.strand == NO_STRAND { self.triangle } else { self.strand };
-        let skip = Skip { instance: self.instance, part };
+        let skip = SelfHit { instance: self.instance, part };
         Ray { origin, direction, t_max: f32::INFINITY, skip, moment: self.moment }
     }
 
-    /// Whether it is on hair or a point, and a ray met the same strand or point.
+    /// True if the point is on hair or a point, and a ray hit the same strand or point.
     pub fn is_on_strand_of(&self, scene: &Scene, hit: &Hit) -> bool {
         let met = |curves: &Curves| curves.strand_of(hit.triangle);
         self.strand != NO_STRAND
@@ -182,7 +182,7 @@ impl SurfacePoint {
             && mesh_of(scene, hit.instance).curves.as_deref().map_or(hit.triangle, met) == self.strand
     }
 
-    /// The same point seen along another ray, which leaves it along `d`.
+    /// This point seen along another ray, which leaves it along `d`.
     pub fn seen_from(&self, d: Vec3A) -> Self {
         if self.geometric_normal.dot(d) >= 0.0 {
             return *self;
@@ -210,8 +210,8 @@ fn evened(instance: &Instance, normals: &[Vec3; 3], weights: [f32; 3]) -> [f32; 
     })
 }
 
-/// Where the facets of a brushed surface lie along, if nothing else is said: around the z axis of the object's generated
-/// coordinates, as in Blender; of a mesh that does not bring them they go by its bounds.
+/// The direction of the facets of a brushed surface by default: around the z axis of the object's generated coordinates, as in Blender; of
+/// a mesh that does not bring them they go by its bounds.
 pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
     let instance = &scene.instances[point.instance as usize];
     let mesh = mesh_of(scene, point.instance);
@@ -237,14 +237,14 @@ pub fn tangent_about_z(scene: &Scene, point: &SurfacePoint) -> Vec3A {
     point.shading_normal.cross(outward.cross(point.shading_normal).normalize_or_zero())
 }
 
-/// What hair at a point is: how it runs, and where it is met.
+/// Data of hair at a point: its direction, and the place across it.
 #[derive(Clone, Copy, Debug)]
 pub struct Strand {
-    /// Along it, unit. A mesh with a hair shader has its triangles' first edges.
+    /// Direction along the strand, unit. A mesh with a hair shader has its triangles' first edges.
     pub along: Vec3A,
-    /// What the older Hair shader takes instead: a triangle's other edge; `None` of real hair.
+    /// The direction that the older Hair shader takes instead: a triangle's other edge; `None` of real hair.
     pub edge: Option<Vec3A>,
-    /// Where across its width it is met, -1 to 1; `None` where the surface's normal says so.
+    /// Place of the hit across its width, -1 to 1; `None` where the surface's normal tells it.
     pub offset: Option<f32>,
 }
 
@@ -271,19 +271,19 @@ pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
     Strand { along: edge(1), edge: Some(edge(2)), offset: None }
 }
 
-/// Along the surface of a point of a cloud, as Cycles has it where nothing tells one direction from another.
+/// A tangent of a point of a cloud, as Cycles has it where nothing tells one direction from another.
 fn tangent_of_ball(point: &SurfacePoint) -> Vec3A {
     let [x, y, z] = point.geometric_normal.to_array();
     Vec3A::new(z - y, x - z, y - x).try_normalize().unwrap_or_else(|| point.geometric_normal.any_orthonormal_vector())
 }
 
-/// Along the strand at a point of hair, unit, render space.
+/// The tangent along the strand at a point of hair, unit, render space.
 pub fn tangent_of_strand(instance: &Instance, curves: &Curves, point: &SurfacePoint) -> Vec3A {
     let slope = strand_slope(curves, point).truncate();
     along_strand(instance, slope, -point.geometric_normal)
 }
 
-/// How place and radius change along the segment at a point of hair, object space.
+/// The derivative of place and radius along the segment at a point of hair, object space.
 pub fn strand_slope(curves: &Curves, point: &SurfacePoint) -> Vec4 {
     curves.controls(point.strand, point.triangle).slope(point.barycentric[0].clamp(0.0, 1.0))
 }
@@ -323,7 +323,7 @@ pub fn uv(mesh: &Mesh, triangle: u32, barycentric: [f32; 2], map: Option<&str>) 
 
 /// Twice the area of a triangle, along its normal.
 ///
-/// By numbers, not in a register of them: there glam fuses the product and the difference where it is compiled for a
+/// The product is computed number by number, not in a register: there glam fuses the product and the difference where it is compiled for a
 /// processor that can, and the picture would depend on that.
 pub fn area_vector([a, b, c]: [Vec3A; 3]) -> Vec3A {
     Vec3::from(b - a).cross(Vec3::from(c - a)).into()

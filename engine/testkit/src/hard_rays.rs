@@ -11,7 +11,7 @@ mod dice;
 use crate::exact::Case;
 use dice::Dice;
 
-/// What makes a ray hard.
+/// The property that makes a ray hard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Category {
     /// Nothing: conics as lenses have them, within and a little beyond the rim. The group to compare with.
@@ -28,7 +28,7 @@ pub enum Category {
     ConicConstant,
     /// |R| from 1e-3 to 1e15 mm.
     Radius,
-    /// From 0 to 1e10 mm away.
+    /// Rays from 0 to 1e10 mm away.
     FarStart,
     /// Indices that differ by 1e-15 to 1e-1, relative, up to grazing.
     NearIndex,
@@ -40,11 +40,11 @@ pub enum Category {
     Mirror,
     /// The rear face of a ball, from the ball's own front.
     BallRear,
-    /// From the surface itself, or a few roundings off it.
+    /// Rays from the surface itself, or a few roundings off it.
     OnSurface,
-    /// Within 1e-15 to 1e-3, relative, of the rim, of a central obstruction, or of a conic's own end.
+    /// Hits within 1e-15 to 1e-3, relative, of the rim, of a central obstruction, or of a conic's own end.
     Rim,
-    /// From the film to the scene: side −1, Dz < 0.
+    /// Rays from the film to the scene: side −1, Dz < 0.
     Backward,
     /// Side +1 and Dz < 0: a fisheye's front.
     BeyondRightAngle,
@@ -84,7 +84,7 @@ impl Category {
         Self::Cylinder,
     ];
 
-    /// The word for it in tables.
+    /// The word for the category in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ordinary => "ordinary",

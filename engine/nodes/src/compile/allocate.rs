@@ -1,4 +1,4 @@
-//! The last step: what nobody reads goes, and virtual registers become few real ones.
+//! The last step: results that are not read are dropped, and virtual registers become few real ones.
 
 use super::emit::FIRST_VIRTUAL;
 use super::{Compiler, Report};
@@ -100,7 +100,7 @@ fn ends<'a>(
         .copied()
 }
 
-/// For each instruction the place where its result is last read; none where it never is.
+/// The place, for each instruction, where its result is last read; none where it never is.
 fn last_uses(code: &[Instruction], ends: impl Iterator<Item = Operand>) -> Vec<Option<usize>> {
     let mut last = vec![None; code.len()];
     for operand in ends.filter(|operand| operand.0 >= FIRST_VIRTUAL) {

@@ -13,7 +13,7 @@ impl At<'_, '_> {
         self.emit(Operation::Read(field, self.shift), &[])
     }
 
-    /// What does not change within a footprint.
+    /// Reads a field that is constant within a footprint.
     fn read_once(&mut self, field: Field) -> Operand {
         self.emit(Operation::Read(field, Shift::NONE), &[])
     }

@@ -10,7 +10,7 @@ use glam::Vec3A;
 /// Ways through Mix and Add Shaders double where one leads to another twice.
 const MOST_WAYS: usize = 10_000;
 
-/// More closures than any material has that a person made.
+/// Limit of closures: more than any material has that a person made.
 const MOST_LAYERS: usize = 128;
 
 /// The closure of a shader node.
@@ -41,7 +41,7 @@ fn closure(kind: &str) -> Option<LayerKind> {
     })
 }
 
-/// Whether a closure's input has three parts.
+/// The kind of a closure's input: of three parts, or a number.
 fn kind_of_input(layer: LayerKind, identifier: &str) -> Kind {
     const PARTS: [&str; 9] = [
         "Color",
@@ -146,7 +146,7 @@ impl Compiler<'_> {
         walk.layers.push((index, Layer { kind, weight, inputs, options }));
     }
 
-    /// A colour where a shader belongs glows with that colour.
+    /// A colour where a shader belongs emits that colour.
     fn bare_colour(&mut self, link: &Link, weight: Operand, walk: &mut Walk) {
         let Some(colour) = self.linked(link, Kind::Colour, Shift::NONE) else { return };
         let one = self.constant(Vec3A::ONE);

@@ -1,4 +1,4 @@
-//! From a graph to a program: nodes become instructions, constants are folded, what nobody reads is dropped.
+//! Compilation of a graph to a program: nodes become instructions, constants are folded, results that are not read are dropped.
 
 mod allocate;
 mod colours;
@@ -15,14 +15,14 @@ use crate::program::{Instruction, Operand, Operation, Program, Registers};
 use glam::{Affine3A, Vec3A};
 use std::collections::{HashMap, HashSet};
 
-/// What could not be done as Blender does it.
+/// A report of a node that could not be evaluated as Blender does.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Report {
     /// The user's name of the node.
     pub node: String,
-    /// Its `bl_idname`.
+    /// The node's `bl_idname`.
     pub kind: String,
-    /// What is wrong.
+    /// The problem.
     pub what: String,
 }
 
@@ -32,7 +32,7 @@ impl std::fmt::Display for Report {
     }
 }
 
-/// What kind of value an output gives: it says how it becomes a number, or a number becomes it.
+/// The kind of value of an output, which decides the conversions from and to a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Number,
@@ -50,7 +50,7 @@ struct Value {
 /// A node's outputs by identifier.
 type Outputs = Vec<(&'static str, Value)>;
 
-/// What a link leads to.
+/// The output that a link leads to.
 enum Found {
     Value(Value),
     /// Nothing, which is black.
@@ -59,7 +59,7 @@ enum Found {
     Unknown,
 }
 
-/// What lowering a node gives; or why it cannot be done.
+/// The outputs of a lowered node; the error says why it cannot be lowered.
 type Lowered = Result<Outputs, String>;
 
 /// Chains longer than this are no longer followed: they would not fit on the stack.
@@ -81,7 +81,7 @@ struct Compiler<'g> {
     code: Vec<Instruction>,
     program: Program,
     constants: HashMap<[u32; 3], Operand>,
-    /// `None` for nodes that are not known.
+    /// Results of the nodes that have been lowered; `None` for nodes that are not known.
     lowered: HashMap<(usize, [u32; 2]), Option<Outputs>>,
     /// Nodes that are being lowered, outermost first.
     open: Vec<usize>,
@@ -112,7 +112,7 @@ impl<'g> Compiler<'g> {
         }
     }
 
-    /// What a link brings, as the kind that its reader wants. As in Cycles, one from a node that is not known does not count:
+    /// The value of a link, converted to the kind that its reader wants. As in Cycles, a link from a node that is not known does not count:
     /// `None` where its reader has no value of its own.
     fn linked(&mut self, link: &Link, wanted: Kind, shift: Shift) -> Option<Operand> {
         let value = match self.output(link, shift) {
@@ -234,7 +234,7 @@ impl At<'_, '_> {
         self.emit(Operation::Affine(place as u16), &[point])
     }
 
-    /// Whether something reads an output.
+    /// True if something reads an output.
     fn is_used(&self, identifier: &str) -> bool {
         self.compiler.used.contains(&(self.index, identifier))
     }

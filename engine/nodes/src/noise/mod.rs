@@ -10,7 +10,7 @@ use std::ops::{Add, Mul};
 pub(crate) use perlin::noise3;
 
 choices! {
-    /// How octaves are joined.
+    /// The combination of octaves.
     pub(crate) Fractal {
         Sum = "FBM",
         Multifractal = "MULTIFRACTAL",
@@ -21,11 +21,11 @@ choices! {
 }
 
 choices! {
-    /// How many coordinates a texture reads.
+    /// Number of coordinates that a texture reads.
     pub(crate) Dimensions { One = "1D", Two = "2D", Three = "3D", Four = "4D" }
 }
 
-/// What does not depend on the place.
+/// The settings that do not depend on the place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Octaves {
     pub(crate) fractal: Fractal,

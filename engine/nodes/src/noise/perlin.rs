@@ -86,13 +86,13 @@ fn where_set(hash: u32x8, bit: u32) -> u32x8 {
     u32x8::ZERO - ((hash >> bit) & u32x8::splat(1))
 }
 
-/// One or the other, bit by bit.
+/// Returns the bits of `set` where those of `mask` are 1, and those of `clear` elsewhere.
 #[inline(always)]
 fn choose(mask: u32x8, set: u32x8, clear: u32x8) -> u32x8 {
     clear ^ (mask & (set ^ clear))
 }
 
-/// As numbers, the sign turned where one bit of a hash is set.
+/// The bits as numbers, the sign turned where one bit of a hash is set.
 #[inline(always)]
 fn signed(bits: u32x8, hash: u32x8, bit: u32) -> f32x8 {
     let turned = bits ^ ((hash << (31 - bit)) & u32x8::splat(0x8000_0000));
@@ -143,7 +143,7 @@ fn trilinear(corner: &[f32; 8], u: f32, v: f32, w: f32) -> f32 {
     bilinear(&flat.to_array(), u, v)
 }
 
-/// Coordinates that are no numbers give no noise.
+/// The coordinate, or 0 for NaN and infinity, which give no noise.
 #[inline(always)]
 fn finite(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }

@@ -1,4 +1,4 @@
-//! What each instruction computes.
+//! The computation of each instruction.
 
 use super::{Instruction, Operation, Program, Registers};
 use crate::context::{Context, Direction, Field, Shift, Space, Textures};

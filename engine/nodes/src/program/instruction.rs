@@ -12,7 +12,7 @@ use crate::surface::{Axis, NormalSpace};
 use crate::vector::{MappingKind, RotationKind, VectorMathKind};
 use crate::voronoi::{CellHash, Feature, Metric};
 
-/// Where an instruction finds a value: a register, or a constant of the program.
+/// The source of an instruction's value: a register, or a constant of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Operand(pub(crate) u16);
 
@@ -22,7 +22,7 @@ pub(crate) const FIRST_CONSTANT: u16 = 256;
 /// The most operands that an instruction has.
 pub(crate) const MOST_OPERANDS: usize = 10;
 
-/// What an instruction does with its operands, which come in the order in which the comments name them.
+/// The operation of an instruction on its operands, which come in the order in which the comments name them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Operation {
     /// A further result of the instruction before: its number from 0. Operand: that instruction's result.
@@ -49,13 +49,13 @@ pub(crate) enum Operation {
     MapRangeVector(RangeKind),
     /// Value, bound, bound; `true`: in either order.
     Clamp(bool),
-    /// As Clamp, each part by its own bounds.
+    /// [`Self::Clamp`] of each part by its own bounds.
     ClampVector,
     /// Factor, a, b.
     Mix(Blend),
-    /// As Mix, each part by its own factor.
+    /// [`Self::Mix`] of each part by its own factor.
     MixParts,
-    /// To 0 and 1.
+    /// Each part clamped to 0 and 1.
     Saturate,
     /// Colour, factor.
     Invert,
@@ -76,7 +76,7 @@ pub(crate) enum Operation {
     Fresnel,
     LayerFresnel,
     Facing,
-    /// Size, distance to the nearest side; whether the size is in pixels.
+    /// Size, distance to the nearest side; `true`: the size is in pixels.
     Wireframe(bool),
     /// Strength, smooth.
     Falloff(i8),
@@ -124,7 +124,7 @@ pub(crate) enum Operation {
 }
 
 impl Operation {
-    /// Whether the operands alone say what comes out.
+    /// True if the result depends on the operands alone.
     pub(crate) fn is_pure(self) -> bool {
         !matches!(
             self,

@@ -14,18 +14,18 @@ use crate::sky::{Sky, SunDisc};
 use crate::table::Table;
 use glam::{Affine3A, Vec3A};
 
-/// How many values a program may hold at once.
+/// Number of values that a program may hold at once.
 pub(crate) const REGISTERS: usize = 256;
 
 /// Working memory of programs: make one a thread, and run any program in it.
 pub struct Registers {
     values: [Vec3A; REGISTERS],
-    /// Further results of the last instruction that has some.
+    /// Further results of the last instruction that has any.
     further: [Vec3A; 3],
 }
 
 impl Registers {
-    /// What an instruction with result 0 has left.
+    /// The results of an instruction with result 0.
     pub(crate) fn results(&self) -> (Vec3A, [Vec3A; 3]) {
         (self.values[0], self.further)
     }
@@ -37,7 +37,7 @@ impl Default for Registers {
     }
 }
 
-/// What kind of closure a layer is. Inputs and options have Blender's names.
+/// The kind of a layer's closure. Inputs and options have Blender's names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "named after Blender's nodes")]
 pub enum LayerKind {
@@ -67,9 +67,9 @@ pub enum LayerKind {
 /// One closure of a surface or volume. Layers add up.
 #[derive(Clone, Debug)]
 pub struct Layer {
-    /// Which closure.
+    /// The kind of the closure.
     pub kind: LayerKind,
-    /// Its share: the factors of all Mix Shaders above it, multiplied.
+    /// The layer's share: the factors of all Mix Shaders above it, multiplied.
     pub weight: Operand,
     /// Inputs by socket identifier. A normal or tangent that is not here is the surface's own.
     pub inputs: Vec<(String, Operand)>,
@@ -96,7 +96,7 @@ pub struct Program {
     pub surface: Vec<Layer>,
     /// The volume's closures.
     pub volume: Vec<Layer>,
-    /// By how much the surface is moved, in world space.
+    /// The displacement of the surface, in world space.
     pub displacement: Option<Operand>,
     /// The attributes that the program reads, by their place here.
     pub attributes: Vec<Attribute>,
@@ -126,12 +126,12 @@ impl Program {
         }
     }
 
-    /// The value of an operand that is the same everywhere.
+    /// The value of an operand that is spatially constant.
     pub fn constant(&self, operand: Operand) -> Option<Vec3A> {
         (operand.0 >= FIRST_CONSTANT).then(|| self.constants[usize::from(operand.0 - FIRST_CONSTANT)])
     }
 
-    /// What of the point it reads.
+    /// The fields of the point that it reads.
     pub fn reads(&self) -> impl Iterator<Item = Field> + '_ {
         self.code.iter().filter_map(|instruction| match instruction.operation {
             Operation::Read(field, _) => Some(field),
@@ -140,12 +140,12 @@ impl Program {
         })
     }
 
-    /// The suns that its skies show.
+    /// The suns that the program's skies show.
     pub fn suns(&self) -> impl Iterator<Item = SunDisc> + '_ {
         self.skies.iter().filter_map(Sky::sun)
     }
 
-    /// How many instructions a run takes.
+    /// Number of instructions of a run.
     pub fn instructions(&self) -> usize {
         self.code.len()
     }

@@ -83,8 +83,8 @@ impl Program {
     }
 }
 
-/// The parts of a point that a context may need for an operation: the shading normal, and the footprint. An operation that is not listed, and
-/// is more than its operands, is taken to need both.
+/// The parts of a point that a context may need for an operation: the shading normal, and the footprint. An operation that is not listed,
+/// and is more than its operands, is taken to need both.
 fn needs(operation: Operation) -> (bool, bool) {
     match operation {
         Operation::Read(field, shift) => (

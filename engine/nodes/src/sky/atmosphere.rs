@@ -7,19 +7,19 @@ use glam::Vec3A;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, Mutex};
 
-/// How often light is scattered.
+/// Number of scatterings of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scattering {
-    /// Once; as Blender 4 tabulates it, or as 5 does.
+    /// Single scattering, as Blender 4 tabulates it or as Blender 5 does.
     Once {
-        /// Blender 4.
+        /// True for Blender 4's tables, false for Blender 5's.
         older: bool,
     },
-    /// Many times.
+    /// Multiple scattering.
     Multiple,
 }
 
-/// What a Sky Texture node says.
+/// The settings of a Sky Texture node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct AtmosphereSettings {
     pub(crate) scattering: Scattering,
@@ -27,10 +27,10 @@ pub(crate) struct AtmosphereSettings {
     pub(crate) sun_diameter_rad: f32,
     pub(crate) sun_intensity: f32,
     pub(crate) sun_elevation_rad: f32,
-    /// From +y towards +x.
+    /// Rotation of the sun from +y towards +x.
     pub(crate) sun_rotation_rad: f32,
     pub(crate) altitude_m: f32,
-    /// Of molecules, aerosols and ozone, over the Earth's.
+    /// Densities of molecules, aerosols and ozone, over the Earth's.
     pub(crate) densities: [f32; 3],
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct Atmosphere {
     horizon_rad: f32,
 }
 
-/// What the tables depend on: the kind, the sun's elevation, altitude, densities.
+/// The values that the tables depend on: the kind, the sun's elevation, altitude, densities.
 type Key = (Scattering, [f32; 5]);
 
 /// The last tables made: a sync after a change elsewhere need not wait for them. Newest last.
@@ -78,7 +78,7 @@ impl Atmosphere {
         Self { settings, sun, table: table(&settings), disc, horizon_rad }
     }
 
-    /// The sun, if its disc is to be seen.
+    /// The sun; `None` if its disc is not to be seen.
     pub(super) fn sun(&self) -> Option<SunDisc> {
         let AtmosphereSettings { sun_disc, sun_diameter_rad, .. } = self.settings;
         sun_disc.then_some(SunDisc { direction: self.sun, diameter_rad: sun_diameter_rad })

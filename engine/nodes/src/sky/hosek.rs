@@ -12,7 +12,7 @@ const TURBIDITIES: usize = 10;
 
 type Polynomial = [f32; 6];
 
-/// By channel, albedo (0, 1), turbidity (1 to 10), number.
+/// The formula's polynomials by channel, albedo (0, 1), turbidity (1 to 10) and number.
 static DATA: LazyLock<Vec<Polynomial>> = LazyLock::new(|| {
     let lines = include_str!("../../data/hosek-wilkie-xyz.txt").lines().filter(|line| !line.starts_with('#'));
     let polynomial = |line: &str| {
@@ -25,7 +25,7 @@ static DATA: LazyLock<Vec<Polynomial>> = LazyLock::new(|| {
 #[derive(Clone, Debug)]
 pub(crate) struct Hosek {
     sun: Vec3A,
-    /// By channel: the formula's numbers, and the brightness.
+    /// The formula's numbers, and the brightness, by channel.
     channels: [[f32; NUMBERS]; 3],
 }
 
@@ -37,7 +37,7 @@ fn bernstein(coefficients: &Polynomial, x: f32) -> f32 {
 }
 
 impl Hosek {
-    /// For the sun in a direction, at the horizon if it is below; turbidity 1 to 10, albedo of the ground 0 to 1.
+    /// The sky for the sun in a direction, at the horizon if it is below; turbidity 1 to 10, albedo of the ground 0 to 1.
     pub(crate) fn new(sun: Vec3A, turbidity: f32, albedo: f32) -> Self {
         let sun = sun.normalize_or(Vec3A::Z);
         let elevation_rad = sun.z.clamp(0.0, 1.0).asin();

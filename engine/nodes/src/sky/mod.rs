@@ -1,7 +1,7 @@
 //! The sky as a Sky Texture paints it.
 //!
-//! Who uses whom: [`panorama`] → [`single_scattering`], [`multiple_scattering`] → [`atmosphere`]; [`preetham`] and
-//! [`hosek`] stand alone.
+//! Dependencies of the modules: [`panorama`] → [`single_scattering`], [`multiple_scattering`] → [`atmosphere`];
+//! [`preetham`] and [`hosek`] stand alone.
 
 pub(crate) mod atmosphere;
 pub(crate) mod hosek;
@@ -18,9 +18,9 @@ use preetham::Preetham;
 /// A sky for one place of the sun.
 #[derive(Clone, Debug)]
 pub(crate) enum Sky {
-    /// A formula.
+    /// Preetham's formula.
     Preetham(Preetham),
-    /// A formula with fitted numbers.
+    /// Hosek's formula with fitted numbers.
     Hosek(Box<Hosek>),
     /// Light scattered in air, computed.
     Atmosphere(Box<Atmosphere>),
@@ -29,9 +29,9 @@ pub(crate) enum Sky {
 /// A sun that a sky shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunDisc {
-    /// Towards it, unit, in the coordinates of the Sky Texture.
+    /// Direction towards the sun, unit, in the coordinates of the Sky Texture.
     pub direction: Vec3A,
-    /// Its angular diameter.
+    /// Angular diameter of the sun.
     pub diameter_rad: f32,
 }
 
@@ -45,7 +45,7 @@ impl Sky {
         }
     }
 
-    /// The sun that it shows.
+    /// The sun that the sky shows.
     pub(crate) fn sun(&self) -> Option<SunDisc> {
         match self {
             Self::Atmosphere(sky) => sky.sun(),

@@ -47,14 +47,14 @@ fn exp(v: Vec4) -> Vec4 {
     v.exp()
 }
 
-/// What happens to light at a height, per kilometre.
+/// Coefficients of scattering and extinction at a height, per kilometre.
 struct Matter {
     air: Vec4,
     aerosol: Vec4,
     extinction: Vec4,
 }
 
-/// How far it is to a sphere around the Earth's middle, if the ray meets it.
+/// Distance to a sphere around the Earth's middle, if the ray hits it.
 fn to_sphere_km(p: Vec3A, direction: Vec3A, radius_km: f32) -> Option<f32> {
     let (along, above) = (p.dot(direction), p.dot(p) - radius_km * radius_km);
     if above > 0.0 && along > 0.0 {
@@ -68,7 +68,7 @@ fn to_sphere_km(p: Vec3A, direction: Vec3A, radius_km: f32) -> Option<f32> {
     Some(if above <= 0.0 { root - along } else { -root - along })
 }
 
-/// Towards the sun, whose azimuth is that of -x.
+/// The direction towards the sun, whose azimuth is that of -x.
 fn towards(cos_zenith: f32) -> Vec3A {
     Vec3A::new(-(1.0 - cos_zenith * cos_zenith).max(0.0).sqrt(), 0.0, cos_zenith)
 }
@@ -76,7 +76,7 @@ fn towards(cos_zenith: f32) -> Vec3A {
 /// An atmosphere: shares of the Earth's.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Air {
-    /// Molecules, aerosols, ozone.
+    /// Densities of molecules, aerosols and ozone.
     densities: Vec3A,
     altitude_km: f32,
 }
@@ -97,7 +97,7 @@ impl Air {
         Matter { air, aerosol, extinction: air + aerosol + absorbed }
     }
 
-    /// What comes through from the sun to a height.
+    /// Transmittance from the sun to a height.
     fn transmittance(&self, cos_zenith: f32, height_km: f32) -> Vec4 {
         let (p, ray) = (Vec3A::new(0.0, 0.0, GROUND_RADIUS_KM + height_km), towards(cos_zenith));
         let step_km = to_sphere_km(p, ray, TOP_RADIUS_KM).unwrap_or(-1.0) / STEPS as f32;
@@ -130,7 +130,7 @@ impl Air {
         })
     }
 
-    /// What is scattered towards the viewer along a ray of so many kilometres.
+    /// Light scattered towards the viewer along a ray of so many kilometres.
     fn scattered(&self, table: &Transmittances, viewer: Vec3A, ray: Vec3A, length_km: f32, sun: Vec3A) -> Vec4 {
         let cosine = ray.dot(sun);
         let g2 = ASYMMETRY * ASYMMETRY;
@@ -157,7 +157,7 @@ impl Air {
     }
 }
 
-/// What comes through from the sun, by the cosine of its zenith angle and by height.
+/// Transmittances from the sun, by the cosine of its zenith angle and by height.
 struct Transmittances(Vec<Vec4>);
 
 impl Transmittances {
@@ -170,7 +170,7 @@ impl Transmittances {
         Self((0..columns * rows).into_par_iter().map(at).collect())
     }
 
-    /// At a height from 0, the ground, to 1.
+    /// The transmittance at a height from 0, the ground, to 1.
     fn at(&self, cos_zenith: f32, height: f32) -> Vec4 {
         let [columns, rows] = TABLE;
         let x = (0.5 * cos_zenith + 0.5).clamp(0.0, 1.0) * (columns - 1) as f32;

@@ -14,19 +14,19 @@ pub(super) struct Panorama {
     pixels: Vec<Vec3A>,
 }
 
-/// Where a row's values are taken.
+/// The place at which a row's values are taken.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Place {
-    /// In the middle of each pixel.
+    /// Values in the middle of each pixel.
     Middle,
-    /// At its lower left corner; what is read between them is then half a pixel off.
+    /// Values at the lower left corner of each pixel; values read between them are then half a pixel off.
     Corner,
-    /// Likewise, with the highest row half a row above the zenith: Blender 4.
+    /// Values at the corners, with the highest row half a row above the zenith: Blender 4.
     CornerBeyond,
 }
 
 impl Panorama {
-    /// Of what shines from an azimuth from the sun's opposite, and an elevation, radians. Both sides of the sun are alike.
+    /// A panorama of the light from an azimuth from the sun's opposite, and an elevation, radians. Both sides of the sun are alike.
     pub(super) fn new(place: Place, shine: impl Fn(f32, f32) -> Vec3A + Sync) -> Self {
         let (shift, most_rad) = match place {
             Place::Middle => (0.5, FRAC_PI_2),
@@ -46,13 +46,13 @@ impl Panorama {
         Self { pixels }
     }
 
-    /// At an azimuth from the sun's opposite, any number of turns, and an elevation.
+    /// The light at an azimuth from the sun's opposite, any number of turns, and an elevation.
     pub(super) fn at(&self, azimuth_rad: f32, elevation_rad: f32) -> Vec3A {
         let height = (elevation_rad.abs() / FRAC_PI_2).sqrt().copysign(elevation_rad);
         self.at_row(azimuth_rad, 0.5 * height + 0.5)
     }
 
-    /// At an azimuth, and a height in the table, 0 to 1.
+    /// The light at an azimuth, and a height in the table, 0 to 1.
     pub(super) fn at_row(&self, azimuth_rad: f32, height: f32) -> Vec3A {
         let x = (azimuth_rad / TAU).rem_euclid(1.0) * COLUMNS as f32 - 0.5;
         let y = (height * ROWS as f32 - 0.5).clamp(0.0, (ROWS - 1) as f32);

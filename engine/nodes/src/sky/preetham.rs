@@ -8,9 +8,9 @@ use std::f32::consts::{FRAC_PI_2, PI};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Preetham {
     sun: Vec3A,
-    /// For Y, x and y: the five numbers of Perez's formula.
+    /// The five numbers of Perez's formula, for Y, x and y.
     shape: [[f32; 5]; 3],
-    /// Overhead, over what the formula gives there.
+    /// The value overhead, over that of the formula there.
     zenith: [f32; 3],
 }
 

@@ -12,7 +12,7 @@ const GROUND_RADIUS_M: f32 = 6_360e3;
 const TOP_RADIUS_M: f32 = 6_420e3;
 /// Air and aerosols thin out by e in so much height.
 const SCALE_HEIGHT_M: [f32; 2] = [8_000.0, 1_200.0];
-/// What an aerosol scatters, at every wavelength, per metre; it takes away 1.11 times that.
+/// Scattering coefficient of an aerosol, at every wavelength, per metre; its extinction is 1.11 times that.
 const AEROSOL_PER_M: f32 = 2e-5;
 const AEROSOL_EXTINCTION: f32 = 1.11 * AEROSOL_PER_M;
 /// Forward scattering of aerosols.
@@ -21,8 +21,8 @@ const STEPS: usize = 32;
 const LINES: usize = 21;
 const LINE_STEP_NM: f32 = 20.0;
 
-/// At a wavelength: the sun's irradiance above the air (W/m²/nm), what air scatters and what ozone absorbs (1/m), and the
-/// CIE 1931 observer. From 380 nm, every 20 nm.
+/// The data of a wavelength: the sun's irradiance above the air (W/m²/nm), what air scatters and what ozone absorbs (1/m), and the CIE 1931
+/// observer. From 380 nm, every 20 nm.
 struct Line {
     sun: f32,
     air: f32,
@@ -72,10 +72,10 @@ const PLACES: [[f32; 2]; 8] = [
     [0.914_525_3, 0.356_249_05],
 ];
 
-/// What the air holds, as shares of the Earth's.
+/// The contents of the air, as shares of the Earth's.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Air {
-    /// Molecules, aerosols, ozone.
+    /// Densities of molecules, aerosols and ozone.
     densities: Vec3A,
     altitude_m: f32,
     place: Place,
@@ -91,7 +91,7 @@ fn height_m(p: Vec3A) -> f32 {
     p.length() - GROUND_RADIUS_M
 }
 
-/// How far it is to the top of the air.
+/// Distance to the top of the air.
 fn to_top_m(p: Vec3A, direction: Vec3A) -> f32 {
     let along = p.dot(direction);
     // In f64: the squares have more digits than f32 keeps.
@@ -145,7 +145,7 @@ impl Air {
         })
     }
 
-    /// What is scattered towards the viewer along a ray.
+    /// Light scattered towards the viewer along a ray.
     fn scattered(&self, ray: Vec3A, sun: Vec3A) -> Vec3A {
         let cosine = ray.dot(sun);
         let g2 = ASYMMETRY * ASYMMETRY;

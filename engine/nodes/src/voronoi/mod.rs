@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3A, Vec4};
 use space::Space;
 
 choices! {
-    /// What is asked about the points.
+    /// The feature of the points that is computed.
     pub(crate) Feature {
         First = "F1",
         Second = "F2",
@@ -19,7 +19,7 @@ choices! {
 }
 
 choices! {
-    /// How the distance to a point is measured.
+    /// The metric of the distance to a point.
     pub(crate) Metric {
         Euclidean = "EUCLIDEAN",
         Manhattan = "MANHATTAN",
@@ -29,11 +29,11 @@ choices! {
 }
 
 choices! {
-    /// What scatters the points: Blender has changed it, and with it all pictures but those in one dimension.
+    /// The hash that scatters the points: Blender has changed it, and with it all pictures but those in one dimension.
     pub(crate) CellHash { Lookup3 = "LOOKUP3", Pcg = "PCG" }
 }
 
-/// What does not depend on the place.
+/// The settings that do not depend on the place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Voronoi {
     pub(crate) hash: CellHash,
@@ -57,7 +57,7 @@ pub(crate) struct Nearest {
     pub(crate) position: Vec4,
 }
 
-/// What one octave finds.
+/// The result of one octave.
 struct Found<P> {
     distance: f32,
     colour: Vec3A,
@@ -96,7 +96,7 @@ impl Voronoi {
         }
     }
 
-    /// Without octaves beyond the first.
+    /// True if there are no octaves beyond the first.
     fn is_plain(&self) -> bool {
         self.detail == 0.0 || self.roughness == 0.0
     }
@@ -236,7 +236,7 @@ impl Voronoi {
         if self.normalize { distance / most } else { distance }
     }
 
-    /// How far it is to where two points are equally near.
+    /// Distance to the nearest place that is equally far from two points.
     fn edge<P: Space>(&self, p: P) -> f32 {
         // Directions between points closer than this are not trusted.
         const LEAST_SQUARE: f32 = 0.0001;
@@ -266,7 +266,7 @@ impl Voronoi {
         edge
     }
 
-    /// In one dimension Blender looks at the own cell's point and its two neighbours.
+    /// The distance to the edge in one dimension, where Blender looks at the own cell's point and its two neighbours.
     fn edge_on_a_line<P: Space>(&self, cell: P, local: P) -> f32 {
         let middle = self.point(cell, P::ZERO);
         let edges = [-1.0, 1.0].map(|side| {

@@ -1,4 +1,4 @@
-//! What Voronoi needs of one to four dimensions: cells, the point in each, distances.
+//! Operations of Voronoi in one to four dimensions: cells, the point in each, distances.
 
 use super::{CellHash, Metric};
 use crate::hash::{cell2, cell3, cell4, cells3, colour1, colour2, colour3, colour4, unit1, unit2, unit3, unit4};
@@ -8,12 +8,12 @@ use wide::i32x8;
 
 /// All steps of -1 to 1 in four dimensions, the first dimension fastest: the first 3, 9 and 27 serve fewer dimensions.
 const NEAR: [[f32; 4]; 81] = steps(3);
-/// The same of -2 to 2.
+/// All steps of -2 to 2 in four dimensions, in the order of [`steps`].
 const WIDER: [[f32; 4]; 625] = steps(5);
 
 /// The first 27 steps of -1 to 1 along x, y and z, for eight lanes at a time.
 static NEAR_LANES: [[[i32; 8]; 3]; 4] = lanes(&NEAR, 27);
-/// The same of the 125 of -2 to 2.
+/// The first 125 steps of -2 to 2 along x, y and z, for eight lanes at a time.
 static WIDER_LANES: [[[i32; 8]; 3]; 16] = lanes(&WIDER, 125);
 
 const fn lanes<const GROUPS: usize>(steps: &[[f32; 4]], count: usize) -> [[[i32; 8]; 3]; GROUPS] {
@@ -80,7 +80,7 @@ pub(super) trait Space:
     type Wider: AsRef<[Self]>;
 
     fn floor(self) -> Self;
-    /// Where the point of a cell lies in it, from 0 to 1.
+    /// The place of a cell's point in the cell, from 0 to 1.
     fn point(cell: Self, hash: CellHash) -> Self;
     fn colour(cell: Self, hash: CellHash) -> Vec3A;
     fn dot(self, other: Self) -> f32;

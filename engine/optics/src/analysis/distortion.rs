@@ -1,5 +1,4 @@
-//! Where the middle rays of fields land, and where the light about them is sharp: distortion, field curvature with astigmatism,
-//! lateral colour.
+//! Chief rays of fields on the film, and foci of the rays about them: distortion, field curvature with astigmatism, lateral colour.
 
 use glam::{DVec2, DVec3};
 
@@ -14,22 +13,22 @@ const BESIDE: f64 = 1e-4;
 pub struct ChiefRay {
     /// The field's angle.
     pub angle_deg: f64,
-    /// Where it meets the film, tangential, mm from the axis, at the main wavelength.
+    /// Height at which the chief ray hits the film, tangential, mm from the axis, at the main wavelength.
     pub height_mm: f64,
-    /// Where a picture without distortion has it, by the tangent of the angle; `None` from 90 degrees on.
+    /// Height of the chief ray in a picture without distortion, by the tangent of the angle; `None` from 90 degrees on.
     pub straight_height_mm: Option<f64>,
-    /// Where one has it whose heights go with the angle itself (f-theta).
+    /// Height of the chief ray in a picture whose heights go with the angle itself (f-theta).
     pub even_height_mm: f64,
-    /// Where the rays beside it in the plane of the field cross it, along z from the film; `None`: nowhere.
+    /// The place at which the rays beside it in the plane of the field cross it, along z from the film; `None`: nowhere.
     pub tangential_focus_mm: Option<f64>,
-    /// Where those at right angles do.
+    /// The place at which the rays beside it at right angles to the plane of the field cross it, along z from the film; `None`: nowhere.
     pub sagittal_focus_mm: Option<f64>,
-    /// By wavelength: the height, from that of the main one. `None`: it has no such ray.
+    /// Height at each wavelength, from that at the main one. `None`: the wavelength has no such ray.
     pub colour_mm: Vec<Option<f64>>,
 }
 
 impl Analysis<'_> {
-    /// Of a field; `None`: no ray of the main wavelength goes through the middle of the stop to the film.
+    /// The chief ray of a field; `None`: no ray of the main wavelength goes through the middle of the stop to the film.
     ///
     /// Rims count for the beam, but not for its middle ray: a mirror in front may hide it.
     pub fn chief_ray(&self, angle_deg: f64) -> Option<ChiefRay> {
@@ -65,7 +64,8 @@ impl Analysis<'_> {
         self.turned(landing).y / SMALL_DEG.to_radians().tan()
     }
 
-    /// Where the rays on both sides of the middle one along an axis of the field's plane are nearest it, along z from the film.
+    /// The place at which the rays on both sides of the middle one along an axis of the field's plane are nearest to it, along z from the
+    /// film.
     fn focus_beside(&self, view: &View, axis: DVec2) -> Option<f64> {
         let line = &self.lines[self.main];
         let chief = self.chief(self.main, view)?;

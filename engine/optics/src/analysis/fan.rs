@@ -11,31 +11,31 @@ use crate::paraxial::Paraxial;
 pub struct Fans {
     /// The field's angle.
     pub angle_deg: f64,
-    /// Across the pupil in the plane of the field.
+    /// The fan across the pupil in the plane of the field.
     pub tangential: Vec<FanLine>,
-    /// At right angles to it.
+    /// The fan across the pupil at right angles to the plane of the field.
     pub sagittal: Vec<FanLine>,
 }
 
 /// A fan in one wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FanLine {
-    /// In vacuum.
+    /// The wavelength in vacuum.
     pub wavelength_nm: f64,
-    /// By rising place in the pupil.
+    /// The rays, by rising place in the pupil.
     pub rays: Vec<FanRay>,
 }
 
 /// A ray of a fan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FanRay {
-    /// Where it meets the stop, in radii of its opening, along the fan.
+    /// The place at which it hits the stop, in radii of its opening, along the fan.
     pub pupil: f64,
-    /// Where it meets the film, along the fan: the tangential part of a tangential fan, the sagittal one of the other; from the ray of
-    /// the main wavelength through the middle of the stop.
+    /// The place at which it hits the film, along the fan: the tangential part of a tangential fan, the sagittal one of the other; from
+    /// the ray of the main wavelength through the middle of the stop.
     pub error_mm: f64,
-    /// Its way beyond that of the middle ray of the same wavelength, in wavelengths: to the sphere through the middle of the exit pupil
-    /// whose centre is where that ray meets the film, the plane at infinity if the exit pupil is there.
+    /// Path difference to the middle ray of the same wavelength, in wavelengths: to the sphere through the middle of the exit pupil whose
+    /// centre is where that ray hits the film, the plane at infinity if the exit pupil is there.
     pub path_waves: f64,
 }
 
@@ -49,7 +49,7 @@ impl Analysis<'_> {
         Some(Fans { angle_deg, tangential: tangential?, sagittal: sagittal? })
     }
 
-    /// Along an axis of the field's plane, whose y lies in the plane of the field.
+    /// A fan along an axis of the field's plane, whose y lies in the plane of the field.
     fn fan(&self, view: &View, axis: DVec2, count: usize) -> Option<Vec<FanLine>> {
         let frame = self.film.frame();
         let middle = DVec2::from(frame.meet(&self.chief_out(self.main, view)?)?);

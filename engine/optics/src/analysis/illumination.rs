@@ -1,4 +1,4 @@
-//! How bright the film is off the axis: the light of a scene that is equally bright everywhere.
+//! Illumination of the film off the axis: the light of a scene that is equally bright everywhere.
 
 use glam::{DVec2, DVec3};
 
@@ -19,9 +19,9 @@ const LEAST: f64 = 1e-4;
 /// Light at a place of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Illumination {
-    /// Angle of the field whose light is there.
+    /// Angle of the field.
     pub angle_deg: f64,
-    /// Tangential, mm from the axis.
+    /// Tangential height of the field's light on the film, mm from the axis.
     pub height_mm: f64,
     /// Irradiance over that on the axis. `None` where the axis is dark: a mirror in front hides it.
     pub relative: Option<f64>,
@@ -30,7 +30,7 @@ pub struct Illumination {
 }
 
 impl Analysis<'_> {
-    /// Where the light of these fields is on the film, at the main wavelength; fields from which nothing comes are left out.
+    /// Illumination of the film by these fields, at the main wavelength; fields from which nothing comes are left out.
     pub fn illumination(&self, angles_deg: &[f64]) -> Vec<Illumination> {
         let axis = self.lit(0.0).map(|found| found.projected_sr).filter(|sr| *sr > 0.0);
         let relative = |found: Illumination| Illumination { relative: axis.map(|sr| found.projected_sr / sr), ..found };
@@ -68,7 +68,7 @@ impl Analysis<'_> {
         None
     }
 
-    /// Of the directions in the middles of the cells, those whose light comes to the film's place.
+    /// The directions in the middles of the cells whose light comes to the film's place.
     fn through(&self, touching: &Touching, towards_film: DVec3, seen: &Directions, cell: DVec2) -> Vec<DVec2> {
         let tracer = &self.lines[self.main].tracer;
         let mut bundle = tracer.bundle(Travel::FromFilm);
@@ -95,7 +95,7 @@ struct Directions {
 }
 
 impl Directions {
-    /// Those given.
+    /// The range of the given direction cosines; `None` if there are none.
     fn about(cosines: impl Iterator<Item = DVec2>) -> Option<Self> {
         let ends = cosines.map(|c| Self { low: c, high: c });
         ends.reduce(|a, b| Self { low: a.low.min(b.low), high: a.high.max(b.high) })

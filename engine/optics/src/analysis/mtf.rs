@@ -2,8 +2,8 @@
 //!
 //! The light near a place of the film is a sum of plane waves over their direction cosines (α, β), of phase 2π W / λ
 //! ([`super::wavefront`]). Its power spectrum at the frequency ν along α is the autocorrelation of that sum for the shift λ ν: Duffieux's
-//! integral (Goodman, Introduction to Fourier Optics, 4th ed., section 7.3), here without the approximation of small angles and over the pupil
-//! as rays find it. The waves are taken on a square lattice ([`super::waves`]) whose cell goes into λ ν a whole number of times.
+//! integral (Goodman, Introduction to Fourier Optics, 4th ed., section 7.3), here without the approximation of small angles and over the
+//! pupil as rays find it. The waves are taken on a square lattice ([`super::waves`]) whose cell goes into λ ν a whole number of times.
 
 use glam::DVec2;
 use thiserror::Error;
@@ -15,7 +15,7 @@ use super::{Analysis, centroid};
 /// Cells of the lattice over the larger side of the beam: at least, and at most.
 const LATTICE: [f64; 2] = [128.0, 2048.0];
 
-/// Why there is no transfer function.
+/// An error by which there is no transfer function.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum MtfError {
     /// The field is dark.
@@ -26,9 +26,9 @@ pub enum MtfError {
         "frequencies {step_per_mm} lines/mm apart are too near each other for so wide a beam; give steps of {least_per_mm:.2} or more"
     )]
     TooFine {
-        /// As asked for.
+        /// The step that was asked for.
         step_per_mm: f64,
-        /// The finest possible.
+        /// The finest possible step.
         least_per_mm: f64,
     },
 }
@@ -38,22 +38,22 @@ pub enum MtfError {
 pub struct Mtf {
     /// The field's angle.
     pub angle_deg: f64,
-    /// Where its light is on the film, from the middle: tangential, mm.
+    /// Height of the field's light on the film, from the middle: tangential, mm.
     pub height_mm: f64,
-    /// Of lines that run tangentially: the frequency is sagittal.
+    /// The curve of lines that run tangentially: the frequency is sagittal.
     pub sagittal: Curve,
-    /// Of lines that run sagittally.
+    /// The curve of lines that run sagittally.
     pub tangential: Curve,
 }
 
-/// In one direction.
+/// The contrast in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// With aberrations and diffraction.
+    /// Contrast with aberrations and diffraction.
     pub contrast: Vec<f64>,
-    /// With aberrations alone, as rays have it.
+    /// Contrast with aberrations alone, as rays have it.
     pub geometric: Vec<f64>,
-    /// With diffraction alone: the same pupil without aberrations, colour by colour.
+    /// Contrast with diffraction alone: the same pupil without aberrations, colour by colour.
     pub limit: Vec<f64>,
 }
 
@@ -66,7 +66,7 @@ struct Sum {
 }
 
 impl Analysis<'_> {
-    /// Of a field, at `count` frequencies from 0 on, `step_per_mm` line pairs on a millimetre of film apart.
+    /// The transfer function of a field, at `count` frequencies from 0 on, `step_per_mm` line pairs on a millimetre of film apart.
     ///
     /// # Errors
     /// [`MtfError`].

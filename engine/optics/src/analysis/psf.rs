@@ -28,7 +28,7 @@ const SIDE: usize = 257;
 /// Radii for which the encircled light is counted.
 const RADII: usize = 128;
 
-/// Why there is no point spread.
+/// An error by which there is no point spread function.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum PsfError {
     /// The field is dark.
@@ -43,7 +43,7 @@ pub enum PsfError {
         angle_deg: f64,
         /// Twice the distance of the farthest ray from the middle.
         spread_mm: f64,
-        /// That over λ N.
+        /// The spread over λ N.
         times: f64,
     },
 }
@@ -53,13 +53,13 @@ pub enum PsfError {
 pub struct Psf {
     /// The field's angle.
     pub angle_deg: f64,
-    /// Where its light is on the film, from the middle: tangential, mm.
+    /// Height of the field's light on the film, from the middle: tangential, mm.
     pub height_mm: f64,
     /// The brightest value over that of the same pupil without aberrations, by wavelength.
     pub strehl: Vec<f64>,
     /// Values a side of the picture; odd, the middle one at the place (0, 0).
     pub side: usize,
-    /// From value to value, mm.
+    /// Step from value to value, mm.
     pub step_mm: f64,
     /// Rows from below, each from left to right: irradiance, all wavelengths alike, in units of the largest that this pupil would
     /// make without aberrations.
@@ -71,7 +71,7 @@ pub struct Psf {
 }
 
 impl Analysis<'_> {
-    /// Of a field.
+    /// The point spread function of a field.
     ///
     /// # Errors
     /// [`PsfError`].
@@ -202,7 +202,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// Of column x and row y, counted from (0, 0), to both sides.
+    /// The value in column x and row y, counted from (0, 0), to both sides.
     fn at(&self, x: i64, y: i64) -> f64 {
         let wrap = |i: i64| i.rem_euclid(self.side as i64) as usize;
         self.light[wrap(y) * self.side + wrap(x)]

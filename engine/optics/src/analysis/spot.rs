@@ -1,4 +1,4 @@
-//! Spots: where the rays of a field meet the film.
+//! Spots: where the rays of a field hit the film.
 
 use glam::DVec2;
 
@@ -9,7 +9,7 @@ use super::{Analysis, Line, centroid};
 pub struct Spot {
     /// The field's angle.
     pub angle_deg: f64,
-    /// By wavelength.
+    /// The spot of each wavelength.
     pub lines: Vec<SpotLine>,
     /// The middle of all light, on the film, from its middle.
     pub centroid_mm: [f64; 2],
@@ -17,20 +17,20 @@ pub struct Spot {
     pub chief_mm: Option<[f64; 2]>,
     /// Root of the mean square distance from the centroid, all wavelengths together.
     pub rms_mm: f64,
-    /// The ray that is farthest from it.
+    /// Distance of the farthest ray from the centroid.
     pub largest_mm: f64,
 }
 
-/// One wavelength of it.
+/// The spot of one wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpotLine {
-    /// In vacuum.
+    /// The wavelength in vacuum.
     pub wavelength_nm: f64,
-    /// From the centroid of all wavelengths.
+    /// Points from the centroid of all wavelengths.
     pub points_mm: Vec<[f64; 2]>,
-    /// The middle of this wavelength, from that centroid.
+    /// The centroid of this wavelength, from that of all.
     pub centroid_mm: [f64; 2],
-    /// About its own middle.
+    /// Root mean square radius about the centroid of this wavelength.
     pub rms_mm: f64,
 }
 
@@ -77,8 +77,8 @@ impl Analysis<'_> {
         })
     }
 
-    /// Where rays of the main wavelength land that meet the stop at these places, in radii of its opening: sagittal and tangential, mm
-    /// from the film's middle. `None`: a rim or a surface keeps that ray.
+    /// The points on the film of rays of the main wavelength that hit the stop at these places, in radii of its opening: sagittal and
+    /// tangential, mm from the film's middle. `None`: a rim or a surface keeps that ray.
     pub fn through_stop(&self, angle_deg: f64, stops: &[[f64; 2]]) -> Vec<Option<[f64; 2]>> {
         let Some(view) = self.view(angle_deg) else { return vec![None; stops.len()] };
         let Line { tracer, probe, .. } = &self.lines[self.main];

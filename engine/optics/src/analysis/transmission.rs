@@ -1,4 +1,4 @@
-//! What the lens lets through of each colour, on the axis and at fields off it.
+//! Transmission of the lens in each colour, on the axis and at fields off it.
 
 use super::Analysis;
 use crate::transmission::{Passage, Passages};
@@ -6,12 +6,13 @@ use crate::transmission::{Passage, Passages};
 /// Rays of a beam, along a side.
 const MESH: usize = 15;
 
-/// A field's light.
+/// The transmission of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldTransmission {
-    /// To the axis.
+    /// The field's angle to the axis.
     pub angle_deg: f64,
-    /// By wavelength: the part that passes of the light that no rim stops, the mean of the beam; `None` where nothing comes through.
+    /// The part of the light that passes, by wavelength, of light that no rim stops: the mean of the beam; `None` where nothing comes
+    /// through.
     pub parts: Option<Vec<f64>>,
 }
 

@@ -1,10 +1,10 @@
-//! How long the light of a point is under way: the angle characteristic of the rays behind the lens.
+//! Optical path lengths of the light of a point: the angle characteristic of the rays behind the lens.
 //!
-//! A ray's *path* is its optical path from the source (from its plane wave, at infinity) to the foot of the perpendicular on
-//! it from the place Q of the film. As a function W(α, β) of the ray's direction cosines, times the index before the film, in the
-//! plane that touches the film at Q, it is Hamilton's mixed characteristic: its slopes are the places where the rays
-//! cross that plane, ∂W/∂α = −x, ∂W/∂β = −y (Born and Wolf, Principles of Optics, 7th ed., section 4.1), and the light near Q is the sum of the plane waves
-//! exp 2πi W / λ, without an approximation of small angles.
+//! A ray's *path* is its optical path from the source (from its plane wave, at infinity) to the foot of the perpendicular on it from the
+//! place Q of the film. As a function W(α, β) of the ray's direction cosines, times the index before the film, in the plane that touches
+//! the film at Q, it is Hamilton's mixed characteristic: its slopes are the places where the rays cross that plane, ∂W/∂α = −x, ∂W/∂β = −y
+//! (Born and Wolf, Principles of Optics, 7th ed., section 4.1), and the light near Q is the sum of the plane waves exp 2πi W / λ, without
+//! an approximation of small angles.
 
 use crate::system::{Element, System};
 use crate::trace::{Ray, Tracer};
@@ -15,7 +15,7 @@ use glam::DVec2;
 /// Rays of one wavelength, and how long they take.
 pub(super) struct Eikonal<'a> {
     tracer: &'a Tracer,
-    /// Before each surface, and before the film.
+    /// Indices before each surface, and before the film.
     indices: Vec<f64>,
     touching: Touching,
 }
@@ -24,9 +24,9 @@ pub(super) struct Eikonal<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
     pub(super) out: Ray,
-    /// To the foot of the perpendicular from the film's place.
+    /// Optical path length to the foot of the perpendicular from the film's place.
     pub(super) path_mm: f64,
-    /// Where it crosses the plane that touches the film there: sagittal and tangential, mm.
+    /// The point at which it crosses the plane that touches the film there: sagittal and tangential, mm.
     pub(super) crossing: DVec2,
     /// Length of the perpendicular.
     miss_mm: f64,
@@ -45,8 +45,8 @@ impl<'a> Eikonal<'a> {
         Self { tracer, indices, touching }
     }
 
-    /// Of a ray on the scene's side, which starts at its source, or for one at infinity on the plane wave through the first vertex.
-    /// `None`: it does not come through.
+    /// The path of a ray on the scene's side, which starts at its source, or for one at infinity on the plane wave through the first
+    /// vertex. `None`: it does not come through.
     pub(super) fn of(&self, ray: Ray) -> Option<Path> {
         let mut lengths = Vec::with_capacity(self.indices.len());
         let out = self.tracer.from_scene_measuring(ray, &mut lengths).ok()?;

@@ -21,7 +21,7 @@ const SOFT: usize = 5;
 pub(super) struct Wave {
     /// Amplitude, by real and imaginary part.
     pub(super) amplitude: DVec2,
-    /// Where its ray crosses the film: sagittal and tangential, mm.
+    /// The point at which its ray crosses the film: sagittal and tangential, mm.
     pub(super) crossing: DVec2,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Beam<'a> {
 }
 
 impl<'a> Beam<'a> {
-    /// Of a field; `eikonal` is that of the lens, `mesh` of the same without rims. `None`: the field is dark.
+    /// The beam of a field; `eikonal` is that of the lens, `mesh` that of the lens without rims. `None`: the field is dark.
     pub(super) fn new(
         view: &'a View,
         line: &'a Line<'_>,
@@ -90,7 +90,8 @@ impl<'a> Beam<'a> {
         self.lattice(cell).0
     }
 
-    /// The same, and what lies on the pupil's edge is the mean over its cell: a pupil of steps would scatter light.
+    /// The waves on a lattice with this step of the direction cosines, those on the pupil's edge averaged over their cells: a pupil with
+    /// steps would scatter light.
     pub(super) fn waves_with_soft_edge(&self, cell: f64) -> Waves {
         let (lattice, mut found) = self.lattice(cell);
         let columns = lattice.columns;
@@ -126,7 +127,7 @@ impl<'a> Beam<'a> {
         self.ray(target, at, area, start_mm)
     }
 
-    /// Of a ray that was found near the cosines.
+    /// The wave of a ray that was found near the cosines.
     fn ray(&self, target: DVec2, at: DVec2, area: f64, start_mm: &mut Option<f64>) -> Option<Wave> {
         let Self { view, line, eikonal, .. } = self;
         let ray = line.probe.origin.ray(&view.field, at);
@@ -171,7 +172,7 @@ impl<'a> Beam<'a> {
     }
 }
 
-/// In which cell of the mesh the points of a lattice were found, and the path that counts as none.
+/// The cells of the mesh in which the points of a lattice were found, and the path that counts as none.
 struct Found {
     columns: usize,
     quads: Vec<Option<usize>>,
@@ -179,7 +180,7 @@ struct Found {
 }
 
 impl Found {
-    /// Of a point, or else of a neighbour.
+    /// The quad of a point, or else of a neighbour.
     fn quad_at(&self, x: usize, y: usize) -> Option<usize> {
         let rows = self.quads.len() / self.columns;
         let around = |i: usize, end: usize| i.saturating_sub(1)..(i + 2).min(end);
@@ -193,7 +194,8 @@ fn cosines(eikonal: &Eikonal<'_>, path: &Path) -> DVec2 {
     eikonal.touching().cosines(path.out.direction) * eikonal.image_index()
 }
 
-/// The place of the field's plane whose ray has these cosines, if it lies in a cell of the mesh, and the plane's area for an area of cosines.
+/// The place of the field's plane whose ray has these cosines, if it lies in a cell of the mesh, and the plane's area for an area of
+/// cosines.
 fn find([a, b, c, d]: &[Node; 4], target: DVec2) -> Option<(DVec2, f64)> {
     let blend = |of: fn(&Node) -> DVec2, s: DVec2| {
         let [a, b, c, d] = [a, b, c, d].map(of);

@@ -12,21 +12,21 @@ const STEEPEST_DEG: f64 = 80.0;
 const FLATTEST: f64 = 1e-4;
 /// Planes are fitted again until they stay; a few times will do.
 const MOST_STEPS: usize = 60;
-/// So little of the image's distance is no change.
+/// Part of the image's distance that is no change.
 const SETTLED: f64 = 1e-11;
 
-/// Why no film makes three points sharp.
+/// An error by which no film makes three points sharp.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SharpPlaneError {
-    /// One of them has no sharp image.
+    /// One of the points has no sharp image.
     #[error("sharp point {number} of 3: {source}")]
     Point {
-        /// From 1.
+        /// Number of the point, from 1.
         number: usize,
-        /// Why.
+        /// The cause.
         source: AutofocusError,
     },
-    /// They, or their images, lie on one line: many planes go through them.
+    /// The points, or their images, lie on one line: many planes go through them.
     #[error("the three sharp points lie on one line, or look so to the lens; move one of them off it")]
     Collinear,
     /// The film would stand nearly along the axis.

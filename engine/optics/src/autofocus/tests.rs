@@ -38,7 +38,7 @@ fn spot(system: &System, wavelengths: &[(f64, f64)], point: DVec3, film: &FilmPl
     landed.iter().map(|(p, w)| w * (*p - middle).length_squared()).sum::<f64>() / sum
 }
 
-/// How far the film is from the smallest spot by the grid: the vertex of the parabola through three of its spots.
+/// Distance of the film from the smallest spot by the grid: the vertex of the parabola through three of its spots.
 fn off_by_grid(spot: impl Fn(f64) -> f64, step: f64) -> f64 {
     let [low, here, high] = [spot(-step), spot(0.0), spot(step)];
     0.5 * step * (low - high) / (low - 2.0 * here + high)
@@ -178,7 +178,8 @@ fn points_that_make_no_plane_are_refused() {
     assert!(matches!(along, Err(SharpPlaneError::TooSteep | SharpPlaneError::Collinear)), "{along:?}");
 }
 
-/// In every third shipped lens (all of them by `make test-all`), at f/8, on the axis and well off it: a film is found, and no stray rays spread the spot.
+/// Every third shipped lens (all of them by `make test-all`), at f/8, on the axis and well off it, finds a film, and no stray rays spread
+/// the spot.
 #[test]
 fn every_lens_finds_its_focus() {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));

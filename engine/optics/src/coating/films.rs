@@ -1,4 +1,4 @@
-//! What thin films are made of.
+//! The materials of thin films.
 //!
 //! Indices of [`KNOWN`] are those of the bulk, by the source named; evaporated films are some per cent less dense, and are used as such
 //! by the recipes' sources. Those of [`MEASURED`] are of films.
@@ -13,7 +13,7 @@ use crate::glass::Dispersion;
 pub struct Film {
     name: String,
     dispersion: Dispersion,
-    /// Its extinction coefficient k, of n + ik: straight between pairs (nm, k) by rising nm, still beyond; none: 0.
+    /// Extinction coefficient k, of n + ik: linear between pairs (nm, k) by rising nm, constant beyond; none: 0.
     extinction: Vec<[f64; 2]>,
 }
 
@@ -68,21 +68,21 @@ const MEASURED: [Measured; 4] = [
     ]),
 ];
 
-/// For messages.
+/// The names of the films, for messages.
 pub(super) fn names() -> String {
     let measured = MEASURED.iter().map(|(name, _)| *name);
     KNOWN.iter().map(|(name, _)| *name).chain(["HfO2"]).chain(measured).collect::<Vec<_>>().join(", ")
 }
 
 impl Film {
-    /// Of an index n + ik that is the same at every wavelength.
+    /// A film of an index n + ik that is constant over the wavelengths.
     pub fn constant(n: f64, k: f64) -> Self {
         let name = if k == 0.0 { format!("{n}") } else { format!("{n}-{k}i") };
         let extinction = if k == 0.0 { Vec::new() } else { vec![[0.0, k]] };
         Self { name, dispersion: Dispersion::Constant(n), extinction }
     }
 
-    /// One of the known, in any case; `None`: there is none of that name.
+    /// The known film of this name, in any case; `None` if there is none.
     pub fn named(name: &str) -> Option<Self> {
         if name.eq_ignore_ascii_case("HfO2") {
             let [a, b, c] = HFO2;
@@ -115,7 +115,7 @@ impl Film {
         }
     }
 
-    /// As it is written in a lens file.
+    /// The text in a lens file.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -139,7 +139,7 @@ impl Film {
 mod tests {
     use super::*;
 
-    /// By refractiveindex.info at 587.6 nm (MgF2, SiO2, Al2O3, ZrO2) and at 550 nm (HfO2).
+    /// Indices agree with refractiveindex.info at 587.6 nm (MgF2, SiO2, Al2O3, ZrO2) and at 550 nm (HfO2).
     #[test]
     fn indices_are_the_sources() {
         for (name, nm, expected) in [

@@ -11,9 +11,9 @@ use super::{CoatingError, Film};
 /// One film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// Of what.
+    /// The material.
     pub film: Film,
-    /// How thick.
+    /// The thickness.
     pub thickness_nm: f64,
 }
 
@@ -47,27 +47,27 @@ impl Layer {
 /// Waves do not meet again across thicker layers.
 const THICKEST_NM: f64 = 1e5;
 
-/// What becomes of light at a surface, as parts of its power: \[s, p\]. The rest is absorbed.
+/// The split of light at a surface, as parts of its power: \[s, p\]. The rest is absorbed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
-    /// Turned round.
+    /// The parts that are reflected.
     pub reflected: [f64; 2],
-    /// Let through.
+    /// The parts that are transmitted.
     pub transmitted: [f64; 2],
 }
 
 impl Split {
-    /// Everything turned round.
+    /// All light is reflected.
     pub const MIRROR: Self = Self { reflected: [1.0; 2], transmitted: [0.0; 2] };
-    /// Everything let through.
+    /// All light is transmitted.
     pub const NOTHING: Self = Self { reflected: [0.0; 2], transmitted: [1.0; 2] };
 
-    /// Of light that is not polarised.
+    /// The reflected part of unpolarised light.
     pub fn mean_reflected(&self) -> f64 {
         0.5 * (self.reflected[0] + self.reflected[1])
     }
 
-    /// Of light that is not polarised.
+    /// The transmitted part of unpolarised light.
     pub fn mean_transmitted(&self) -> f64 {
         0.5 * (self.transmitted[0] + self.transmitted[1])
     }
@@ -114,7 +114,7 @@ fn bare(from: f64, to: f64, cos: f64) -> Split {
     Split { reflected, transmitted: reflected.map(|r| 1.0 - r) }
 }
 
-/// The parts of light that comes from a medium of real index `from` through layers, in the order that it meets them, to one of index
+/// The parts of light that comes from a medium of real index `from` through layers, in the order that it hits them, to one of index
 /// `to`.
 pub(super) fn split<'a>(
     layers: impl Iterator<Item = &'a Layer>,
@@ -272,7 +272,7 @@ mod tests {
             }
         }
 
-        /// What layers absorb is never negative, and light takes as much from either side that it gets through.
+        /// Absorption by layers is never negative, and is equal for light from either side that gets through.
         #[test]
         fn absorption_is_positive(
             layers in any_stack(true), from in 1.0..2.0f64, to in 1.0..2.0f64, cos in 0.01..=1.0f64, nm in 350.0..900.0f64

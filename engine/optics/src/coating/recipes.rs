@@ -5,23 +5,23 @@ use super::{Coating, Film, Layer};
 /// A coating's plan: its films from the outside, each so many waves of the design wavelength thick.
 #[derive(Debug, PartialEq)]
 pub struct Recipe {
-    /// In lens files and on the command line.
+    /// The name in lens files and on the command line.
     pub name: &'static str,
-    /// For panels.
+    /// The title for panels.
     pub title: &'static str,
-    /// Where it stands.
+    /// The publication of the recipe.
     pub source: &'static str,
-    /// In the middle of what it is for, nm.
+    /// Design wavelength: the middle of the range that it is for, nm.
     pub design_nm: f64,
     layers: &'static [(&'static str, f64)],
-    /// Of a mirror: the metal below the layers, so thick that nothing passes.
+    /// The metal below the layers of a mirror, so thick that nothing passes.
     metal: Option<&'static str>,
 }
 
 /// Nothing passes so much metal: exp(−4π k d / λ) is below 1e-6.
 const OPAQUE_NM: f64 = 400.0;
 
-/// All of them.
+/// All recipes.
 pub const RECIPES: [Recipe; 8] = [
     Recipe { name: "none", title: "None", source: "bare glass", design_nm: 550.0, layers: &[], metal: None },
     Recipe {
@@ -82,7 +82,7 @@ pub const RECIPES: [Recipe; 8] = [
     },
 ];
 
-/// For messages.
+/// The names of the recipes, for messages.
 pub(super) fn names() -> String {
     RECIPES.iter().map(|recipe| recipe.name).collect::<Vec<_>>().join(", ")
 }
@@ -95,7 +95,7 @@ pub(super) struct Made {
 }
 
 impl Recipe {
-    /// By its name, in any case, with another design wavelength behind it if there is one: `MgF2@500`.
+    /// The recipe of a name, in any case, with another design wavelength behind it if there is one: `MgF2@500`.
     pub(super) fn named(text: &str) -> Option<Made> {
         let (name, design_nm) = match text.split_once('@') {
             Some((name, nm)) => (name, Some(nm.parse::<f64>().ok().filter(|nm| (100.0..20_000.0).contains(nm))?)),
@@ -142,7 +142,7 @@ mod tests {
         );
     }
 
-    /// Where a V coat is made for nothing is left.
+    /// A V coat reflects nothing at the wavelength that it is made for.
     #[test]
     fn a_v_coat_leaves_nothing() {
         let coating = Coating::parse("V-coat").unwrap();

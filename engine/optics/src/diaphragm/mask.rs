@@ -10,24 +10,24 @@ const WIDEST: usize = 8192;
 const LEAST_PART: f64 = 1e-6;
 /// Points a side at which a cell on the rim is tried for its area.
 const TRIES: usize = 8;
-/// How often a sample that falls on a closed part is drawn again.
+/// Number of times, at most, that a sample on a closed part is drawn again.
 const MOST_DRAWS: u32 = 1000;
 
-/// Why a picture makes no diaphragm.
+/// An error by which a picture makes no diaphragm.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum MaskError {
     /// No square, or a very large one.
     #[error("the aperture mask of {values} values is no square of {side} a side; give 1 to {WIDEST} values a side")]
     NotSquare {
-        /// Values a side.
+        /// Number of values along a side.
         side: usize,
-        /// Values in all.
+        /// Number of values in all.
         values: usize,
     },
     /// A value is no brightness.
     #[error("the aperture mask holds a value that is not finite; give numbers from 0 to 1")]
     NotFinite,
-    /// Nothing is brighter than half.
+    /// No value is brighter than half.
     #[error("the aperture mask is dark; light passes where it is brighter than half")]
     Dark,
 }
@@ -79,9 +79,14 @@ impl ApertureMask {
         if mask.open_part < LEAST_PART { Err(MaskError::Dark) } else { Ok(mask) }
     }
 
-    /// Values a side.
+    /// Number of values along a side.
     pub fn side(&self) -> usize {
         self.side
+    }
+
+    /// The picture's brightness less a half, rows from below.
+    pub fn values(&self) -> &[f32] {
+        &self.values
     }
 
     /// The open part of the square, within a hundredth of what the cells on its rim fill.

@@ -15,7 +15,7 @@ use crate::trace::{Ray, Tracer, Travel};
 const LATTICE: usize = 384;
 /// Rays by which the pupil is first found.
 const LOOKS: u32 = 1024;
-/// What lies around the pupil, as a part of its width, and how often more is tried.
+/// Margin around the pupil, as a part of its width, and number of times that it grows.
 const MARGIN: f64 = 0.05;
 const GROWTHS: u32 = 6;
 /// Halvings of a cell's side: to rounding.
@@ -86,7 +86,7 @@ struct Seen<'a> {
     tracer: &'a Tracer,
     touching: Touching,
     normal: DVec3,
-    /// Of direction cosines of the light.
+    /// Range of direction cosines of the light.
     window: [DVec2; 2],
 }
 
@@ -112,7 +112,7 @@ impl<'a> Seen<'a> {
         Some(Self { tracer, touching, normal, window: [ends.0 - margin, ends.1 + margin] })
     }
 
-    /// Which of these directions of the light are open.
+    /// True for those of these directions of the light that are open.
     fn are_open(&self, cosines: &[DVec2]) -> Vec<bool> {
         let mut bundle = self.tracer.bundle(Travel::FromFilm);
         let mut is_real = Vec::with_capacity(cosines.len());
@@ -134,7 +134,7 @@ struct Lattice {
     is_open: Vec<bool>,
 }
 
-/// A side of the lattice's cells: its lower or left point, and whether it goes up.
+/// A side of the lattice's cells: its lower or left point, and true if it goes up.
 type Side = (usize, bool);
 
 impl Lattice {
@@ -219,7 +219,7 @@ impl Lattice {
         (sides, ends.into_iter().map(|[a, b]| (a + b) * 0.5).collect())
     }
 
-    /// How the edge goes through the cell above and right of a point, open on its left: none, one or two ways.
+    /// The ways of the edge through the cell above and right of a point, open on its left: none, one or two ways.
     fn ways(&self, first: usize, seen: &Seen<'_>) -> Vec<(Side, Side)> {
         let corners = [first, first + 1, first + 1 + LATTICE, first + LATTICE].map(|i| self.is_open[i]);
         // Counter-clockwise from below.

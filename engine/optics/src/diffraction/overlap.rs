@@ -1,4 +1,4 @@
-//! How much of a pupil overlaps with itself when it is shifted, for any direction and length of the shift.
+//! Overlap of a pupil with itself when it is shifted, for any direction and length of the shift.
 //!
 //! Lines in the direction of the shift cut the pupil into intervals; the overlap of two intervals is piecewise linear in the shift, so
 //! the sum over all lines is exact where the pupil's edges are straight between them. Lines lie between all corners: the kinks that
@@ -13,11 +13,11 @@ use super::outline::Outline;
 
 /// Strips across the pupil, at least.
 const STRIPS: usize = 768;
-/// More corners than that are not all ends of strips: those where the edge turns, or turns back, are.
+/// Largest number of corners that are all ends of strips: if there are more, only those where the edge turns, or turns back, are.
 const MANY: usize = 400;
-/// By what the edge turns at a corner, sine.
+/// The turn of the edge at a corner, sine.
 const TURN: f64 = 0.03;
-/// Where lines lie in a strip (Gauss).
+/// Places of lines in a strip (Gauss).
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 /// Lengths of a shift, evenly in their logarithm.
@@ -25,14 +25,14 @@ const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 pub struct Shifts {
     /// The smallest, in direction cosines.
     pub first: f64,
-    /// How many to the double.
+    /// Number of shifts to the double.
     pub per_octave: f64,
-    /// How many.
+    /// Number of shifts.
     pub count: usize,
 }
 
 impl Shifts {
-    /// Number `i`.
+    /// Shift number `i`.
     pub fn at(&self, i: usize) -> f64 {
         self.first * (i as f64 / self.per_octave).exp2()
     }
@@ -49,8 +49,8 @@ struct Edge {
     high: DVec2,
 }
 
-/// Of a direction, `number` of `count` over half a turn from the first of the outline's directions on: (1 − overlap) / shift for each
-/// shift, per direction cosine; the overlap is 1 for the shift 0.
+/// (1 − overlap) / shift for each shift, per direction cosine, in direction `number` of `count` over half a turn from the first of the
+/// outline's directions on; the overlap is 1 for the shift 0.
 pub fn loss_per_shift(outline: &Outline, [number, count]: [usize; 2], shifts: &Shifts) -> Vec<f32> {
     let along = DVec2::from_angle(PI * number as f64 / count as f64);
     // (across, along) the direction.
@@ -112,9 +112,9 @@ pub fn loss_per_shift(outline: &Outline, [number, count]: [usize; 2], shifts: &S
 /// A sum of ramps max(0, s − b) for shifts s.
 struct Ramps<'a> {
     shifts: &'a Shifts,
-    /// Of the overlap at shift 0.
+    /// The area of the overlap at shift 0.
     area: f64,
-    /// What the overlap has lost: slope and constant of ramps that begin before each shift, and after the one before.
+    /// The loss of the overlap: slope and constant of ramps that begin before each shift, and after the one before.
     steps: Vec<[f64; 2]>,
 }
 
@@ -203,7 +203,7 @@ mod tests {
         assert!((loss[0] * PI / 4.0 - 1.0).abs() < 1e-4, "{}", loss[0]);
     }
 
-    /// With a hole (a frame): the overlap of both squares, less that of one with the other, twice.
+    /// The overlap of a pupil with a hole (a frame): that of both squares, less that of one with the other, twice.
     #[test]
     fn a_hole_is_taken_off() {
         let ring =

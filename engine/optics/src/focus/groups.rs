@@ -11,13 +11,13 @@ const BEYOND_INFINITY: f64 = 0.02;
 /// Places at which the travel is looked for, before it is found exactly.
 const STEPS: u32 = 32;
 
-/// Why groups cannot focus.
+/// An error by which groups cannot focus.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GroupsError {
     /// The lens cannot be set.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// Nothing can be sharp there.
+    /// Nothing can be sharp at the distance.
     #[error(transparent)]
     Focus(#[from] FocusError),
 }
@@ -27,9 +27,9 @@ pub enum GroupsError {
 pub struct Focused {
     /// The lens with its groups in place.
     pub system: System,
-    /// Where the film stands in lens space, mm.
+    /// The z of the film in lens space, mm.
     pub film_z_mm: f64,
-    /// How far the groups have moved: 0 at infinity, 1 at the nearest distance of their table.
+    /// Travel of the groups: 0 at infinity, 1 at the nearest distance of their table.
     pub travel: f64,
 }
 

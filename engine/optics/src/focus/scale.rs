@@ -1,4 +1,4 @@
-//! What a focus distance is counted from, and by which relation it moves the film.
+//! The reference point of a focus distance, and the relation by which it moves the film.
 
 use super::{Conjugates, FocusError};
 use crate::paraxial::Paraxial;
@@ -13,8 +13,8 @@ pub enum Anchor {
     EntrancePupil,
     /// The vertex of the first surface: the film moves.
     FrontVertex,
-    /// Where the axis meets the film: the lens moves as a whole (unit focusing), and distances are those on the scale of
-    /// its barrel.
+    /// The point at which the axis meets the film: the lens moves as a whole (unit focusing), and distances are those on the scale of its
+    /// barrel.
     Film,
 }
 
@@ -30,12 +30,12 @@ pub enum Relation {
     Thin,
 }
 
-/// How focus distances are meant.
+/// The meaning of focus distances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Focusing {
-    /// What they are counted from, and what stays put.
+    /// The point that distances are counted from, and that stays put.
     pub anchor: Anchor,
-    /// What they do.
+    /// The relation by which focus distances move the film.
     pub relation: Relation,
 }
 

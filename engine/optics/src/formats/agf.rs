@@ -23,7 +23,7 @@ use super::problem::{LensFileError, Problem, at};
 use super::remarks::{Remark, Remarks};
 use super::text::{self, Token, finite, not_a_number, tokens};
 
-/// How far the index at d may be from what the file says of it: catalogues print five or six digits.
+/// Largest difference of the index at d from the one that the file states: catalogues print five or six digits.
 const PRINTED: f64 = 2e-5;
 /// A catalogue of more glasses is none.
 const MOST_GLASSES: usize = 20_000;
@@ -33,7 +33,7 @@ struct Entry {
     name: String,
     place: Place,
     formula: u32,
-    /// As printed.
+    /// The index at d, as printed.
     nd: Option<f64>,
     numbers: Vec<f64>,
     range_um: Option<[f64; 2]>,
@@ -45,7 +45,7 @@ pub fn parse_bytes(bytes: &[u8], file: &str) -> Result<(Vec<Medium>, Vec<Remark>
     parse(&text::any_encoding(bytes, file)?, file)
 }
 
-/// The same of a text.
+/// The glasses in the text of a catalogue, with remarks on those that could not be used and are left out.
 pub fn parse(text: &str, file: &str) -> Result<(Vec<Medium>, Vec<Remark>), LensFileError> {
     let mut remarks = Remarks::default();
     let mut media = Vec::new();

@@ -1,10 +1,10 @@
-//! How far out the beams of a lens reach on its surfaces, by exact rays in the y-z plane that only the stop limits: what design
-//! programs open surfaces for that have no rim of their own.
+//! Extents of the beams of a lens on its surfaces, by exact rays in the y-z plane that only the stop limits: design programs open surfaces
+//! without a rim of their own by these.
 
 use glam::DVec3;
 
 use crate::interface::{Interface, reflect};
-use crate::prescription::Behind;
+use crate::prescription::NextMedium;
 use crate::surface::{Conic, Shape};
 use crate::vector::Vector;
 
@@ -12,17 +12,17 @@ use super::draft::DraftRow;
 
 /// Rays of one beam. Heights are good to about one in a hundred of the beam.
 const RAYS: usize = 200;
-/// How much wider than at first order a beam may be before the lens, in radii.
+/// Half width of the fan of rays before the lens, in half widths of the beam at first order.
 const REACH: f64 = 3.0;
 
 /// Rays from one point of the field.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sheaf {
+pub(super) struct FieldBeam {
     /// (z, y) of where they come from, or `None`: parallel.
     pub(super) origin: Option<[f64; 2]>,
     /// Slope of the chief ray, at first order.
     pub(super) slope: f64,
-    /// Where it meets the first vertex plane, and the beam's half width there.
+    /// The height at which the chief ray hits the first vertex plane, and the beam's half width there.
     pub(super) middle: f64,
     pub(super) half_width: f64,
     /// Parts of the stop's radius that are left below and above.
@@ -30,7 +30,7 @@ pub(super) struct Sheaf {
 }
 
 /// The largest heights on the surfaces, mm, of the rays of `sheaf` that pass the stop; `None` if none does.
-pub(super) fn heights(rows: &[DraftRow], stop: usize, wavelength_nm: f64, sheaf: &Sheaf) -> Option<Vec<f64>> {
+pub(super) fn heights(rows: &[DraftRow], stop: usize, wavelength_nm: f64, sheaf: &FieldBeam) -> Option<Vec<f64>> {
     let mut largest = vec![0.0f64; rows.len()];
     let mut any = false;
     let semi = rows[stop].semi_diameter_mm.unwrap_or(0.0);
@@ -65,11 +65,11 @@ fn follow(rows: &[DraftRow], wavelength_nm: f64, start: DVec3, direction: DVec3)
         let crossing = shape.intersect(origin, direction, side).ok()?;
         hits.push(crossing.point.of(0).y);
         match &row.behind {
-            Behind::Mirror => {
+            NextMedium::Mirror => {
                 direction = reflect(direction, &crossing, side);
                 side = -side;
             }
-            Behind::Medium(to) => {
+            NextMedium::Medium(to) => {
                 let to = to.index(wavelength_nm);
                 let (bent, passes) = Interface::new(medium, to).refract(direction, &crossing, side);
                 if !passes {

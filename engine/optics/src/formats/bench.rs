@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use crate::glass::{Catalogue, Medium};
 use crate::prescription::moving::{Part, Position, Quantity};
-use crate::prescription::{Behind, Place};
+use crate::prescription::{NextMedium, Place};
 
 use super::draft::{Draft, DraftRow, MOST_SURFACES};
 use super::glass_names::Glasses;
@@ -87,7 +87,7 @@ struct Reader<'a> {
     glasses: Glasses<'a>,
     constants: Vec<String>,
     variables: HashMap<String, Variable>,
-    /// By number in the file, where the surface is.
+    /// Index of the surface, by its number in the file.
     numbers: HashMap<String, usize>,
     /// Surfaces whose thickness has a name.
     named: Vec<(usize, String, Place)>,
@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
             None if cell(2).text.is_empty() => {}
             None => self.named.push((index, cell(2).text.to_owned(), Place { line, column: cell(2).column })),
         }
-        row.behind = Behind::Medium(self.medium(line, &[cell(3), cell(5), cell(6), cell(7)])?);
+        row.behind = NextMedium::Medium(self.medium(line, &[cell(3), cell(5), cell(6), cell(7)])?);
         if !cell(4).text.is_empty() {
             row.semi_diameter_mm = Some(self.number(line, &cell(4), "diameter")? / 2.0);
         }
@@ -190,7 +190,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// By index, Abbe number, and the glass's name and maker, if they are known here and have that index.
+    /// The medium of an index, an Abbe number, and the glass's name and maker, if they are known here and have that index.
     fn medium(&mut self, line: usize, [nd, abbe, name, maker]: &[Token<'_>; 4]) -> Result<Medium, LensFileError> {
         if nd.text.is_empty() {
             return Ok(Medium::air());
@@ -264,7 +264,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// What a variable is in a position.
+    /// The value of a variable in a position.
     fn value(&self, name: &str, position: usize) -> Option<f64> {
         self.variables.get(name).and_then(|variable| variable.values.get(position).copied().flatten())
     }
@@ -373,7 +373,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// How many focal lengths the lens is given for.
+    /// Number of focal lengths that the lens is given for.
     fn zooms(&self) -> usize {
         let Some(focal) = self.variables.get("Focal Length") else { return 0 };
         let known = focal.values.iter().take_while(|value| value.is_some()).count();

@@ -2,20 +2,20 @@
 //! follows from the beam, clear apertures from the fields, and surfaces where nothing happens are none.
 
 use crate::coating::Coating;
-use crate::first_order::{Matrix, Thin, between_vertices, front_of};
+use crate::first_order::{Matrix, ParaxialSurface, between_vertices, front_of};
 use crate::glass::Medium;
 use crate::prescription::moving::{MovingParts, Part, Position};
-use crate::prescription::{Behind, Metadata, Place, Prescription, SurfaceRow};
+use crate::prescription::{Metadata, NextMedium, Place, Prescription, SurfaceRow};
 use crate::surface::{Conic, LAST_POWER, Pose, Shape};
 
-use super::beams::{self, Sheaf};
+use super::beams::{self, FieldBeam};
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::{Reading, Remarks};
 use super::text::stem;
 
 /// A file of more surfaces is none.
 pub(super) const MOST_SURFACES: usize = 1000;
-/// How much wider than its beams a surface is taken to be where the file does not say: they are known to about that.
+/// Width of a surface over that of its beams where the file does not state it: the beams are known to about that.
 const ROOM: f64 = 1.02;
 /// Beams of more fields tell nothing new.
 const MOST_FIELDS: usize = 50;
@@ -28,14 +28,14 @@ pub(super) struct DraftRow {
     pub(super) place: Place,
     pub(super) curvature: f64,
     pub(super) conic: f64,
-    /// (power, coefficient).
+    /// Pairs (power, coefficient).
     pub(super) terms: Vec<(u32, f64)>,
     /// The radius in the x-z plane, if it is another; 0 flat.
     pub(super) radius_x_mm: Option<f64>,
     pub(super) thickness_mm: f64,
-    pub(super) behind: Behind,
+    pub(super) behind: NextMedium,
     pub(super) semi_diameter_mm: Option<f64>,
-    /// The file means that the rim stops light, not only that the beam is so wide.
+    /// True if the file means that the rim stops light, not only that the beam is so wide.
     pub(super) has_rim: bool,
     pub(super) obstruction_mm: f64,
 }
@@ -50,7 +50,7 @@ impl DraftRow {
             terms: Vec::new(),
             radius_x_mm: None,
             thickness_mm: 0.0,
-            behind: Behind::Medium(Medium::air()),
+            behind: NextMedium::Medium(Medium::air()),
             semi_diameter_mm: None,
             has_rim: false,
             obstruction_mm: 0.0,
@@ -58,7 +58,7 @@ impl DraftRow {
     }
 }
 
-/// What a file says of how wide the beam on the axis is.
+/// A file's statement of the width of the beam on the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Beam {
     /// Diameter of the entrance pupil, mm.
@@ -73,11 +73,11 @@ pub(super) enum Beam {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FieldPoint {
     pub(super) y: f64,
-    /// What of the pupil's radius is cut off below and above.
+    /// The parts of the pupil's radius that are cut off below and above.
     pub(super) cut: [f64; 2],
 }
 
-/// How the fields are measured.
+/// The measure of the fields.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FieldKind {
     Degrees,
@@ -94,13 +94,13 @@ pub(super) struct Draft<'a> {
     pub(super) beam: Option<Beam>,
     pub(super) field_kind: FieldKind,
     pub(super) fields: Vec<FieldPoint>,
-    /// From the object to the first surface; infinite for most.
+    /// Distance from the object to the first surface; infinite for most.
     pub(super) object_mm: f64,
-    /// That for which beam and fields are meant.
+    /// The wavelength for which beam and fields are meant.
     pub(super) wavelength_nm: f64,
     pub(super) film_radius_mm: Option<f64>,
     pub(super) metadata: Metadata,
-    /// Of surfaces where glass meets air.
+    /// Coating of surfaces where glass meets air.
     pub(super) coating: Option<Coating>,
     /// Surfaces with gaps that move, and where they are.
     pub(super) moving: Option<(Vec<Part>, Vec<Position>, Vec<Place>)>,
@@ -127,7 +127,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Says a line of a header, as `.lens` files have them.
+    /// Adds a line of a header, as `.lens` files have them.
     pub(super) fn header(&mut self, key: &str, value: impl ToString) {
         self.metadata.all.push((key.to_owned(), value.to_string()));
     }
@@ -267,10 +267,10 @@ impl<'a> Draft<'a> {
         let mut kept: Vec<DraftRow> = Vec::with_capacity(self.rows.len());
         let mut stop = self.stop;
         for (i, row) in std::mem::take(&mut self.rows).into_iter().enumerate() {
-            let same = matches!(&row.behind, Behind::Medium(medium) if *medium == before);
+            let same = matches!(&row.behind, NextMedium::Medium(medium) if *medium == before);
             let flat = row.curvature == 0.0 && row.terms.iter().all(|(_, a)| *a == 0.0) && row.radius_x_mm.is_none();
             let inert = same && flat && !row.has_rim && row.obstruction_mm == 0.0 && self.stop != Some(i);
-            if let Behind::Medium(medium) = &row.behind {
+            if let NextMedium::Medium(medium) = &row.behind {
                 before = medium.clone();
             }
             if !inert {
@@ -288,23 +288,23 @@ impl<'a> Draft<'a> {
     }
 
     /// The surfaces as Gaussian optics sees them.
-    fn thin(&self) -> Vec<Thin> {
+    fn thin(&self) -> Vec<ParaxialSurface> {
         let (mut sign, mut medium) = (1.0, 1.0);
         let one = |row: &DraftRow| {
             let from = sign * medium;
             match &row.behind {
-                Behind::Medium(to) => medium = to.index(self.wavelength_nm),
-                Behind::Mirror => sign = -sign,
+                NextMedium::Medium(to) => medium = to.index(self.wavelength_nm),
+                NextMedium::Mirror => sign = -sign,
             }
             let square = row.terms.iter().filter(|(power, _)| *power == 2).map(|(_, a)| 2.0 * a).sum::<f64>();
             let to = sign * medium;
             let onward = Matrix::travel(row.thickness_mm, to);
-            Thin { curvature: row.curvature + square, from, to, onward, petzval_onward: 0.0 }
+            ParaxialSurface { curvature: row.curvature + square, from, to, onward, petzval_onward: 0.0 }
         };
         self.rows.iter().map(one).collect()
     }
 
-    /// How wide the stop is, by the beam that the file wants.
+    /// Sets the stop's width, by the beam that the file wants.
     fn open_stop(&mut self, stop: usize) {
         let thin = self.thin();
         let front = front_of(&thin, stop);
@@ -322,7 +322,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// How wide the other surfaces are, where the file does not say: as wide as the beams of its fields.
+    /// Sets the widths of the other surfaces, where the file does not state them: those of the beams of its fields.
     fn open_rims(&mut self, stop: usize) {
         let good = |x: f64| x.is_finite() && x > 0.0;
         let given = |row: &DraftRow| row.semi_diameter_mm.filter(|x| good(*x));
@@ -351,7 +351,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// How far out the beams of the fields reach on the surfaces.
+    /// Distances from the axis that the beams of the fields reach on the surfaces.
     fn beams(&self, stop: usize) -> Vec<f64> {
         let thin = self.thin();
         let front = front_of(&thin, stop);
@@ -386,7 +386,7 @@ impl<'a> Draft<'a> {
             let [below, above] = field.cut.map(|cut| (1.0 - cut).clamp(0.0, 1.0));
             // A stop that is seen upside down turns below and above.
             let left = if front.a < 0.0 { [above, below] } else { [below, above] };
-            let sheaf = Sheaf { origin, slope, middle, half_width: rim.0.abs(), left };
+            let sheaf = FieldBeam { origin, slope, middle, half_width: rim.0.abs(), left };
             let exact = beams::heights(&self.rows, stop, self.wavelength_nm, &sheaf);
             let first_order = |i: usize| {
                 let matrix = front_of(&thin, i);
@@ -399,7 +399,7 @@ impl<'a> Draft<'a> {
         largest
     }
 
-    /// What the design is for, into the header.
+    /// Writes the conditions of the design into the header.
     fn note_design(&mut self) {
         if let Some(Beam::FNumber(number)) = self.beam {
             self.metadata.f_number = Some(number);

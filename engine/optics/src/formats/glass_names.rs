@@ -50,14 +50,14 @@ const ALIASES: [(&str, &str); 12] = [
     ("ps", "polystyrene"),
 ];
 
-/// Where the names of a file are looked up.
+/// The catalogues in which the names of a file are looked up.
 pub(super) struct Glasses<'a> {
     catalogue: &'a Catalogue,
     /// The folder of the lens file, for catalogues beside it.
     folder: Option<PathBuf>,
     /// Glasses that the file, or a catalogue beside it, defines.
     own: HashMap<String, Medium>,
-    /// Those of them that are other names for glasses of the catalogues.
+    /// Own glasses that are other names for glasses of the catalogues.
     renamed: HashSet<String>,
     /// Files of glasses that were read.
     read: HashSet<PathBuf>,
@@ -241,7 +241,7 @@ impl<'a> Glasses<'a> {
         self.catalogue.medium(first)
     }
 
-    /// Says whose glass is taken, if those of the others differ.
+    /// Adds a remark on whose glass is taken, if those of the makers differ.
     fn of_several(&self, name: &str, makers: &[&str], place: Place, remarks: &mut Remarks) {
         let index =
             |maker: &&str| self.catalogue.medium(&format!("{maker}:{name}")).ok().map(|medium| medium.index(500.0));

@@ -57,9 +57,9 @@
 //! An element moves as one by a line of the header, surfaces counted from 0, about the vertex of its first:
 //! `# element: 2-3 decenter_x=0.05 tilt_y=0.1`.
 //!
-//! A glass that stands in no catalogue is defined before the rows, by the formula's name, the wavelengths in nm that it holds for
-//! and its numbers, as `lenses/glass/README.md` has them; what it lets through may follow as wavelength in nm, part, and the thickness
-//! in mm for that. Or a catalogue that lies beside the lens file is named: `.agf` of a maker, or `.yml` of refractiveindex.info, whose medium is then
+//! A glass that stands in no catalogue is defined before the rows, by the formula's name, the wavelengths in nm that it holds for and its
+//! numbers, as `lenses/glass/README.md` has them; what it lets through may follow as wavelength in nm, part, and the thickness in mm for
+//! that. Or a catalogue that lies beside the lens file is named: `.agf` of a maker, or `.yml` of refractiveindex.info, whose medium is then
 //! called as its file. A radius may be written `1/C` by its curvature.
 //!
 //! ```text
@@ -108,7 +108,7 @@ use std::path::{Path, PathBuf};
 
 use crate::coating::Coating;
 use crate::glass::Catalogue;
-use crate::prescription::{Behind, Column, Metadata, Place, Prescription, PrescriptionError, SurfaceRow};
+use crate::prescription::{Column, Metadata, NextMedium, Place, Prescription, PrescriptionError, SurfaceRow};
 use crate::surface::{Conic, Shape};
 
 use super::draft::MOST_SURFACES;
@@ -147,7 +147,8 @@ pub fn parse(text: &str, file_name: &str, catalogue: &Catalogue) -> Result<Presc
     parse_bytes(text.as_bytes(), file_name, catalogue)
 }
 
-/// The same, with what is said of glass files in `folder` that the lens file names.
+/// Parses a lens file like [`parse_bytes`] and returns the remarks, too, those on glass files in `folder` that the lens file names
+/// included.
 pub(super) fn reading(
     bytes: &[u8],
     file: &str,
@@ -179,7 +180,7 @@ struct Reader<'a> {
     rows: Vec<SurfaceRow>,
     /// Index, line and column of the stop.
     stop: Option<(usize, usize)>,
-    /// Where the first row says whether it is the stop.
+    /// The place at which the first row says if it is the stop.
     first_flag: Place,
     metadata: Metadata,
 }
@@ -321,15 +322,15 @@ impl<'a> Reader<'a> {
         curvature.ok_or_else(|| at(self.file, line, word.column, not_a_number(COLUMNS[0], word.text)))
     }
 
-    fn behind(&self, line: usize, word: &Token<'_>) -> Result<Behind, LensFileError> {
+    fn behind(&self, line: usize, word: &Token<'_>) -> Result<NextMedium, LensFileError> {
         if word.text.eq_ignore_ascii_case("mirror") {
-            return Ok(Behind::Mirror);
+            return Ok(NextMedium::Mirror);
         }
         if let Some(medium) = self.glasses.own(word.text) {
-            return Ok(Behind::Medium(medium.clone()));
+            return Ok(NextMedium::Medium(medium.clone()));
         }
         let medium = self.glasses.catalogue().medium(word.text);
-        medium.map(Behind::Medium).map_err(|error| at(self.file, line, word.column, error.into()))
+        medium.map(NextMedium::Medium).map_err(|error| at(self.file, line, word.column, error.into()))
     }
 
     fn coating(&self, line: usize, word: &Token<'_>) -> Result<Option<Coating>, LensFileError> {
@@ -354,7 +355,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Where a column stands in a row.
+    /// The index of a column in a row.
     fn column_index(&self, column: Column) -> usize {
         let extra = |is_it: &dyn Fn(&str) -> bool| {
             self.extra.iter().position(|name| is_it(name)).map_or(0, |i| COLUMNS.len() + i)

@@ -30,7 +30,7 @@ const LARGEST_FILE: usize = 8 << 20;
 /// The kinds of lens files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The engine's own.
+    /// The engine's own `.lens`.
     Lens,
     /// Zemax OpticStudio's `.zmx`.
     Zmx,
@@ -49,7 +49,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// By the file's ending, else by what its text begins with. What is like none is taken for the engine's own.
+    /// The kind of a file, by its ending, else by the beginning of its text. A file like none is taken for the engine's own format.
     pub fn of(path: &Path, text: &str) -> Self {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
         let has_line = |wanted: &dyn Fn(&str) -> bool| text.lines().take(5000).any(|line| wanted(line.trim()));

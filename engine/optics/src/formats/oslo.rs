@@ -5,7 +5,7 @@
 //! (Commands as in OSLO's Program Reference and in files that it saved.)
 
 use crate::glass::{Catalogue, GlassError, Medium, line_nm};
-use crate::prescription::{Behind, Place};
+use crate::prescription::{NextMedium, Place};
 
 use super::draft::{Beam, Draft, DraftRow, FieldKind, FieldPoint, MOST_SURFACES};
 use super::glass_names::Glasses;
@@ -42,7 +42,7 @@ struct Reader<'a> {
     /// The number of the surface that is read; 0 is the object.
     number: usize,
     wavelengths_um: Vec<f64>,
-    /// By how much the power rises from `AS1` to `AS2`.
+    /// The step of the power from `AS1` to `AS2`.
     asphere_step: Option<u32>,
     /// The last surface's distance is to be where the image is at first order.
     to_focus: Option<Place>,
@@ -142,9 +142,9 @@ impl<'a> Reader<'a> {
     ) -> Result<(), LensFileError> {
         let first = |reader: &Self| reader.value(line, rest, 0, command);
         match command {
-            "AIR" | "AIF" => self.row.behind = Behind::Medium(Medium::air()),
-            "RFL" | "RFH" => self.row.behind = Behind::Mirror,
-            "GLA" => self.row.behind = Behind::Medium(self.glass(line, place, rest)?),
+            "AIR" | "AIF" => self.row.behind = NextMedium::Medium(Medium::air()),
+            "RFL" | "RFH" => self.row.behind = NextMedium::Mirror,
+            "GLA" => self.row.behind = NextMedium::Medium(self.glass(line, place, rest)?),
             "RD" => {
                 let radius = first(self)?;
                 self.row.curvature = if radius == 0.0 { 0.0 } else { 1.0 / radius };

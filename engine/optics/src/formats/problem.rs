@@ -1,4 +1,4 @@
-//! What is wrong in a lens file, and where.
+//! Errors in lens files, and their places.
 
 use std::fmt;
 
@@ -9,19 +9,19 @@ use crate::glass::GlassError;
 use crate::prescription::moving::MovingError;
 use crate::prescription::{LensGroup, Place, PrescriptionError};
 
-/// What is wrong in a lens file.
+/// An error in a lens file.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Problem {
     /// The file cannot be opened or read.
     #[error("cannot be read ({0}); check the path")]
     Unreadable(String),
-    /// Not text.
+    /// The file is not text.
     #[error("this is not text; give a lens file")]
     NotText,
-    /// Neither of the encodings that lens files come in.
+    /// The encoding is none of those that lens files come in.
     #[error("this is neither UTF-8 nor UTF-16; save the file as UTF-8")]
     Encoding,
-    /// Longer than a lens can be.
+    /// The file is longer than that of a lens can be.
     #[error("the file is longer than {largest} bytes; give a lens file")]
     TooLong {
         /// The most that is read.
@@ -35,7 +35,7 @@ pub enum Problem {
     Malformed {
         /// The text found.
         found: String,
-        /// What should stand there.
+        /// The text that was expected.
         expected: String,
     },
     /// Something that the engine has no means for, without which the lens would be another.
@@ -44,9 +44,9 @@ pub enum Problem {
     /// A file beside the lens file, named in it.
     #[error("'{name}' cannot be read ({why}); put the file beside the lens file")]
     Beside {
-        /// As the lens file names it.
+        /// The name in the lens file.
         name: String,
-        /// Why.
+        /// The cause.
         why: String,
     },
     /// No row.
@@ -65,7 +65,7 @@ pub enum Problem {
     HeaderOrder {
         /// The word found.
         found: String,
-        /// The word that belongs there.
+        /// The word that was expected.
         expected: &'static str,
     },
     /// The header row names a column that is not supported.
@@ -76,10 +76,10 @@ pub enum Problem {
     /// The header row names a column twice.
     #[error("column '{0}' stands here a second time; take one out")]
     SecondColumn(String),
-    /// A group of lenses that there is not.
+    /// The group of lenses does not exist.
     #[error("'{0}' is no group of lenses; write one of {words}", words = LensGroup::ALL.map(LensGroup::word).join(", "))]
     Group(String),
-    /// Neither yes nor no.
+    /// The word is neither yes nor no.
     #[error("'{0}' is neither yes nor no; write one of them")]
     YesOrNo(String),
     /// A line about an element cannot be understood.
@@ -157,9 +157,9 @@ pub enum Problem {
 pub struct LensFileError {
     /// The file, as it was named.
     pub file: String,
-    /// Where in it, counted from 1.
+    /// The place in the file, counted from 1.
     pub place: Place,
-    /// What is wrong.
+    /// The error.
     pub problem: Problem,
 }
 

@@ -1,4 +1,4 @@
-//! What a reader left out or took for something else, line by line.
+//! Remarks of a reader on parts of a file that it left out or took for something else, line by line.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -10,7 +10,7 @@ use crate::prescription::{Place, Prescription};
 pub struct Reading {
     /// The lens.
     pub prescription: Prescription,
-    /// What was left out, in the order of the file's lines.
+    /// Remarks on parts that were left out, in the order of the file's lines.
     pub remarks: Vec<Remark>,
 }
 
@@ -19,9 +19,9 @@ pub struct Reading {
 pub struct Remark {
     /// The file, as it was named.
     pub file: String,
-    /// Where in it, counted from 1.
+    /// The place in the file, counted from 1.
     pub place: Place,
-    /// What became of it.
+    /// The remark.
     pub text: String,
 }
 
@@ -32,7 +32,7 @@ impl fmt::Display for Remark {
     }
 }
 
-/// More kinds of remarks than these say no more.
+/// Largest number of kinds of remarks: more tell nothing.
 const MOST: usize = 60;
 
 /// Remarks while they are collected: of one kind only the first, with a count of the others.
@@ -49,7 +49,7 @@ impl Remarks {
         }
     }
 
-    /// The same, but only once for each `kind`.
+    /// Adds a remark like [`Self::say`], but only once for each `kind`.
     pub(super) fn once(&mut self, kind: &str, place: Place, text: impl Into<String>) {
         if let Some((_, count)) = self.kinds.get_mut(kind) {
             *count += 1;
@@ -59,7 +59,7 @@ impl Remarks {
         }
     }
 
-    /// All, by line.
+    /// Returns all remarks, by line.
     pub(super) fn finish(mut self, file: &str) -> Vec<Remark> {
         for (at, count) in self.kinds.values().filter(|(_, count)| *count > 1) {
             if let Some((_, text)) = self.list.get_mut(*at) {

@@ -12,7 +12,7 @@ use crate::prescription::Place;
 use super::problem::{LensFileError, Problem, at};
 use super::text::{self, finite, not_a_number, tokens};
 
-/// For which thickness extinction is turned into transmittance, mm: any would do.
+/// Thickness for which extinction is turned into transmittance, mm: any would do.
 const PLATE_MM: f64 = 10.0;
 
 /// A block of data.
@@ -31,7 +31,7 @@ pub fn parse_bytes(bytes: &[u8], file: &str, name: &str) -> Result<Medium, LensF
     parse(&text::any_encoding(bytes, file)?, file, name)
 }
 
-/// The same of a text.
+/// The medium in the text of a file, by the name that it shall have.
 pub fn parse(text: &str, file: &str, name: &str) -> Result<Medium, LensFileError> {
     let mut medium: Option<Medium> = None;
     let mut transmittance = None;

@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 
 use crate::glass::{Catalogue, GlassError, Medium};
-use crate::prescription::{Behind, Place};
+use crate::prescription::{NextMedium, Place};
 
 use super::draft::{Beam, Draft, DraftRow, FieldKind, FieldPoint, MOST_SURFACES};
 use super::glass_names::Glasses;
@@ -108,7 +108,7 @@ struct Reader<'a> {
     /// The surface that commands are about: `None` before any, 0 the object.
     current: Option<usize>,
     has_film: bool,
-    /// From the film's place to where it is meant to be.
+    /// Distance from the film's place to where it is meant to be.
     defocus_mm: f64,
     wavelengths_nm: Vec<f64>,
     reference: usize,
@@ -277,16 +277,16 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn glass(&mut self, word: &Word) -> Result<Behind, LensFileError> {
+    fn glass(&mut self, word: &Word) -> Result<NextMedium, LensFileError> {
         let name = word.upper();
         if matches!(name.as_str(), "REFL" | "REF" | "REFLECT") && !word.quoted {
-            return Ok(Behind::Mirror);
+            return Ok(NextMedium::Mirror);
         }
         if name == "AIR" {
-            return Ok(Behind::Medium(Medium::air()));
+            return Ok(NextMedium::Medium(Medium::air()));
         }
         if let Some(medium) = self.private_glasses.get(&name) {
-            return Ok(Behind::Medium(medium.clone()));
+            return Ok(NextMedium::Medium(medium.clone()));
         }
         let by_numbers = fictitious(&name).map(|(nd, abbe)| self.glasses.by_numbers(nd, abbe));
         let medium = by_numbers.unwrap_or_else(|| {
@@ -297,7 +297,7 @@ impl<'a> Reader<'a> {
                 name.rsplit_once('_').map_or((name.as_str(), None), |(bare, maker)| (bare, Some(maker)));
             self.glasses.squeezed(bare, maker, word.place, &mut self.draft.remarks)
         });
-        medium.map(Behind::Medium).or_else(|error| self.fail(word, error.into()))
+        medium.map(NextMedium::Medium).or_else(|error| self.fail(word, error.into()))
     }
 
     /// A command about a surface: the current one, or that of a qualifier.
@@ -444,7 +444,7 @@ fn fictitious(name: &str) -> Option<(f64, f64)> {
     (abbe > 0.0).then_some((round(nd), abbe))
 }
 
-/// Without what adding 1 left beyond the digits that were written.
+/// The index without the digits that adding 1 left beyond those that were written.
 fn round(nd: f64) -> f64 {
     format!("{nd:.10}").parse().unwrap_or(nd)
 }

@@ -1,7 +1,7 @@
 //! Tables of other renderers: pbrt's four columns, and FlareSim's six under a line `surfaces:`.
 
 use crate::glass::{Catalogue, Medium};
-use crate::prescription::{Behind, Place};
+use crate::prescription::{NextMedium, Place};
 
 use super::draft::{Draft, DraftRow, MOST_SURFACES};
 use super::glass_names::Glasses;
@@ -12,7 +12,7 @@ use super::text::{Token, finite, not_a_number, tokens};
 /// pbrt's: radius, thickness, index behind the surface and diameter, mm, object side first; radius 0 is the stop, and 0 the index
 /// there. (Pharr, Jakob and Humphreys, *Physically Based Rendering*, third edition, §6.4.1.)
 ///
-/// So pbrt cannot write a flat glass surface. Here a row of radius 0 is the stop where nothing is refracted: the medium is the same
+/// A flat glass surface cannot be written by pbrt. Here a row of radius 0 is the stop where nothing is refracted: the medium is the same
 /// before and behind. Further ones are fixed stops; where the medium changes, the surface is taken for a flat one. Both are said. If the
 /// medium changes at every one of them, the first is the stop, on its glass.
 pub fn parse_pbrt(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, LensFileError> {
@@ -42,7 +42,7 @@ pub fn parse_pbrt(text: &str, file: &str, catalogue: &Catalogue) -> Result<Readi
         let index = table.number(i, &words[2], "index")?;
         let medium = if index == 0.0 { Ok(Medium::air()) } else { table.medium(i, &words[2], index, 0.0) }?;
         let before = match table.draft.rows.last().map(|row| &row.behind) {
-            Some(Behind::Medium(before)) => before.clone(),
+            Some(NextMedium::Medium(before)) => before.clone(),
             _ => Medium::air(),
         };
         let is_stop = radius == 0.0 && medium == before;
@@ -152,7 +152,7 @@ impl<'a> Table<'a> {
         let mut row = DraftRow::new(place);
         row.curvature = if radius == 0.0 { 0.0 } else { 1.0 / radius };
         row.thickness_mm = thickness;
-        row.behind = Behind::Medium(medium);
+        row.behind = NextMedium::Medium(medium);
         row.semi_diameter_mm = Some(semi);
         row.has_rim = true;
         self.draft.rows.push(row);

@@ -65,7 +65,7 @@ pub(super) fn any_encoding(bytes: &[u8], file: &str) -> Result<String, LensFileE
     }
 }
 
-/// What some editors put before a text.
+/// The byte order mark that some editors put before a text.
 const MARK: char = '\u{feff}';
 
 fn is_no_text(c: char) -> bool {

@@ -58,7 +58,7 @@ struct Reader<'a> {
     compressed: Vec<f64>,
     decentred: Vec<f64>,
     header: Header,
-    /// Lines that stand to the left after the surfaces have begun are other parts of the file.
+    /// True behind the surfaces, from the first line that stands to the left: other parts of the file.
     after_surfaces: bool,
 }
 

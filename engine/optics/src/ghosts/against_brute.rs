@@ -1,4 +1,4 @@
-//! The quick way to all ghosts against rays that are reflected by chance.
+//! The quick method for all ghosts against rays that are reflected at random.
 
 use super::beam::{Beam, Source};
 use super::brute;

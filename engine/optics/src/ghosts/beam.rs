@@ -8,9 +8,9 @@ use crate::trace::Ray;
 /// A source without size, lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
-    /// Very far, in this direction: a unit vector from the lens.
+    /// A source very far away in this direction: a unit vector from the lens.
     Far(DVec3),
-    /// At this place, mm.
+    /// A source at this place, mm.
     Near(DVec3),
 }
 
@@ -31,18 +31,18 @@ impl Source {
     }
 }
 
-/// Its rays to a lens.
+/// The rays of a source to a lens.
 #[derive(Clone, Copy, Debug)]
 pub struct Beam {
     source: Source,
-    /// Of a disc at right angles to the beam's middle ray that holds the front glass.
+    /// Centre of a disc at right angles to the beam's middle ray that holds the front glass.
     centre: DVec3,
     axes: [DVec3; 2],
     radius_mm: f64,
 }
 
 impl Beam {
-    /// From a source to the front glass; `None` where the source lies in it.
+    /// The beam from a source to the front glass; `None` where the source lies in it.
     pub fn new(system: &System, source: Source) -> Option<Self> {
         let first = &system.surfaces()[0];
         let sag = first.shape.rim_sag_mm(first.semi_diameter_mm).unwrap_or(0.0);

@@ -8,19 +8,19 @@ use super::beam::Beam;
 use super::power;
 use crate::focus::FilmFrame;
 use crate::system::System;
-use crate::trace::{Encounter, Ray, Tracer};
+use crate::trace::{Ray, SurfaceEvent, Tracer};
 
 /// A ray that is reflected so often is given up: of glass without coatings less than 1e-8 of the light is left.
 const MOST_TURNS: usize = 8;
-/// Of rays that have less than this part of their power left only some go on, with so much.
+/// Russian roulette: of rays that have less than this part of their power left only some go on, with that power.
 const LEAST_POWER: f64 = 1e-6;
 
 /// Light that arrives at the film, by how often it was reflected.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arrived {
-    /// For irradiance one in the middle of the beam's disc, mm², by the number of reflections.
+    /// Light for irradiance one in the middle of the beam's disc, mm², by the number of reflections.
     pub light_mm2: [f64; MOST_TURNS + 1],
-    /// Standard errors of the same.
+    /// Standard errors of [`Self::light_mm2`].
     pub error_mm2: [f64; MOST_TURNS + 1],
 }
 
@@ -77,7 +77,7 @@ fn one(
     let mut under_way = vec![(tracer.wander(ray), 1.0, 0)];
     while let Some((wanderer, power, turned)) = under_way.pop() {
         match wanderer.encounter() {
-            Encounter::Surface(incidence) => {
+            SurfaceEvent::Surface(incidence) => {
                 let [reflected, transmitted] = power::parts(system, tracer.wavelength_nm(), &incidence);
                 let on_the_way = power::on_the_way(system, tracer.wavelength_nm(), &incidence);
                 for (turns, part) in [(true, reflected), (false, transmitted)] {
@@ -90,8 +90,8 @@ fn one(
                     }
                 }
             }
-            Encounter::Film(ray) => each(ray, power, turned),
-            Encounter::Scene | Encounter::Lost(_) => {}
+            SurfaceEvent::Film(ray) => each(ray, power, turned),
+            SurfaceEvent::Scene | SurfaceEvent::Lost(_) => {}
         }
     }
 }

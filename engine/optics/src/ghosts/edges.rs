@@ -1,4 +1,4 @@
-//! Where the part of a beam that gets through ends: the cells of a grid that its edge crosses, cut along it.
+//! The edge of the part of a beam that gets through: the cells of a grid that its edge crosses, cut along it.
 //!
 //! Each cell is parted once more; along the sides of the parts whose ends fare differently the edge is found by halving. Between two
 //! such points it is taken for straight.
@@ -8,7 +8,7 @@ use glam::DVec2;
 /// Parts of a cell along each side, and points.
 const PARTS: usize = 3;
 const POINTS: usize = PARTS + 1;
-/// How often a side is halved: from a part to a hundredth of a cell.
+/// Number of halvings of a side: from a part to a hundredth of a cell.
 const HALVINGS: usize = 5;
 /// Sides of a cell's parts: those along x, then those along y.
 const SIDES: usize = 2 * PARTS * POINTS;
@@ -18,17 +18,17 @@ const NONE: u32 = u32::MAX;
 /// A ray that gets through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Through {
-    /// On the beam's disc, in radii.
+    /// The point on the beam's disc, in radii.
     pub(super) at: DVec2,
-    /// On the film, mm.
+    /// The point on the film, mm.
     pub(super) film: DVec2,
 }
 
 /// Cells that an edge crosses.
 pub(super) struct Edges {
-    /// By cell and point.
+    /// Rays by cell and point.
     points: Vec<Option<Through>>,
-    /// By cell and side: the number of what is found there.
+    /// The number of the crossing found, by cell and side.
     sides: Vec<[u32; SIDES]>,
     crossings: Vec<Through>,
 }
@@ -52,7 +52,8 @@ fn ends(side: usize) -> [usize; 2] {
 }
 
 impl Edges {
-    /// In cells at these corners, all of one size. `trace` says where rays through points of the disc come to on the film.
+    /// Finds the edges in cells at these corners, all of one size. `trace` returns the points on the film of rays through points of the
+    /// disc.
     pub(super) fn find(cells: &[DVec2], size: DVec2, mut trace: impl FnMut(&[DVec2]) -> Vec<Option<DVec2>>) -> Self {
         let part = size / PARTS as f64;
         let of_cell = |corner: &DVec2| {

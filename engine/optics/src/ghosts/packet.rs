@@ -1,9 +1,9 @@
 //! A ghost as it lies on the film: a beam's rays traced along a path with reflections as a grid that the lens warps.
 //!
-//! Between the rays of a small cell light spreads evenly, so a cell's light over the area that it covers on the film is the
-//! irradiance there, however the grid is folded (Hullin et al. 2011, "Physically-based real-time lens flare rendering", section 4).
-//! Cells on the edge of what rims and diaphragm let through are cut along it ([`super::edges`]). Power changes slowly over the beam: it is known
-//! exactly at a few points and evened out between them.
+//! Between the rays of a small cell light spreads evenly, so a cell's light over the area that it covers on the film is the irradiance
+//! there, however the grid is folded (Hullin et al. 2011, "Physically-based real-time lens flare rendering", section 4). Cells on the edge
+//! of what rims and diaphragm let through are cut along it ([`super::edges`]). Power changes slowly over the beam: it is known exactly at a
+//! few points and evened out between them.
 
 use glam::DVec2;
 
@@ -16,7 +16,7 @@ use crate::trace::{Bundle, ReflectedTracer, Tracer, Travel};
 
 /// Rays along the beam's width that find the part of it which gets through: at least, and at most.
 const SEARCH: [usize; 2] = [24, 256];
-/// So many of them fall on the narrowest part that is to be found.
+/// Number of those rays on the narrowest part that is to be found.
 const ON_PART: f64 = 6.0;
 /// Points along a side at which the power is known; and where these are too few, by places between them (parts of the window) at
 /// which it may be off by so much.
@@ -37,18 +37,18 @@ const PROBES: [DVec2; 6] = [
 pub struct Piece {
     /// A triangle (u, v), mm from the picture's middle; of no size where only its place is known.
     pub corners: [DVec2; 3],
-    /// The light on it for one of irradiance in the middle of the beam's disc, mm².
+    /// The light on the piece for one of irradiance in the middle of the beam's disc, mm².
     pub light_mm2: f64,
 }
 
 /// The part of a beam that gets along a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// Corners in radii of the beam's disc.
+    /// Low corner, in radii of the beam's disc.
     pub low: DVec2,
-    /// The other corner.
+    /// High corner, in radii of the beam's disc.
     pub high: DVec2,
-    /// How much of the film the ghost of that part covers, as its bounds: low and high corner, mm.
+    /// Bounds of the ghost of that part on the film: low and high corner, mm.
     pub film: [DVec2; 2],
     /// The light that gets to the film's plane were nothing lost by reflection, mm² as in [`Piece::light_mm2`].
     pub open_mm2: f64,
@@ -57,7 +57,7 @@ pub struct Window {
 /// One path at one wavelength, ready for beams.
 pub struct GhostTracer {
     exact: ReflectedTracer,
-    /// Without rims: power is known beyond them too.
+    /// The tracer without rims: power is known beyond them too.
     open: ReflectedTracer,
     single: Tracer<f32>,
 }
@@ -86,8 +86,8 @@ impl GhostTracer {
         &self.open
     }
 
-    /// What part of a beam gets to the film; `None` if none was found. It is looked for what is at least `part` of the beam's
-    /// width wide: about as wide as the entrance pupil.
+    /// The part of a beam that gets to the film; `None` if none was found. The search finds parts at least `part` of the beam's width wide:
+    /// about as wide as the entrance pupil.
     pub fn window(&self, beam: &Beam, film: &FilmFrame, part: f64, bundle: &mut Bundle<f32>) -> Option<Window> {
         let whole = [DVec2::splat(-1.0), DVec2::splat(1.0)];
         let rays = (ON_PART / part.max(1e-3)).ceil() as usize;
@@ -172,7 +172,7 @@ impl GhostTracer {
         });
     }
 
-    /// What part of the power gets along the path, over a window.
+    /// The part of the power that gets along the path, over a window.
     fn power(&self, system: &System, beam: &Beam, window: &Window) -> Power {
         let exact = |at: DVec2| power::along(system, &self.open, beam.ray(at)).map(|found| found.1);
         let even = Power::new(window, POWER_SIDE, exact);
@@ -186,7 +186,7 @@ impl GhostTracer {
     }
 }
 
-/// Where rays through points of the disc come to on the film.
+/// Traces rays through points of the disc to the film.
 fn trace(
     tracer: &Tracer<f32>,
     beam: &Beam,
@@ -229,8 +229,8 @@ impl Power {
         self.nodes.iter().sum::<f64>() / self.nodes.len() as f64
     }
 
-    /// By Catmull and Rom's cubics, which are exact for parabolas: straight lines would count too much, for what a coating reflects
-    /// grows with the square of the angle. At the ends a row goes on as a parabola.
+    /// The power at a point, by Catmull and Rom's cubics, which are exact for parabolas: straight lines would count too much, for what a
+    /// coating reflects grows with the square of the angle. At the ends a row goes on as a parabola.
     fn at(&self, at: DVec2) -> f64 {
         let last = (self.side - 1) as f64;
         let place = ((at - self.low) * self.per_radius).clamp(DVec2::ZERO, DVec2::splat(last));
@@ -242,7 +242,7 @@ impl Power {
     }
 }
 
-/// Between the nodes `cell` and the next of so many, at the part `t` of the way.
+/// The cubic interpolation of `side` nodes, between node `cell` and the next at the part `t` of the way.
 fn cubic(side: usize, cell: usize, t: f64, node: impl Fn(usize) -> f64) -> f64 {
     let (b, c) = (node(cell), node(cell + 1));
     // Beyond the ends as a parabola through the last three.

@@ -1,4 +1,4 @@
-//! What is left of a ray's power along its way.
+//! The part of a ray's power that is left along its way.
 
 use crate::system::{Element, System};
 use crate::trace::{Incidence, Ray, ReflectedTracer};

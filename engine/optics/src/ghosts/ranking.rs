@@ -15,11 +15,11 @@ pub struct Ranked {
     pub turns: Vec<usize>,
     /// The light that gets to the film's plane for one of irradiance before the lens, mm².
     pub light_mm2: f64,
-    /// Of that, on the film.
+    /// The part of that light on the film.
     pub on_film_mm2: f64,
     /// The middle of the light (u, v), mm from the picture's middle.
     pub centre_mm: DVec2,
-    /// Of an even disc that is as wide: √2 of the root mean square distance from the middle.
+    /// Radius of an even disc of the same width: √2 of the root mean square distance from the middle.
     pub radius_mm: f64,
     /// The irradiance on that disc, for one before the lens.
     pub irradiance: f64,
@@ -41,7 +41,7 @@ fn part_on_film([a, b, c]: &[DVec2; 3], is_film: &impl Fn(DVec2) -> bool) -> f64
     inside as f64 / (PARTS * PARTS)
 }
 
-/// Into so many parts each side of a piece is cut to see what of it lies on the film.
+/// Number of parts into which each side of a piece is cut to see what of it lies on the film.
 const PARTS: f64 = 4.0;
 
 /// All ghosts of a beam at the tracer's wavelength with so many reflections, 2 or 4. `is_film` tells which points (u, v), mm, the

@@ -26,7 +26,7 @@ const FILES: [(&str, &str); 9] = [
 /// Indices that a glass token may state. Beyond them the column was surely meant for something else.
 const PLAUSIBLE_INDEX: std::ops::RangeInclusive<f64> = 0.9..=6.0;
 
-/// Why a glass token names no medium.
+/// An error by which a glass token names no medium.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GlassError {
     /// The name stands in no catalogue.
@@ -110,7 +110,7 @@ impl Catalogue {
         }
     }
 
-    /// How many media have a name.
+    /// Number of media with a name.
     pub fn len(&self) -> usize {
         self.media.len()
     }
@@ -183,7 +183,7 @@ impl Catalogue {
         found.into_iter().map(|(_, key)| key.clone()).collect()
     }
 
-    /// What to write in a lens file to get this medium; `None` if it stands in no catalogue.
+    /// The name by which a lens file gets this medium; `None` if it stands in no catalogue.
     pub fn token_of(&self, medium: &Medium) -> Option<String> {
         let is_it = |token: &String| self.medium(token).is_ok_and(|found| found == *medium);
         let makers = self.makers_of(medium.name());
@@ -289,7 +289,7 @@ mod tests {
         assert!((glass.abbe() - 64.17).abs() < 0.01);
     }
 
-    /// As Schott's data sheets print it, three decimals, for 10 mm; and a flint is yellow.
+    /// Transmittances agree with Schott's data sheets, three decimals, for 10 mm; and a flint is yellow.
     #[test]
     fn glasses_let_through_what_their_makers_say() {
         let through = |name: &str, nm: f64| Catalogue::shipped().medium(name).unwrap().internal_transmittance(nm, 10.0);

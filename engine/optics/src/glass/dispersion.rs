@@ -1,43 +1,43 @@
-//! How an index of refraction follows from the wavelength: the formulas of the makers' catalogues.
+//! Dispersion, the dependence of the index of refraction on the wavelength: the formulas of the makers' catalogues.
 
-/// How the index follows from the wavelength `l` in micrometres.
+/// The index as a function of the wavelength `l` in micrometres.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dispersion {
-    /// The same at every wavelength.
+    /// An index that does not depend on the wavelength.
     Constant(f64),
     /// n² = 1 + a + Σ b l² / (l² − c), pairs (b, c).
     Sellmeier {
-        /// What is added to 1.
+        /// The constant beside 1.
         a: f64,
-        /// (b, c in µm²).
+        /// Pairs (b, c), c in µm².
         terms: Vec<[f64; 2]>,
     },
     /// n² = a + Σ b l^p, pairs (b, p).
     Polynomial {
-        /// The constant.
+        /// The constant a.
         a: f64,
-        /// (b, p).
+        /// Pairs (b, p).
         terms: Vec<[f64; 2]>,
     },
     /// n² = a + Σ b l^p + Σ b l^p / (l² − c), pairs (b, p) and triples (b, p, c).
     Rational {
-        /// The constant.
+        /// The constant a.
         a: f64,
-        /// (b, p).
+        /// Pairs (b, p).
         powers: Vec<[f64; 2]>,
-        /// (b, p, c in µm²).
+        /// Triples (b, p, c), c in µm².
         poles: Vec<[f64; 3]>,
     },
     /// n = a + Σ b l^p, pairs (b, p).
     Cauchy {
-        /// The constant.
+        /// The constant a.
         a: f64,
-        /// (b, p).
+        /// Pairs (b, p).
         terms: Vec<[f64; 2]>,
     },
     /// n = 1 + a + Σ b / (c − l⁻²), pairs (b, c).
     Gas {
-        /// What is added to 1.
+        /// The constant beside 1.
         a: f64,
         /// (b, c in µm⁻²).
         terms: Vec<[f64; 2]>,

@@ -17,11 +17,11 @@ pub struct GradientTerm {
     pub z: u32,
     /// Power of r, even.
     pub r: u32,
-    /// In mm^−(z + r).
+    /// The coefficient in mm^−(z + r).
     pub coefficient: f64,
 }
 
-/// What is added to the index of a medium at a place: Σ a z^i r^2j, lengths in mm.
+/// The index gradient of a medium, which is added to its index at a place: Σ a z^i r^2j, lengths in mm.
 ///
 /// r is the distance from the axis of the surface that the medium follows, z the way along that axis from the place where
 /// z is 0. Every wavelength is given the same: of Liou and Brennan's eye (J. Opt. Soc. Am. A 14, 1684, 1997) all media
@@ -33,7 +33,7 @@ pub struct Gradient {
 }
 
 impl Gradient {
-    /// Of terms, none of power 0 in both, z being 0 at `from_mm` behind the vertex of the surface that the medium follows.
+    /// The gradient of terms, none of power 0 in both, z being 0 at `from_mm` behind the vertex of the surface that the medium follows.
     /// `None` if a number is not finite, a power of r odd, a power too high or there twice, or there is no term.
     pub fn new(mut terms: Vec<GradientTerm>, from_mm: f64) -> Option<Self> {
         terms.sort_by_key(|term| (term.r, term.z));
@@ -52,12 +52,12 @@ impl Gradient {
         &self.terms
     }
 
-    /// Where z is 0: so far behind the vertex that it is seen from.
+    /// Distance of the place where z is 0 behind the vertex that the medium is seen from.
     pub fn from_mm(&self) -> f64 {
         self.from_mm
     }
 
-    /// The same medium in a lens `factor` times as large.
+    /// The gradient of this medium in a lens `factor` times as large.
     pub fn scaled(&self, factor: f64) -> Self {
         let smaller = |term: &GradientTerm| GradientTerm {
             coefficient: term.coefficient / factor.powi((term.z + term.r) as i32),
@@ -66,12 +66,12 @@ impl Gradient {
         Self { terms: self.terms.iter().map(smaller).collect(), from_mm: self.from_mm * factor }
     }
 
-    /// The same medium seen from a vertex `behind_mm` farther along the axis.
+    /// The gradient of this medium seen from a vertex `behind_mm` farther along the axis.
     pub fn seen_from(&self, behind_mm: f64) -> Self {
         Self { terms: self.terms.clone(), from_mm: self.from_mm - behind_mm }
     }
 
-    /// On the axis, `z_mm` behind the vertex: what is added to the index, and the coefficient of r² in mm⁻².
+    /// The addition to the index on the axis, `z_mm` behind the vertex, and the coefficient of r² in mm⁻².
     pub fn on_axis(&self, z_mm: f64) -> [f64; 2] {
         let z = z_mm - self.from_mm;
         let of_power = |r: u32| -> f64 {
@@ -93,8 +93,8 @@ impl Gradient {
         rows
     }
 
-    /// What rays near the axis meet between the vertex that the medium is seen from and a plane `thickness_mm` (signed)
-    /// behind it: the matrix, and what the way adds to the Petzval sum. `base` is the signed index where all terms are 0.
+    /// First-order optics between the vertex that the medium is seen from and a plane `thickness_mm` (signed) behind it: the matrix, and
+    /// the part of the Petzval sum. `base` is the signed index where all terms are 0.
     ///
     /// There n = n₀(z) + n₂(z) r², and y′ = ν / n₀, ν′ = 2 n₂ y (Sands, J. Opt. Soc. Am. 60, 1436, 1970). A layer has the
     /// power −2 n₂ dz and adds it over n₀² to the sum.

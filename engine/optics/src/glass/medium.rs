@@ -35,7 +35,7 @@ pub struct Medium {
     source: String,
     transmittance: Option<Arc<InternalTransmittance>>,
     gradient: Option<Arc<Gradient>>,
-    /// Added to what the formula says, at every wavelength.
+    /// The number that is added to the formula's index, at every wavelength.
     shift: f64,
 }
 
@@ -56,29 +56,29 @@ impl Medium {
         }
     }
 
-    /// The same medium, which lets through so much of the light.
+    /// This medium with an internal transmittance.
     pub fn with_transmittance(mut self, transmittance: InternalTransmittance) -> Self {
         self.transmittance = Some(Arc::new(transmittance));
         self
     }
 
-    /// The same medium with an index that changes from place to place.
+    /// This medium with an index that changes from place to place.
     pub fn with_gradient(mut self, gradient: Gradient) -> Self {
         self.gradient = Some(Arc::new(gradient));
         self
     }
 
-    /// How its index changes from place to place; `None`: it does not.
+    /// The gradient of the medium's index; `None`: the index is spatially constant.
     pub fn gradient(&self) -> Option<&Gradient> {
         self.gradient.as_deref()
     }
 
-    /// The same medium in a lens `factor` times as large.
+    /// This medium in a lens `factor` times as large.
     pub fn scaled(&self, factor: f64) -> Self {
         Self { gradient: self.gradient.as_ref().map(|gradient| Arc::new(gradient.scaled(factor))), ..self.clone() }
     }
 
-    /// The same medium seen from a vertex `behind_mm` farther along the axis.
+    /// This medium seen from a vertex `behind_mm` farther along the axis.
     pub fn seen_from(&self, behind_mm: f64) -> Self {
         Self {
             gradient: self.gradient.as_ref().map(|gradient| Arc::new(gradient.seen_from(behind_mm))),
@@ -86,12 +86,12 @@ impl Medium {
         }
     }
 
-    /// The same medium with `shift` added to its index at every wavelength.
+    /// This medium with `shift` added to its index at every wavelength.
     pub fn with_index_shift(&self, shift: f64) -> Self {
         Self { shift, ..self.clone() }
     }
 
-    /// The medium as its formula has it, without what [`Self::with_index_shift`] has added.
+    /// The medium by its formula alone, without what [`Self::with_index_shift`] has added.
     pub fn as_defined(&self) -> Self {
         Self { shift: 0.0, ..self.clone() }
     }
@@ -101,7 +101,7 @@ impl Medium {
         self.transmittance.as_ref().map(|known| known.at(wavelength_nm, thickness_mm))
     }
 
-    /// What is known of the light that it lets through.
+    /// The internal transmittance, if known.
     pub fn transmittance(&self) -> Option<&InternalTransmittance> {
         self.transmittance.as_deref()
     }
@@ -126,7 +126,7 @@ impl Medium {
         Self::new(name, dispersion, [0.0, f64::INFINITY], "two-term Cauchy")
     }
 
-    /// The formula.
+    /// The dispersion formula.
     pub fn dispersion(&self) -> &Dispersion {
         &self.dispersion
     }
@@ -136,7 +136,7 @@ impl Medium {
         &self.name
     }
 
-    /// Where the numbers come from.
+    /// The source of the numbers.
     pub fn source(&self) -> &str {
         &self.source
     }
@@ -172,7 +172,7 @@ impl Medium {
         shortest_nm >= self.range_nm[0] - ROUNDING_NM && longest_nm <= self.range_nm[1] + ROUNDING_NM
     }
 
-    /// What there is to say to somebody who asks for an index outside of that range.
+    /// The remark on an index outside of the range of wavelengths.
     pub fn range_note(&self) -> String {
         let Self { name, range_nm: [start, end], .. } = self;
         format!("glass {name}: its index is known from {start:.0} to {end:.0} nm, beyond it is kept as at the end")

@@ -1,4 +1,4 @@
-//! What a glass lets through of the light inside of it, without the losses at its surfaces.
+//! Internal transmittance of glasses, without the losses at their surfaces.
 
 /// Internal transmittance by wavelength, as catalogues list it: for a plate of some thickness.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,8 +11,8 @@ pub struct InternalTransmittance {
 const NOTHING: f64 = 1e-6;
 
 impl InternalTransmittance {
-    /// By (wavelength in nm, transmittance, thickness in mm), in any order; points that make no sense are left out.
-    /// `None` if none is left.
+    /// The transmittance of points (wavelength in nm, transmittance, thickness in mm), in any order; points that make no sense are left
+    /// out. `None` if none is left.
     pub fn new(mut points: Vec<[f64; 3]>) -> Option<Self> {
         points.retain(|&[nm, part, mm]| {
             nm > 0.0 && (0.0..=1.0).contains(&part) && mm > 0.0 && nm.is_finite() && mm.is_finite()

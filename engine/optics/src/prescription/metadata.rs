@@ -1,31 +1,31 @@
-//! What the header of a lens file says beside the surfaces.
+//! Data from the header of a lens file beside the surfaces.
 
-/// What a lens is for, as a photographer sorts lenses: a closed list.
+/// The purpose of a lens, as a photographer sorts lenses: a closed list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LensGroup {
-    /// Sees more than the eye at rest does.
+    /// A lens that sees more than the eye at rest does.
     WideAngle,
-    /// About as long as the film's diagonal.
+    /// A lens about as long as the film's diagonal.
     Normal,
-    /// Somewhat longer, and fast.
+    /// A lens somewhat longer than [`Self::Normal`], and fast.
     Portrait,
-    /// Corrected for near things.
+    /// A lens corrected for near subjects.
     Macro,
-    /// Long.
+    /// A long lens.
     Telephoto,
-    /// Changes its focal length.
+    /// A lens that changes its focal length.
     Zoom,
-    /// Bends straight lines to see more than a picture without distortion can hold.
+    /// A lens that bends straight lines to see more than a picture without distortion can hold.
     Fisheye,
-    /// Images by mirrors.
+    /// A lens that images by mirrors.
     Mirror,
-    /// Squeezes the picture in one direction.
+    /// A lens that squeezes the picture in one direction.
     Anamorphic,
-    /// Of before about 1960, or known for its place in history.
+    /// A lens of before about 1960, or known for its place in history.
     Historical,
     /// An eye.
     Eye,
-    /// Ideal or simple: its answers are known, or its faults are large.
+    /// An ideal or simple lens: its answers are known, or its faults are large.
     Test,
 }
 
@@ -46,7 +46,7 @@ impl LensGroup {
         Self::Test,
     ];
 
-    /// The word for it in lens files.
+    /// The word for the group in lens files.
     pub fn word(self) -> &'static str {
         match self {
             Self::WideAngle => "wide angle",
@@ -70,14 +70,14 @@ impl LensGroup {
     }
 }
 
-/// What the header of a lens file says beside the surfaces. Numbers are those that the source states, not computed ones.
+/// Data from the header of a lens file beside the surfaces. Numbers are those that the source states, not computed ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metadata {
-    /// Where the numbers come from.
+    /// The source of the numbers.
     pub source: Option<String>,
-    /// What the lens is for.
+    /// The purpose of the lens.
     pub group: Option<LensGroup>,
-    /// The lens is one of those to begin with.
+    /// True if the lens is one of those to begin with.
     pub is_first_choice: bool,
     /// Nominal focal length in mm; `None` also where the header says that none is published.
     pub focal_length_mm: Option<f64>,
@@ -94,7 +94,7 @@ pub struct Metadata {
 }
 
 impl Metadata {
-    /// What stands in the header for a number that the source does not state.
+    /// The text in the header for a number that the source does not state.
     pub const NOT_PUBLISHED: &str = "not published";
 
     /// The text of a key, as it stands in the header; of several the first.
@@ -102,7 +102,7 @@ impl Metadata {
         self.all.iter().find(|(found, _)| found == key).map(|(_, text)| text.as_str())
     }
 
-    /// Why the computed value differs from the one that the header has for `key`: `# differs: f_number: why`.
+    /// The reason, from the header, why the computed value differs from that for `key`: `# differs: f_number: why`.
     pub fn difference(&self, key: &str) -> Option<&str> {
         let of_key = |text: &&str| text.split_once(':').is_some_and(|(found, _)| found.trim() == key);
         let lines = self.all.iter().filter(|(found, _)| found == "differs").map(|(_, text)| text.as_str());

@@ -11,13 +11,13 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use crate::glass::Medium;
-use crate::prescription::{Behind, PrescriptionError, SurfaceRow};
+use crate::prescription::{NextMedium, PrescriptionError, SurfaceRow};
 use crate::surface::Conic;
 
-/// What of a surface may change.
+/// A quantity of a surface that may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// The thickness behind it, mm.
+    /// The thickness behind the surface, mm.
     Gap,
     /// The radius of curvature, mm; 0 is a plane. Between positions it is the curvature that changes evenly.
     Radius,
@@ -25,7 +25,7 @@ pub enum Quantity {
     Conic,
     /// The clear diameter, mm.
     Diameter,
-    /// What is added at every wavelength to the index of the medium behind it.
+    /// The number that is added at every wavelength to the index of the medium behind it.
     IndexShift,
 }
 
@@ -42,7 +42,7 @@ const WORDS: [(&str, Quantity); 4] = [
 pub struct Part {
     /// Index of the surface.
     pub surface: usize,
-    /// Which of its numbers.
+    /// The quantity of the surface.
     pub quantity: Quantity,
 }
 
@@ -62,7 +62,7 @@ impl Part {
             Quantity::Conic => row.shape = row.shape.with_base(Conic { conic: value, ..base }),
             Quantity::Diameter => row.semi_diameter_mm = value / 2.0,
             Quantity::IndexShift => {
-                if let Behind::Medium(medium) = &mut row.behind {
+                if let NextMedium::Medium(medium) = &mut row.behind {
                     *medium = medium.with_index_shift(value);
                 }
             }
@@ -75,7 +75,7 @@ impl Part {
     }
 }
 
-/// As in lens files: `4`, `radius:4`.
+/// The text in lens files: `4`, `radius:4`.
 impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some((word, _)) = WORDS.iter().find(|(_, quantity)| *quantity == self.quantity) {
@@ -104,17 +104,17 @@ pub struct Position {
     pub zoom_mm: Option<f64>,
     /// Distance of what is sharp, from the first vertex, mm; may be infinite.
     pub focus_mm: f64,
-    /// By moving part.
+    /// Values of the moving parts.
     pub values: Vec<f64>,
 }
 
-/// Why gaps and positions do not fit together.
+/// An error by which gaps and positions do not fit together.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum MovingError {
     /// A part is of no surface, or there twice.
     #[error("surface {} has no such part to move, or it is named twice: '{part}'; name surfaces from 0 to {last}, each part once", .part.surface)]
     Surface {
-        /// As named.
+        /// The part that was named.
         part: Part,
         /// The last surface of the lens.
         last: usize,
@@ -128,9 +128,9 @@ pub enum MovingError {
     /// Too many or too few numbers.
     #[error("{found} numbers where {expected} parts move; give one for each that the line 'moving' names")]
     Gaps {
-        /// In this position.
+        /// Numbers in this position.
         found: usize,
-        /// Moving ones.
+        /// Number of moving parts.
         expected: usize,
     },
     /// Some positions have a zoom, others not.
@@ -139,7 +139,7 @@ pub enum MovingError {
     /// A zoom has no position at infinity.
     #[error("no position has focus=inf at this zoom; give one for each zoom, to count the others from")]
     NoInfinity,
-    /// The same position again.
+    /// A position is given twice.
     #[error("this zoom and focus were given before; take one out")]
     Twice,
     /// A position makes no lens.
@@ -160,22 +160,22 @@ struct Zoom {
     nearness_per_mm: Vec<f64>,
     /// The distances as the table has them.
     focus_mm: Vec<f64>,
-    /// By distance, then by part.
+    /// Values by distance, then by part.
     values: Vec<Vec<f64>>,
 }
 
-/// What of a lens moves, by zoom and focus.
+/// The moving parts of a lens, by zoom and focus.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingParts {
     parts: Vec<Part>,
     zooms_in: bool,
     first_zoom_mm: f64,
-    /// By rising focal length.
+    /// The zoom positions, by rising focal length.
     zooms: Vec<Zoom>,
 }
 
 impl MovingParts {
-    /// Of `parts` of a lens of `count` surfaces, at each position; the first is the one the lens is published in.
+    /// The moving `parts` of a lens of `count` surfaces, at each position; the first is the one the lens is published in.
     ///
     /// # Errors
     /// [`MovingError`], with the number of the position that it is about.
@@ -229,20 +229,21 @@ impl MovingParts {
         self.zooms_in.then(|| [self.zooms[0].mm, self.zooms[self.zooms.len() - 1].mm])
     }
 
-    /// Whether groups inside move to focus the lens at every zoom: else the film or the whole lens does.
+    /// True if groups inside move to focus the lens at every zoom: else the film or the whole lens does.
     pub fn focuses(&self) -> bool {
         self.zooms.iter().all(|zoom| zoom.nearness_per_mm.len() > 1)
     }
 
-    /// What moves.
+    /// The parts.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    /// Says if one of the parts is the index of what is no medium of its own, or what is wrong with the lens in one of the
-    /// positions, as they were given, and in which.
+    /// Checks the parts: the error says that one of them is the index of what is no medium of its own, or what is wrong with the lens in
+    /// one of the positions, as they were given, and in which.
     pub fn check(&self, rows: &[SurfaceRow], given: &[Position]) -> Result<(), (Option<usize>, MovingError)> {
-        let is_medium = |row: &SurfaceRow| matches!(&row.behind, Behind::Medium(medium) if *medium != Medium::air());
+        let is_medium =
+            |row: &SurfaceRow| matches!(&row.behind, NextMedium::Medium(medium) if *medium != Medium::air());
         let bad = |part: &&Part| part.quantity == Quantity::IndexShift && !is_medium(&rows[part.surface]);
         if let Some(part) = self.parts.iter().find(bad) {
             return Err((None, MovingError::NoIndex { surface: part.surface }));

@@ -8,35 +8,35 @@ use super::lanes::Spots;
 use super::outline::ANGLES;
 use super::{DEFENSIVE_SHARE, PupilMap};
 
-/// What of a sector a target needs.
+/// The data of a sector that a target needs.
 #[derive(Clone, Copy, Debug, Default)]
 struct Slice {
     corner: [f32; 2],
-    /// To the next corner.
+    /// Vector to the next corner.
     edge: [f32; 2],
     /// Share of the area in the sectors before it.
     start: f32,
-    /// One over its own share.
+    /// Reciprocal of the slice's own share.
     inverse_share: f32,
     /// Squared, where it begins on the way to its outer edge; and what there is from there to the edge.
     begin: f32,
     rest: f32,
 }
 
-/// Added to a number from 0 to 2²² and no less, its lowest bits are the nearest whole one: quicker than a cast that minds
-/// all numbers.
+/// Added to a number from 0 to 2²² and no less, it makes the lowest bits of the sum the nearest whole number: quicker than a cast that
+/// minds all numbers.
 const WHOLE: f32 = (1u32 << 23) as f32;
 
 /// The sectors of a cell where only the film point's distance from the axis counts.
 #[derive(Clone, Debug)]
 pub(super) struct Slices {
     guide: [u8; GUIDE],
-    /// Behind the last one that is never reached.
+    /// The slices; behind the last one is one that is never reached.
     slices: [Slice; ANGLES + 1],
 }
 
 impl Slices {
-    /// Of no use for a cell that is dark.
+    /// The slices of a cell; of no use for a cell that is dark.
     pub(super) fn new(cell: &Cell) -> Self {
         let mut all = Self { guide: [0; GUIDE], slices: [Slice::default(); ANGLES + 1] };
         all.slices[ANGLES].start = f32::INFINITY;
@@ -71,12 +71,12 @@ impl Slices {
     }
 }
 
-/// Several of [`super::PupilSample`].
+/// `N` of [`super::PupilSample`], by their components.
 #[derive(Clone, Copy, Debug)]
 pub struct PupilSamples<const N: usize> {
     /// x and y in lens space, mm.
     pub target: [[f32; N]; 2],
-    /// Densities with which they were chosen, per mm² of the reference plane.
+    /// Densities with which the samples were chosen, per mm² of the reference plane.
     pub pdf_per_mm2: [f32; N],
 }
 

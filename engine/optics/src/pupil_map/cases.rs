@@ -1,4 +1,4 @@
-//! What the tests of several rays at once go through.
+//! Cases for the tests of several rays at once.
 
 use super::PupilMap;
 use crate::focus::FilmPlane;
@@ -23,7 +23,7 @@ pub(super) fn for_each_map(check: impl Fn(&PupilMap, &FilmPlane, &str)) {
     }
 }
 
-/// Of ray `i` of a round, a number from 0 to 1 that fills that range evenly, another for every step `by`.
+/// A number from 0 to 1 of ray `i` of a round: the numbers fill that range evenly, others for every step `by`.
 pub(super) fn part(round: usize, i: usize, by: f64) -> f32 {
     ((round * 8 + i) as f64 * by).fract() as f32
 }

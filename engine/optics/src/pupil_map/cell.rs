@@ -10,13 +10,13 @@ use super::outline::{ANGLES, Outline};
 /// Larger wastes twice as many samples; smaller leaves light to the defensive samples, which are noisy.
 const MARGIN: f64 = 0.003;
 
-/// What film points of one cell aim at, in units of their ellipses.
+/// The targets of the film points of one cell, in units of their ellipses.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
     area: f64,
     /// One over the area; 0 if no light arrives.
     density: f64,
-    /// At equal angles. Empty if no light arrives.
+    /// Sectors at equal angles. Empty if no light arrives.
     sectors: Vec<Sector>,
     /// The sector in which each of as many equal parts of the area begins: to look there first (Chen and Asau 1974).
     guide: Vec<u8>,
@@ -24,17 +24,17 @@ pub(super) struct Cell {
     surely: [f64; 2],
 }
 
-/// What lies between two neighbouring corners.
+/// The sector between two neighbouring corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sector {
     pub(super) corner: DVec2,
-    /// To the next corner.
+    /// Vector to the next corner.
     pub(super) edge: DVec2,
     /// Share of the area in the sectors before it.
     pub(super) start: f64,
-    /// One over its own share.
+    /// One over the share of the sector.
     pub(super) inverse_share: f64,
-    /// Where it begins, as a part of the way to its outer edge: more than 0 behind an obstruction.
+    /// The sector's beginning, as a part of the way to its outer edge: more than 0 behind an obstruction.
     pub(super) inner: f64,
 }
 
@@ -44,7 +44,7 @@ pub(super) const GUIDE: usize = 256;
 const _: () = assert!(ANGLES <= 1 << u8::BITS);
 
 impl Cell {
-    /// No light arrives.
+    /// A cell at which no light arrives.
     pub(super) fn dark() -> Self {
         Self { area: 0.0, density: 0.0, sectors: Vec::new(), guide: Vec::new(), surely: [0.0; 2] }
     }
@@ -103,7 +103,7 @@ impl Cell {
         self.area
     }
 
-    /// Of [`Self::sample`]; 0 if no light arrives.
+    /// Density of [`Self::sample`]; 0 if no light arrives.
     #[inline]
     pub(super) fn density(&self) -> f64 {
         self.density
@@ -114,7 +114,7 @@ impl Cell {
         self.sectors.iter().chain(self.sectors.first()).map(|sector| sector.corner)
     }
 
-    /// At equal angles; none if no light arrives.
+    /// Sectors at equal angles; none if no light arrives.
     pub(super) fn sectors(&self) -> &[Sector] {
         &self.sectors
     }
@@ -160,7 +160,7 @@ impl Cell {
         squared > self.surely[0] && squared < self.surely[1] || self.contains_by_sector(point)
     }
 
-    /// [`Self::contains`] where the distance alone does not say it; of no cell that is dark.
+    /// [`Self::contains`] where the distance alone does not decide it; not for a dark cell.
     pub(super) fn contains_by_sector(&self, point: DVec2) -> bool {
         let guess = nearly_sector(point);
         let next = |i: usize| if i + 1 < ANGLES { i + 1 } else { 0 };
@@ -177,7 +177,7 @@ impl Cell {
     }
 }
 
-/// Of a sample in single precision, in units of the way to the edge: 8 of them.
+/// Bound of the rounding error of a sample in single precision, in units of the way to the edge: 8 roundings.
 const ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
 
 /// The sector of a point, or a neighbour of it.

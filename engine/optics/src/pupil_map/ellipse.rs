@@ -13,12 +13,13 @@ pub(super) struct Ellipse {
 }
 
 impl Ellipse {
-    /// About the axis.
+    /// A circle about the axis.
     pub(super) fn circle(radius: f64) -> Self {
         Self { centre: DVec2::ZERO, semi_axes: DVec2::splat(radius) }
     }
 
-    /// In between, or beyond: `t` may lie outside of 0 to 1, but no axis shrinks below a part of the smaller one.
+    /// The ellipse in between, or beyond: `t` may lie outside of 0 to 1, but no axis shrinks below a part of the
+    /// smaller one.
     #[inline]
     pub(super) fn lerp(self, other: Self, t: f64) -> Self {
         Self {
@@ -33,14 +34,14 @@ impl Ellipse {
         self.semi_axes.x * self.semi_axes.y
     }
 
-    /// From units of the ellipse to mm, both in axes in which the meridian and the ellipse's axes point along the unit
-    /// vectors `meridian` and `axes`.
+    /// A point in mm, from units of the ellipse, both in axes in which the meridian and the ellipse's axes point along
+    /// the unit vectors `meridian` and `axes`.
     #[inline]
     pub(super) fn in_mm(self, point: DVec2, meridian: DVec2, axes: DVec2) -> DVec2 {
         axes.rotate(conjugate_rotate(axes, point) * self.semi_axes) + meridian.rotate(self.centre)
     }
 
-    /// Back from [`Self::in_mm`].
+    /// The inverse of [`Self::in_mm`].
     #[inline]
     pub(super) fn in_units(self, point: DVec2, meridian: DVec2, axes: DVec2) -> DVec2 {
         axes.rotate(conjugate_rotate(axes, point - meridian.rotate(self.centre)) / self.semi_axes)

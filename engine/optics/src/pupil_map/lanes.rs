@@ -16,13 +16,13 @@ macro_rules! spots {
             $($(#[$doc])* $field: f32,)*
         }
 
-        /// Those of several film points.
+        /// Spots of several film points.
         pub(super) struct Spots<const N: usize> {
             $(pub(super) $field: [f32; N],)*
         }
 
         impl<const N: usize> Spots<N> {
-            /// Of the cells with these numbers, which are whole and often all the same.
+            /// The spots of the cells with these numbers, which are whole and often all the same.
             #[inline]
             pub(super) fn of(all: &[Spot], cell: &[f32; N]) -> Self {
                 let first = &all[cell[0] as i32 as usize];
@@ -43,7 +43,7 @@ spots! {
     /// The ellipse's centre at the near end of the cell, mm along and across the meridian.
     along,
     across,
-    /// From there to that at its far end.
+    /// The way of the ellipse's centre from the near end of the cell to the far end.
     along_way,
     across_way,
     /// The ellipse's axes at the near end, and by how much they are larger at the far end.
@@ -51,7 +51,7 @@ spots! {
     semi_across,
     semi_along_growth,
     semi_across_growth,
-    /// Of the samples in the outline, in units of the ellipse.
+    /// Density of the samples in the outline, in units of the ellipse.
     density,
     /// Squared radii between which every direction is inside.
     surely_from,

@@ -25,7 +25,7 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Grows until it holds `other`.
+    /// Grows the outline until it holds `other`.
     pub(super) fn join(&mut self, other: &Self) {
         for i in 0..ANGLES {
             self.outer[i] = self.outer[i].max(other.outer[i]);
@@ -34,12 +34,12 @@ impl Outline {
     }
 }
 
-/// Asks tracers which targets are clear.
+/// A test, by tracers, of the targets that are clear.
 pub(super) struct Probe {
-    /// With every obstruction and mask taken away: the pupil's hole is found apart, and the outline of a mask's circle
+    /// Tracers without obstructions and masks: the pupil's hole is found apart, and the outline of a mask's circle
     /// holds all of its openings.
     open: Vec<Tracer>,
-    /// As they are, if anything obstructs them.
+    /// Tracers with their obstructions, if there are any.
     obstructed: Vec<Tracer>,
     reference_z: f64,
     glass_radius: f64,
@@ -136,7 +136,7 @@ impl Probe {
         (start + axis * (0.5 * (low + high)), 0.5 * (high - low))
     }
 
-    /// How far from `start` towards `axis` it is clear.
+    /// Distance from `start` towards `axis` up to which it is clear.
     fn edge(&self, start: DVec2, axis: DVec2, width: f64, is_clear: impl Fn(DVec2) -> bool) -> f64 {
         let is_clear = |x: f64| is_clear(start + axis * x);
         let mut clear = 0.0;
@@ -176,7 +176,7 @@ impl Probe {
         (0..places.len()).map(outline).collect()
     }
 
-    /// How far from the centre an obstruction reaches towards each edge.
+    /// Distances from the centre that an obstruction reaches towards each edge.
     fn holes(&self, edges: &[Edge]) -> Vec<f64> {
         const STEPS: i32 = 64;
         if self.obstructed.is_empty() {
@@ -208,7 +208,7 @@ struct Target {
     at: DVec2,
 }
 
-/// Which targets any tracer finds clear.
+/// True for the targets that any tracer finds clear.
 fn are_clear(tracers: &[Tracer], reference_z: f64, targets: &[Target]) -> Vec<bool> {
     let mut is_clear = vec![false; targets.len()];
     let mut rest: Vec<usize> = (0..targets.len()).collect();
@@ -226,7 +226,7 @@ fn are_clear(tracers: &[Tracer], reference_z: f64, targets: &[Target]) -> Vec<bo
     is_clear
 }
 
-/// Where an outline is taken.
+/// A film point for which an outline is taken, and its ellipse.
 pub(super) struct Place {
     film: DVec3,
     ellipse: Ellipse,
@@ -257,13 +257,13 @@ struct Edge {
     search: Search,
 }
 
-/// What is asked next.
+/// The next test of a search.
 enum Search {
-    /// Whether `high` is clear: then the edge lies farther out.
+    /// Tests whether `high` is clear: then the edge lies farther out.
     Out,
-    /// Whether it is clear just below: a good guess is narrowed at once.
+    /// Tests just below: a good guess is narrowed at once.
     Below,
-    /// What lies between.
+    /// Halves the interval.
     Halve { steps: u32 },
 }
 

@@ -1,4 +1,4 @@
-//! How much light of a uniform world reaches the middle of the film.
+//! The light of a uniform world that reaches the middle of the film.
 
 use std::f64::consts::{PI, TAU};
 

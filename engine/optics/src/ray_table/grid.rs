@@ -12,7 +12,7 @@ pub(super) struct Axis {
 const ROUNDING: f64 = 1e-6;
 
 impl Axis {
-    /// At least four nodes.
+    /// An axis of at least four nodes.
     pub(super) fn new(start: f64, end: f64, nodes: usize) -> Self {
         let nodes = nodes.max(4);
         // An interval of no length has a place all the same.

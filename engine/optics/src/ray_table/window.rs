@@ -14,7 +14,7 @@ pub(super) struct Window {
     /// The film's middle in the film's coordinates, and one over half of its sides.
     middle: DVec2,
     per_half: DVec2,
-    /// By power, the share in the four sides.
+    /// The share in the four sides, by power.
     terms: [Sides; TERMS],
 }
 
@@ -70,7 +70,7 @@ impl Window {
         sides
     }
 
-    /// Its low corner for a film point, and its sides; both sides are above 0, else nothing is seen.
+    /// The window's low corner for a film point, and its sides; both sides are above 0, else nothing is seen.
     #[inline]
     pub(super) fn at(&self, film: DVec2) -> (DVec2, DVec2) {
         let [left, low, right, high] = self.sides(film);

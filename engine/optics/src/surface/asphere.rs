@@ -21,7 +21,7 @@ pub struct Asphere<R = f64> {
     even: [R; EVEN],
     /// a₃, a₅ … a₁₉.
     odd: [R; ODD],
-    /// How many even terms count; the rest are 0.
+    /// Number of even terms that count; the rest are 0.
     even_count: usize,
     odd_count: usize,
 }
@@ -49,7 +49,7 @@ impl Asphere {
         Self { base, even, odd, even_count, odd_count }
     }
 
-    /// The same terms on another conicoid.
+    /// The polynomial terms of this surface on another conicoid.
     pub fn with_base(&self, base: Conic) -> Self {
         Self { base, ..*self }
     }

@@ -20,9 +20,9 @@ const CANCELLED: f64 = 1e-2;
 /// Conic constants of a larger size cost digits, about their root in units in the last place. Larger loses them,
 /// smaller costs two roots and three divisions.
 const ECCENTRIC: f64 = 16.0;
-/// Where w² is larger than this, w is good to a rounding or two from r.
+/// Least w² for which w is good to a rounding or two from r.
 const FAR_FROM_THE_END: f64 = 0.002;
-/// Where cos² i is larger than this, N · D is good to some roundings.
+/// Least cos² i for which N · D is good to some roundings.
 const GRAZING: f64 = 1e-2;
 
 impl Conic {
@@ -39,12 +39,12 @@ impl Conic {
         (inside >= 0.0).then(|| c * radius_mm * radius_mm / (1.0 + inside.sqrt()))
     }
 
-    /// The same shape, `factor` times as large.
+    /// This shape, `factor` times as large.
     pub(super) fn scaled(&self, factor: f64) -> Self {
         Self { curvature: self.curvature / factor, ..*self }
     }
 
-    /// The same in numbers of another kind.
+    /// This conicoid in numbers of another kind.
     pub(super) fn cast<R: Real>(&self) -> Conic<R> {
         Conic { curvature: R::from_f64(self.curvature), conic: R::from_f64(self.conic) }
     }

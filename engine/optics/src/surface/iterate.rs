@@ -7,7 +7,7 @@ use crate::lane::{Lane, Mask, Real};
 pub(super) struct Along<L> {
     /// Value, times any positive weight.
     pub(super) value: L,
-    /// Its change with t, times the same weight.
+    /// The derivative of the value by t, times the same weight.
     pub(super) slope: L,
     /// The size of the terms that the value is the sum of, times the same weight: its rounding is a part of it.
     pub(super) terms: L,
@@ -19,7 +19,7 @@ pub(super) trait Profiled<L: Lane> {
     fn along(&self, t: L) -> Along<L>;
 }
 
-/// What an iteration found.
+/// The result of an iteration.
 #[derive(Clone, Copy)]
 pub(super) struct Root<L: Lane> {
     pub(super) t: L,
@@ -28,7 +28,7 @@ pub(super) struct Root<L: Lane> {
     pub(super) not_converged: L::Mask,
 }
 
-/// More steps find nothing that these do not: with a bracket each halves it at least.
+/// Largest number of steps: more find nothing, for with a bracket each halves it at least.
 const MOST_STEPS: usize = 60;
 /// The last step may be this many roundings of t. Larger throws tangents about, smaller leaves digits.
 const LAST_STEP: f64 = 1e4;

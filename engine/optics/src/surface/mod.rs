@@ -1,4 +1,4 @@
-//! The shapes of optical surfaces: where a ray meets one, and the normal there (Wu et al. 2011, §3.1 and §3.2.1).
+//! The shapes of optical surfaces: where a ray hits one, and the normal there (Wu et al. 2011, §3.1 and §3.2.1).
 //!
 //! Coordinates are those of the surface: the origin at its vertex, z along its axis. Nothing here knows of glass or of
 //! rims; callers are the tracer and the surface tests. Every shape is written once for all [`Lane`]s.
@@ -17,12 +17,12 @@ pub use conic::Conic;
 pub use pose::Pose;
 pub use toroid::Toroid;
 
-/// Why a ray got no farther than a surface. A lost ray is a result, not an error.
+/// The reason why a ray got no farther than a surface. A lost ray is a result, not an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Failure {
     /// The ray passes by the surface.
     Missed,
-    /// The ray meets the mathematical surface, but only on the part that is not the lens: a hyperboloid's second
+    /// The ray hits the mathematical surface, but only on the part that is not the lens: a hyperboloid's second
     /// sheet, the far half of an ellipsoid.
     WrongSheet,
     /// The hit lies outside of the clear aperture.
@@ -38,7 +38,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// The word for it in tables and on the command line.
+    /// The word for the failure in tables and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Missed => "missed",
@@ -52,14 +52,14 @@ impl Failure {
     }
 }
 
-/// Where rays meet a surface, one in each lane. The numbers of a lane that did not meet it mean nothing.
+/// Hits of rays on a surface, one in each lane. The numbers of a lane that missed it are undefined.
 #[derive(Clone, Copy)]
 pub struct Crossing<L: Lane> {
     /// Distance along the ray from the origin that was given, in mm; negative if it lies behind.
     pub t: L,
     /// The hit, in mm from the vertex.
     pub point: Vector<L>,
-    /// Across the surface, towards +z at the vertex; not of unit length.
+    /// The normal, towards +z at the vertex; not of unit length.
     pub normal: Vector<L>,
     /// |N|².
     pub normal_squared: L,
@@ -67,11 +67,11 @@ pub struct Crossing<L: Lane> {
     pub cosine_squared: L,
     /// |N · D|.
     pub cosine: L,
-    /// True if the ray meets the surface with sign(N · D) = side.
+    /// True if the ray hits the surface with sign(N · D) = side.
     pub met: L::Mask,
-    /// Not met, for [`Failure::WrongSheet`].
+    /// Not hit, for [`Failure::WrongSheet`].
     pub wrong_sheet: L::Mask,
-    /// Not met, for [`Failure::NotConverged`].
+    /// Not hit, for [`Failure::NotConverged`].
     pub not_converged: L::Mask,
 }
 
@@ -96,8 +96,8 @@ pub enum Shape<R = f64> {
 }
 
 impl<R: Real> Shape<R> {
-    /// Where the rays `origin` + t `direction` (unit) cross the surface with sign(N · D) = `side`, for rays that start
-    /// near the vertex, measured in radii.
+    /// The points at which the rays `origin` + t `direction` (unit) cross the surface with sign(N · D) = `side`, for
+    /// rays that start near the vertex, measured in radii.
     ///
     /// `side` is +1 while light goes from the scene to the film, −1 on the way back, flipped by each mirror; it is
     /// not the sign of D's z. Negative t is right where the previous vertex lies behind.
@@ -110,8 +110,8 @@ impl<R: Real> Shape<R> {
         }
     }
 
-    /// As [`Self::meet`] from any distance: the origin is first carried to its point nearest the vertex, which keeps
-    /// the digits of far sources.
+    /// [`Self::meet`] from any distance: the origin is first carried to its point nearest the vertex, which keeps the
+    /// digits of far sources.
     #[inline(always)]
     pub fn meet_from_afar<L: Lane<Real = R>>(&self, origin: Vector<L>, direction: Vector<L>, side: R) -> Crossing<L> {
         let carried = -origin.dot(direction);
@@ -138,8 +138,8 @@ impl Shape {
         Self::Conic(Conic::new(radius_mm, conic))
     }
 
-    /// What a conicoid, aspheric `terms` (power, coefficient) and a radius of curvature in the x-z plane make together;
-    /// the plainest that it is. A radius of 0 is flat, none is that of the y-z plane.
+    /// The shape of a conicoid with aspheric `terms` (power, coefficient) and a radius of curvature in the x-z plane;
+    /// the simplest kind that holds it. A radius of 0 is flat, none is that of the y-z plane.
     pub fn from_numbers(base: Conic, terms: &[(u32, f64)], radius_x_mm: Option<f64>) -> Self {
         let profile = Asphere::new(base, terms);
         let has_terms = !profile.terms().is_empty();
@@ -162,7 +162,7 @@ impl Shape {
         }
     }
 
-    /// The same shape on another conicoid.
+    /// This shape on another conicoid.
     pub fn with_base(&self, base: Conic) -> Self {
         match *self {
             Self::Conic(_) => Self::Conic(base),
@@ -186,7 +186,7 @@ impl Shape {
         Some(if x.abs() > y.abs() { x } else { y })
     }
 
-    /// How far from the axis the surface reaches, in mm; infinite for most.
+    /// Distance from the axis that the surface reaches, in mm; infinite for most.
     pub fn reach_mm(&self) -> f64 {
         let profile = self.profile();
         let reach = |conic: &Conic| {
@@ -223,7 +223,7 @@ impl Shape {
         !matches!(self, Self::Toroid(_))
     }
 
-    /// The same shape, `factor` times as large.
+    /// This shape, `factor` times as large.
     pub fn scaled(&self, factor: f64) -> Self {
         match self {
             Self::Conic(conic) => Self::Conic(conic.scaled(factor)),
@@ -232,7 +232,7 @@ impl Shape {
         }
     }
 
-    /// The same shape in numbers of another kind.
+    /// This shape in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Shape<R> {
         match self {
             Self::Conic(conic) => Shape::Conic(conic.cast()),
@@ -241,7 +241,7 @@ impl Shape {
         }
     }
 
-    /// True if all its numbers are finite.
+    /// True if all numbers of the shape are finite.
     pub fn is_finite(&self) -> bool {
         let across = if let Self::Toroid(toroid) = self { toroid.across } else { 0.0 };
         across.is_finite() && self.profile().is_finite()

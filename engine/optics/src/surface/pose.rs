@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use crate::lane::{Lane, Real};
 use crate::vector::Vector;
 
-/// Where the surface's own axes lie in those of its vertex on the lens's axis: turned, then moved. Lengths in mm.
+/// The pose of the surface's own axes in those of its vertex on the lens's axis: turned, then moved. Lengths in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<R = f64> {
     /// Columns: the surface's x, y and z.
@@ -17,17 +17,17 @@ pub struct Pose<R = f64> {
 }
 
 impl Pose {
-    /// Stands where it should.
+    /// The pose of a surface that stands where it should.
     pub fn identity() -> Self {
         Self::new(DVec3::ZERO, DMat3::IDENTITY)
     }
 
-    /// Moved by `moved` mm and turned by `turn`, a rotation.
+    /// The pose of a surface moved by `moved` mm and turned by `turn`, a rotation.
     pub fn new(moved: DVec3, turn: DMat3) -> Self {
         Self { axes: [turn.x_axis, turn.y_axis, turn.z_axis].map(Vector::from_f64), moved: Vector::from_f64(moved) }
     }
 
-    /// Moved across the axis by `decenter_mm` (x, y), then turned about its vertex by `tilt_rad`: right-handed about
+    /// The pose of a surface moved across the axis by `decenter_mm` (x, y), then turned about its vertex by `tilt_rad`: right-handed about
     /// x, then about its own y, then about its own z.
     pub fn misaligned(decenter_mm: [f64; 2], tilt_rad: [f64; 3]) -> Self {
         let [x, y, z] = tilt_rad;
@@ -35,7 +35,7 @@ impl Pose {
         Self::new(DVec3::new(decenter_mm[0], decenter_mm[1], 0.0), turn)
     }
 
-    /// How far the vertex is moved, mm, and the tilts about x, y and z, in radians, in the order of [`Self::misaligned`].
+    /// The displacement of the vertex, mm, and the tilts about x, y and z, in radians, in the order of [`Self::misaligned`].
     pub fn parts(&self) -> ([f64; 3], [f64; 3]) {
         let turn = self.turn();
         let [x, y, z] = [turn.x_axis, turn.y_axis, turn.z_axis];
@@ -54,7 +54,7 @@ impl Pose {
         DMat3::from_cols(x, y, z)
     }
 
-    /// True if it changes nothing.
+    /// True if the pose changes nothing.
     pub fn is_identity(&self) -> bool {
         *self == Self::identity()
     }
@@ -64,12 +64,12 @@ impl Pose {
         Self { moved: self.moved * factor, ..*self }
     }
 
-    /// True if all its numbers are finite.
+    /// True if all numbers of the pose are finite.
     pub fn is_finite(&self) -> bool {
         self.moved.of(0).is_finite() && self.turn().is_finite()
     }
 
-    /// The same in numbers of another kind.
+    /// This pose in numbers of another kind.
     pub fn cast<R: Real>(&self) -> Pose<R> {
         Pose { axes: self.axes.map(|axis| Vector::from_f64(axis.of(0))), moved: Vector::from_f64(self.moved.of(0)) }
     }

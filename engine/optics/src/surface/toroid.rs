@@ -8,8 +8,8 @@ use crate::vector::Vector;
 
 /// A profile z = g(y) in the y-z plane, turned about the line parallel to y at z = 1 / c across the axis.
 ///
-/// With curvature c = 0 across it is a cylinder along x; with a flat profile it is one along y. On the surface
-/// z − g − c (x² + z² − g²) / 2 = 0, which needs no limit at c = 0.
+/// A toroid with curvature c = 0 across is a cylinder along x; with a flat profile it is one along y. On the surface z
+/// − g − c (x² + z² − g²) / 2 = 0, which needs no limit at c = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toroid<R = f64> {
     /// g, as a function of |y|.

@@ -9,7 +9,7 @@ use crate::prescription::moving::MovingParts;
 const ZOOM_ROUNDING: f64 = 2e-3;
 
 impl System {
-    /// As [`Self::new`], with groups inside moved to focus nearer: 0 is infinity, 1 the nearest distance of the table.
+    /// [`Self::new`] with groups inside moved to focus nearer: 0 is infinity, 1 the nearest distance of the table.
     ///
     /// The scale and the opening of the diaphragm stay those at infinity, and so does the f-number that it is called by.
     pub fn with_travel(

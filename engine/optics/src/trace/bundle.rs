@@ -6,11 +6,11 @@
 
 use glam::DVec3;
 
-use super::fate::Fate;
+use super::fate::RayStatus;
 use super::gradient::Gradients;
 use super::spectral::{LINES, Leaving};
 use super::step::{Action, Step};
-use super::{Failure, Lost, Ray, Tracer, Travel, Way};
+use super::{Failure, Lost, Ray, SurfaceSequence, Tracer, Travel};
 use crate::diaphragm::Diaphragm;
 use crate::lane::{Lane, LaneKernel, Level, Mask, Real};
 use crate::vector::Vector;
@@ -23,11 +23,11 @@ const BLOCK: usize = 256;
 /// Made by [`Tracer::bundle`], filled by [`Self::push`], traced by [`Tracer::trace`], then read by [`Self::result`].
 #[derive(Clone, Debug)]
 pub struct Bundle<R = f64> {
-    way: Way<R>,
+    way: SurfaceSequence<R>,
     /// x, y, z of the origins, seen from the vertex that the rays are at, then of the directions. There may be more than
     /// there are rays; to trace, the last register is filled up with rays along the axis.
     numbers: [Vec<R>; 6],
-    fates: Vec<Fate>,
+    fates: Vec<RayStatus>,
     is_traced: bool,
 }
 
@@ -53,7 +53,7 @@ impl<R: Traced> Tracer<R> {
 
 impl<R: Real> Bundle<R> {
     /// An empty one for rays along `way`.
-    pub(super) fn along(way: Way<R>) -> Self {
+    pub(super) fn along(way: SurfaceSequence<R>) -> Self {
         Self { way, numbers: Default::default(), fates: Vec::new(), is_traced: false }
     }
 
@@ -95,7 +95,7 @@ impl<R: Real> Bundle<R> {
         dx[first..rays].fill(d.x);
         dy[first..rays].fill(d.y);
         dz[first..rays].fill(d.z);
-        self.fates.resize(rays, Fate::THROUGH);
+        self.fates.resize(rays, RayStatus::THROUGH);
     }
 
     /// Adds the first `count` of some rays by where they cross the plane that touches the vertex of the first surface on
@@ -112,7 +112,7 @@ impl<R: Real> Bundle<R> {
             column[there.clone()].copy_from_slice(numbers);
         }
         z[there].fill(R::ZERO);
-        self.fates.resize(first + count, Fate::THROUGH);
+        self.fates.resize(first + count, RayStatus::THROUGH);
     }
 
     /// Makes room for so many rays, and then some.
@@ -122,18 +122,18 @@ impl<R: Real> Bundle<R> {
         self.numbers.iter_mut().for_each(|column| column.resize(room, R::ZERO));
     }
 
-    /// Marks it as traced, which is to be done once.
+    /// Marks the bundle as traced, which is to be done once.
     pub(super) fn begin(&mut self) {
         assert!(!self.is_traced, "a bundle is traced once; clear it and fill it again");
         self.is_traced = true;
     }
 
-    /// Which way its rays go.
+    /// The direction in which the bundle's rays go.
     pub(super) fn travel(&self) -> Travel {
         self.way.travel
     }
 
-    /// What became of ray `i`: as [`Tracer::from_scene`] and [`Tracer::from_film`] say it.
+    /// The result of ray `i`: that of [`Tracer::from_scene`] and [`Tracer::from_film`].
     #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {
         debug_assert!(self.is_traced, "trace the bundle first");
@@ -161,7 +161,7 @@ impl<R: Real> Bundle<R> {
         }
         let [_, _, _, dx, dy, dz] = rays;
         let [half, more] = [R::from_f64(0.5), R::from_f64(1.5)];
-        // As `Way::leave` does it, whose roundings those of R are.
+        // As `SurfaceSequence::leave` does it, whose roundings those of R are.
         for _ in 0..2 {
             for i in 0..N {
                 let factor = more - half * (dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i]);
@@ -171,7 +171,7 @@ impl<R: Real> Bundle<R> {
         through
     }
 
-    /// What became of the [`LINES`] rays from `first` on.
+    /// The results of the [`LINES`] rays from `first` on.
     #[inline]
     pub(super) fn leaving(&self, first: usize) -> Leaving<'_, R> {
         debug_assert!(self.is_traced, "trace the bundle first");
@@ -196,7 +196,7 @@ impl<R: Real> Bundle<R> {
         self.fates[i].is_through()
     }
 
-    /// How many rays got through.
+    /// Number of rays that got through.
     pub fn passed(&self) -> usize {
         self.fates.iter().filter(|fate| fate.is_through()).count()
     }
@@ -209,7 +209,7 @@ fn group<R>(column: &[R], first: usize) -> &[R; LINES] {
 
 /// A lens's interfaces at several lines, and which of them the rays of a bundle have.
 pub(super) struct Lines<'a, R> {
-    /// By step: ratios, then excesses, by line; beside a gradient the indices before and behind.
+    /// Ratios, then excesses, by step and line; beside a gradient the indices before and behind.
     pub(super) tables: &'a [[Box<[R]>; 2]],
     /// The first line of each group of rays; the others of a group have those that follow.
     pub(super) first: &'a [u32],
@@ -263,7 +263,7 @@ impl Traced for f64 {
 
 /// The work of one [`Bundle`].
 pub struct Trace<'a, R> {
-    pub(super) way: &'a Way<R>,
+    pub(super) way: &'a SurfaceSequence<R>,
     pub(super) diaphragm: &'a Diaphragm<R>,
     pub(super) bundle: &'a mut Bundle<R>,
     pub(super) lines: Option<Lines<'a, R>>,
@@ -315,11 +315,11 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
     }
 }
 
-/// Where lost rays are noted.
+/// The list in which lost rays are noted.
 pub(super) struct Losses<'a> {
-    /// Of the rays of a block.
-    pub(super) fates: &'a mut [Fate],
-    /// The surface that they are at.
+    /// Fates of the rays of a block.
+    pub(super) fates: &'a mut [RayStatus],
+    /// The surface that the rays are at.
     pub(super) surface: usize,
 }
 
@@ -387,8 +387,8 @@ impl<R: Real> Block<'_, R> {
         }
     }
 
-    /// [`Self::step`] for [`Step::plain`] surfaces. This one and the next two are functions of their own: the kernels share them, and the
-    /// time of the compiler grows faster than a function does.
+    /// [`Self::step`] for [`Step::plain`] surfaces. It, [`Self::pass_any`] and [`Self::pass_beside_gradient`] are functions of their own:
+    /// the kernels share them, and the time of the compiler grows faster than a function does.
     #[inline(never)]
     fn pass_plain<L: Lane<Real = R>, const IS_FAR: bool>(
         &mut self,

@@ -1,8 +1,8 @@
-//! What became of a ray, in four bytes: many at a time are soon looked through.
+//! The fate of a ray, in four bytes: many are searched quickly.
 
 use super::{Failure, Lost};
 
-/// Why a ray was lost, by number from 1.
+/// The reasons of losses, by number from 1.
 const REASONS: [Failure; 7] = [
     Failure::Missed,
     Failure::WrongSheet,
@@ -13,12 +13,12 @@ const REASONS: [Failure; 7] = [
     Failure::NotConverged,
 ];
 
-/// Through, or lost somewhere.
+/// The fate of a ray: through, or lost somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Fate(u32);
+pub(super) struct RayStatus(u32);
 
-impl Fate {
-    /// Not lost so far.
+impl RayStatus {
+    /// The fate of a ray that is not lost so far.
     pub(super) const THROUGH: Self = Self(0);
 
     #[inline]
@@ -26,7 +26,7 @@ impl Fate {
         self == Self::THROUGH
     }
 
-    /// Why and where the ray was lost.
+    /// The reason and the surface of the ray's loss.
     #[inline]
     pub(super) fn lost(self) -> Option<Lost> {
         let reason = REASONS[((self.0 & 7) as usize).checked_sub(1)?];
@@ -34,7 +34,7 @@ impl Fate {
     }
 }
 
-impl From<Lost> for Fate {
+impl From<Lost> for RayStatus {
     #[inline]
     fn from(Lost { surface, reason }: Lost) -> Self {
         let number = match reason {
@@ -56,11 +56,11 @@ mod tests {
 
     #[test]
     fn a_loss_comes_back_as_it_was() {
-        assert_eq!(Fate::THROUGH.lost(), None);
+        assert_eq!(RayStatus::THROUGH.lost(), None);
         for reason in REASONS {
             for surface in [0, 1, 40] {
                 let lost = Lost { surface, reason };
-                assert_eq!(Fate::from(lost).lost(), Some(lost));
+                assert_eq!(RayStatus::from(lost).lost(), Some(lost));
             }
         }
     }

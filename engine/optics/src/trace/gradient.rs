@@ -18,7 +18,7 @@ use super::step::Step;
 /// Steps are as short as it takes for the place at the other end to change by less than this when they are halved, in
 /// lengths of the way: 1e-10 mm in an eye's lens.
 const TOLERANCE: f64 = 3e-11;
-/// How many steps are tried for a way along the axis.
+/// Numbers of steps that are tried for a way along the axis.
 const STEPS: [u32; 17] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512];
 /// A ray that needs so many times the steps of the axis does not arrive.
 const LONGEST: u32 = 4;
@@ -44,15 +44,44 @@ struct Field<R> {
     /// The vertex of the surface that the medium follows, and how that surface stands there.
     vertex_z: R,
     pose: Option<Pose<R>>,
-    /// From there to where z is 0.
+    /// Distance from that vertex to where z is 0.
     from: R,
 }
 
-/// How long the steps are, in t, and how many are made at most.
+/// The length of the steps, in t, and the largest number of them.
 #[derive(Clone, Copy, Debug)]
 struct March<R> {
     step: R,
     most: u32,
+}
+
+/// A medium whose index changes from place to place, in numbers for a tracer on another processor. Lengths in mm, seen from the vertex
+/// of the surface that a ray comes to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GradientNumbers {
+    /// Coefficients by powers of r², each by powers of z.
+    pub rows: Vec<Vec<f64>>,
+    /// The vertex of the surface that the medium follows.
+    pub vertex_z: f64,
+    /// How that surface stands there; `None`: on the axis, upright.
+    pub pose: Option<Pose>,
+    /// From there to where z is 0.
+    pub from: f64,
+    /// How long a ray's steps are, in length over index, and how many it makes at most; 0 of a medium that it only enters.
+    pub step: f64,
+    /// See [`Self::step`].
+    pub most_steps: u32,
+}
+
+/// The media on both sides of a surface, one of which is a gradient at least, as rays on one way see them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GradientsBeside {
+    /// The medium before the surface, if it is a gradient.
+    pub before: Option<GradientNumbers>,
+    /// The medium behind it, if that is one.
+    pub behind: Option<GradientNumbers>,
+    /// The indices before and behind without what the gradients add.
+    pub indices: [f64; 2],
 }
 
 /// A gradient between two surfaces, in lens space.
@@ -105,6 +134,23 @@ impl Gradients<f64> {
         }
     }
 
+    /// In numbers for a tracer on another processor.
+    pub(super) fn numbers(&self) -> GradientsBeside {
+        let numbers = |field: &Field<f64>, march: Option<&March<f64>>| GradientNumbers {
+            rows: field.rows.iter().map(|row| row.to_vec()).collect(),
+            vertex_z: field.vertex_z,
+            pose: field.pose,
+            from: field.from,
+            step: march.map_or(0.0, |march| march.step),
+            most_steps: march.map_or(0, |march| march.most),
+        };
+        GradientsBeside {
+            before: self.before.as_ref().map(|(field, march)| numbers(field, Some(march))),
+            behind: self.behind.as_ref().map(|field| numbers(field, None)),
+            indices: self.indices,
+        }
+    }
+
     /// Places on the way of a ray from `p` along `d` to the surface of `step`, from the vertex of which they are seen;
     /// neither the start nor the end.
     pub(super) fn places(&self, step: &Step, p: Vector<f64>, d: Vector<f64>) -> Vec<DVec3> {
@@ -137,8 +183,8 @@ impl<R: Real> Gradients<R> {
         Some((whole + way(&here, t)) / vertex)
     }
 
-    /// Where one ray from `p` along `d` begins each of its steps, the last, shorter one to the surface of `step` included; none where the
-    /// medium before is no gradient.
+    /// The points at which one ray from `p` along `d` begins each of its steps, the last, shorter one to the surface of `step` included;
+    /// none where the medium before is no gradient.
     fn stations(&self, step: &Step<R>, p: Vector<R>, d: Vector<R>) -> Vec<Flight<R>> {
         let Some((field, march)) = &self.before else { return Vec::new() };
         let base = self.indices[0];
@@ -162,7 +208,7 @@ impl<R: Real> Gradients<R> {
     }
 
     /// Carries rays from `p` along `d`, in the coordinates of the vertex of `step`, to where they need only go straight on
-    /// to meet its surface, by some roundings; and which of them come so far.
+    /// to hit its surface, by some roundings; and which of them come so far.
     #[inline(always)]
     pub(super) fn carry<L: Lane<Real = R>>(
         &self,

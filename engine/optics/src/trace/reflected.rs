@@ -9,29 +9,29 @@ use crate::surface::Failure;
 use crate::system::System;
 use crate::vector::Vector;
 
-use super::step::{Action, Passage, Step};
-use super::{Lost, Ray, Tracer, Travel, Way, bent};
+use super::step::{Action, Intersection, Step};
+use super::{Lost, Ray, SurfaceSequence, Tracer, Travel, bent};
 
 /// A surface as a path comes to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Meeting {
-    /// Its index, counted from the scene.
+pub struct SurfaceCrossing {
+    /// Index of the surface, counted from the scene.
     pub surface: usize,
-    /// The ray comes from the scene's side of the lens.
+    /// True if the ray comes from the scene's side of the lens.
     pub towards_film: bool,
-    /// The path turns round here; otherwise the surface does what it is made for.
+    /// True if the path turns round here; otherwise the surface does what it is made for.
     pub turns: bool,
 }
 
-/// What happened at a surface on a path.
+/// The incidence of a path on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incidence {
-    /// Which, and on what way.
-    pub meeting: Meeting,
-    /// Of the angle to the normal, 0 to 1.
+    /// The surface, and the direction of travel.
+    pub meeting: SurfaceCrossing,
+    /// Cosine of the angle to the normal, 0 to 1.
     pub cos: f64,
-    /// From the surface before, mm along the ray; the first from where the ray was nearest to the first vertex. In a gradient it is
-    /// that of the straight line.
+    /// Distance from the surface before, mm along the ray; the first from where the ray was nearest to the first vertex. In a gradient it
+    /// is that of the straight line.
     pub length_mm: f64,
 }
 
@@ -39,11 +39,11 @@ pub struct Incidence {
 #[derive(Clone, Debug)]
 pub struct ReflectedTracer {
     tracer: Tracer,
-    meetings: Arc<[Meeting]>,
+    meetings: Arc<[SurfaceCrossing]>,
 }
 
 impl Tracer {
-    /// The path from the scene to the film that turns round at these surfaces one after the other: the first is met on the way to the
+    /// The path from the scene to the film that turns round at these surfaces one after the other: the first is hit on the way to the
     /// film, the next on the way back, nearer to the scene, and so on. Rims and diaphragm are asked each time the path
     /// comes by. `None` if the turns are an odd number or not in that order.
     pub fn reflected(&self, turns: &[usize]) -> Option<ReflectedTracer> {
@@ -56,8 +56,8 @@ impl Tracer {
             })
             .unzip();
         let has_gradients = gradients.iter().any(Option::is_some);
-        let Way { start_z, end_z, .. } = self.from_scene;
-        let from_scene = Way {
+        let SurfaceSequence { start_z, end_z, .. } = self.from_scene;
+        let from_scene = SurfaceSequence {
             steps: steps.into(),
             gradients: if has_gradients { gradients.into() } else { Arc::default() },
             travel: Travel::FromScene,
@@ -68,8 +68,8 @@ impl Tracer {
         Some(ReflectedTracer { tracer, meetings: meetings.into() })
     }
 
-    /// What a ray sees of a surface there.
-    fn step_at(&self, meeting: Meeting) -> (Step, Option<&super::Gradients<f64>>) {
+    /// The step of a ray at the surface of a meeting, and the gradients of the direction of travel.
+    fn step_at(&self, meeting: SurfaceCrossing) -> (Step, Option<&super::Gradients<f64>>) {
         let (way, i) = match meeting.towards_film {
             true => (&self.from_scene, meeting.surface),
             false => (&self.from_film, self.surface_count() - 1 - meeting.surface),
@@ -79,14 +79,14 @@ impl Tracer {
     }
 
     /// A ray that comes from the scene, before the first surface.
-    pub fn wander(&self, ray: Ray) -> Wanderer<'_> {
+    pub fn wander(&self, ray: Ray) -> GhostRay<'_> {
         let (p, d) = self.from_scene.enter(ray);
-        Wanderer { tracer: self, p, d, next: Some(0), towards_film: true }
+        GhostRay { tracer: self, p, d, next: Some(0), towards_film: true }
     }
 }
 
 /// Surfaces in the order of travel.
-fn meetings(count: usize, turns: &[usize]) -> Option<Vec<Meeting>> {
+fn meetings(count: usize, turns: &[usize]) -> Option<Vec<SurfaceCrossing>> {
     if !turns.len().is_multiple_of(2) {
         return None;
     }
@@ -96,7 +96,7 @@ fn meetings(count: usize, turns: &[usize]) -> Option<Vec<Meeting>> {
             return left.next().is_none().then_some(found);
         }
         let turns = left.peek() == Some(&at);
-        found.push(Meeting { surface: at, towards_film, turns });
+        found.push(SurfaceCrossing { surface: at, towards_film, turns });
         if turns {
             left.next();
             towards_film = !towards_film;
@@ -107,14 +107,14 @@ fn meetings(count: usize, turns: &[usize]) -> Option<Vec<Meeting>> {
 }
 
 impl ReflectedTracer {
-    /// For bundles, and for the ray that leaves the last surface: only [`Travel::FromScene`] is the path, and a loss names the
-    /// number of a meeting instead of a surface.
+    /// The tracer of the path, for bundles, and for the ray that leaves the last surface: only [`Travel::FromScene`] is the path, and a
+    /// loss names the number of a meeting instead of a surface.
     pub fn tracer(&self) -> &Tracer {
         &self.tracer
     }
 
-    /// The surfaces that the path meets, in the order of travel.
-    pub fn meetings(&self) -> &[Meeting] {
+    /// The surfaces that the path hits, in the order of travel.
+    pub fn meetings(&self) -> &[SurfaceCrossing] {
         &self.meetings
     }
 
@@ -140,20 +140,20 @@ fn pass(
     gradients: Option<&super::Gradients<f64>>,
     p: Vector<f64>,
     d: Vector<f64>,
-) -> Passage<f64> {
+) -> Intersection<f64> {
     match gradients {
         None => step.pass(p, d, &tracer.diaphragm, None),
         Some(gradients) => bent(step, gradients, p, d, &tracer.diaphragm),
     }
 }
 
-/// Of the angle of incidence.
-fn cosine(passage: &Passage<f64>) -> f64 {
+/// Cosine of the angle of incidence.
+fn cosine(passage: &Intersection<f64>) -> f64 {
     (passage.crossing.cosine_squared / passage.crossing.normal_squared).sqrt().min(1.0)
 }
 
-/// From where a ray was, seen from the vertex before, to where it met the surface.
-fn length_mm(step: &Step, p: Vector<f64>, passage: &Passage<f64>) -> f64 {
+/// Distance from the ray's place, seen from the vertex before, to its hit on the surface.
+fn length_mm(step: &Step, p: Vector<f64>, passage: &Intersection<f64>) -> f64 {
     let before: DVec3 = Vector { z: p.z + step.to_here, ..p }.of(0);
     let met: DVec3 = passage.point.of(0);
     met.distance(before)
@@ -161,42 +161,42 @@ fn length_mm(step: &Step, p: Vector<f64>, passage: &Passage<f64>) -> f64 {
 
 /// A ray among the surfaces of a lens, which may turn round at any of them.
 #[derive(Clone)]
-pub struct Wanderer<'a> {
+pub struct GhostRay<'a> {
     tracer: &'a Tracer,
     p: Vector<f64>,
     d: Vector<f64>,
-    /// The surface that it comes to; `None` once it is out on the film's side.
+    /// The surface that the ray comes to; `None` once the ray is out on the film's side.
     next: Option<usize>,
     towards_film: bool,
 }
 
-/// What a wanderer comes to.
+/// The next event of a wanderer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Encounter {
-    /// A surface that it may go on through or turn round at, by [`Wanderer::go`].
+pub enum SurfaceEvent {
+    /// A surface that the ray may go on through or turn round at, by [`GhostRay::go`].
     Surface(Incidence),
-    /// Nothing more: it has left the lens towards the film.
+    /// The end of the path: it has left the lens towards the film.
     Film(Ray),
-    /// Nothing more: it has left the lens towards the scene.
+    /// The end of the path: it has left the lens towards the scene.
     Scene,
     /// A rim, or no surface at all.
     Lost(Lost),
 }
 
-impl Wanderer<'_> {
-    /// What the ray comes to next.
-    pub fn encounter(&self) -> Encounter {
-        let Some(surface) = self.next else { return Encounter::Scene };
+impl GhostRay<'_> {
+    /// The next event of the ray.
+    pub fn encounter(&self) -> SurfaceEvent {
+        let Some(surface) = self.next else { return SurfaceEvent::Scene };
         if surface >= self.tracer.surface_count() {
-            return Encounter::Film(self.tracer.from_scene.leave(self.p.of(0), self.d.of(0)));
+            return SurfaceEvent::Film(self.tracer.from_scene.leave(self.p.of(0), self.d.of(0)));
         }
-        let meeting = Meeting { surface, towards_film: self.towards_film, turns: true };
+        let meeting = SurfaceCrossing { surface, towards_film: self.towards_film, turns: true };
         let (step, gradients) = self.tracer.step_at(meeting);
         // To turn round is always possible where there is a surface.
         let passage = pass(self.tracer, &step, gradients, self.p, self.d);
         match passage.fates().failure(0) {
-            Some(reason) => Encounter::Lost(Lost { surface, reason }),
-            None => Encounter::Surface(Incidence {
+            Some(reason) => SurfaceEvent::Lost(Lost { surface, reason }),
+            None => SurfaceEvent::Surface(Incidence {
                 meeting,
                 cos: cosine(&passage),
                 length_mm: length_mm(&step, self.p, &passage),
@@ -207,7 +207,7 @@ impl Wanderer<'_> {
     /// Goes on through the surface that it came to, or turns round there. Where it cannot go through, it is lost.
     pub fn go(&mut self, turns: bool) -> Result<(), Failure> {
         let Some(surface) = self.next else { return Err(Failure::Missed) };
-        let meeting = Meeting { surface, towards_film: self.towards_film, turns };
+        let meeting = SurfaceCrossing { surface, towards_film: self.towards_film, turns };
         let (step, gradients) = self.tracer.step_at(meeting);
         let passage = pass(self.tracer, &step, gradients, self.p, self.d);
         if let Some(reason) = passage.fates().failure(0) {
@@ -320,19 +320,19 @@ mod tests {
             let mut own = Vec::new();
             let ended = loop {
                 match wanderer.encounter() {
-                    Encounter::Surface(incidence) => {
+                    SurfaceEvent::Surface(incidence) => {
                         let turns = path.meetings().get(own.len()).is_some_and(|meeting| meeting.turns);
-                        let meeting = Meeting { turns, ..incidence.meeting };
+                        let meeting = SurfaceCrossing { turns, ..incidence.meeting };
                         own.push(Incidence { meeting, ..incidence });
                         if let Err(reason) = wanderer.go(turns) {
-                            // It met the surface, and the path as a whole did not say so.
+                            // It hit the surface, and the path as a whole did not say so.
                             own.pop();
                             break Err(Lost { surface: meeting.surface, reason });
                         }
                     }
-                    Encounter::Film(ray) => break Ok(ray),
-                    Encounter::Lost(lost) => break Err(lost),
-                    Encounter::Scene => panic!("back to the scene"),
+                    SurfaceEvent::Film(ray) => break Ok(ray),
+                    SurfaceEvent::Lost(lost) => break Err(lost),
+                    SurfaceEvent::Scene => panic!("back to the scene"),
                 }
             };
             assert_eq!(ended, expected);

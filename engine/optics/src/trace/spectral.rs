@@ -1,30 +1,29 @@
 //! Many rays at a time, each at a wavelength of its own.
 //!
-//! What a path found along a ray holds for every wavelength: a group of neighbouring lines, one in each lane, says where
-//! each of them leaves the lens.
+//! A path along a ray holds for every wavelength: a group of neighbouring lines, one in each lane, says where each of them leaves the lens.
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::bundle::{Block, Bundle, Lines, Losses, Trace, Traced};
-use super::fate::Fate;
+use super::fate::RayStatus;
 use super::step::Action;
-use super::{Lost, Ray, Tracer, Travel, Way};
+use super::{Lost, Ray, SurfaceSequence, Tracer, Travel};
 use crate::diaphragm::Diaphragm;
 use crate::lane::{Lane, LaneKernel, Level, Real};
 
 /// Lines in a group: a multiple of the numbers in the widest register of f64.
 pub const LINES: usize = 8;
 
-/// By step: ratios and excesses of the interfaces, by line; beside a gradient the indices before and behind without it.
+/// Ratios and excesses of the interfaces, by step and line; beside a gradient the indices before and behind without it.
 type Tables<R> = Arc<[[Box<[R]>; 2]]>;
 
 /// A lens at several wavelengths: its lines, in the order in which they were given.
 #[derive(Clone, Debug)]
 pub struct SpectralTracer<R = f64> {
-    from_scene: (Way<R>, Tables<R>),
-    from_film: (Way<R>, Tables<R>),
+    from_scene: (SurfaceSequence<R>, Tables<R>),
+    from_film: (SurfaceSequence<R>, Tables<R>),
     diaphragm: Arc<Diaphragm<R>>,
     lines: usize,
 }
@@ -43,11 +42,11 @@ pub struct SpectralBundle<R = f64> {
 pub struct Leaving<'a, R> {
     /// x, y, z from the last vertex on the way, then of the directions, whose length is 1 but for roundings.
     pub numbers: [&'a [R; LINES]; 6],
-    pub(super) fates: &'a [Fate],
+    pub(super) fates: &'a [RayStatus],
 }
 
 impl<R> Leaving<'_, R> {
-    /// A bit for each that got through, the first the lowest. What the numbers of the others mean, nobody knows.
+    /// A bit for each that got through, the first the lowest. The numbers of the others are undefined.
     #[inline]
     pub fn through(&self) -> u32 {
         self.fates.iter().enumerate().fold(0, |bits, (i, fate)| bits | u32::from(fate.is_through()) << i)
@@ -55,7 +54,7 @@ impl<R> Leaving<'_, R> {
 }
 
 impl SpectralTracer {
-    /// Of the tracers of one lens: at least one.
+    /// The tracer of one lens at several lines: at least one.
     pub fn new(lines: &[&Tracer]) -> Self {
         Self {
             from_scene: along(&lines.iter().map(|line| &line.from_scene).collect::<Vec<_>>()),
@@ -65,10 +64,10 @@ impl SpectralTracer {
         }
     }
 
-    /// The same lens traced in numbers of another kind.
+    /// This lens traced in numbers of another kind.
     pub fn cast<R: Real>(&self) -> SpectralTracer<R> {
         let number = |numbers: &[f64]| -> Box<[R]> { numbers.iter().map(|&n| R::from_f64(n)).collect() };
-        let along = |(way, tables): &(Way<f64>, Tables<f64>)| {
+        let along = |(way, tables): &(SurfaceSequence<f64>, Tables<f64>)| {
             let tables: Tables<R> =
                 tables.iter().map(|table| table.each_ref().map(|numbers| number(numbers))).collect();
             (way.map(|step| step.cast()), tables)
@@ -81,7 +80,7 @@ impl SpectralTracer {
         }
     }
 
-    /// As [`Tracer::from_scene`] at each of the [`LINES`] lines from `first` on, to the last bit.
+    /// [`Tracer::from_scene`] at each of the [`LINES`] lines from `first` on, to the last bit.
     // Not inline: its code for all instructions would be made in every program.
     pub fn from_scene(&self, ray: Ray, first: usize) -> [Result<Ray, Lost>; LINES] {
         f64::run_wide(Level::new(), Packet { tracer: self, ray, first })
@@ -104,7 +103,7 @@ impl LaneKernel<f64> for Packet<'_> {
         let (p, d) = way.enter(self.ray);
         let [mut x, mut y, mut z, mut dx, mut dy, mut dz] = [p.x, p.y, p.z, d.x, d.y, d.z].map(|n| [n; LINES]);
         let mut block = Block { x: &mut x, y: &mut y, z: &mut z, dx: &mut dx, dy: &mut dy, dz: &mut dz };
-        let mut fates = [Fate::THROUGH; LINES];
+        let mut fates = [RayStatus::THROUGH; LINES];
         let mut lost = Losses { fates: &mut fates, surface: 0 };
         for (i, (step, table)) in way.steps.iter().zip(tables.iter()).enumerate() {
             lost.surface = i;
@@ -136,7 +135,7 @@ impl<R: Traced> SpectralTracer<R> {
         R::run(Level::new(), Trace { way, diaphragm: &self.diaphragm, bundle: rays, lines });
     }
 
-    fn way(&self, travel: Travel) -> &(Way<R>, Tables<R>) {
+    fn way(&self, travel: Travel) -> &(SurfaceSequence<R>, Tables<R>) {
         match travel {
             Travel::FromScene => &self.from_scene,
             Travel::FromFilm => &self.from_film,
@@ -177,7 +176,7 @@ impl<R: Real> SpectralBundle<R> {
         self.first.extend(lines.map(|line| line as u32));
     }
 
-    /// What became of the group that was added as number `i`, of [`LINES`] rays.
+    /// The results of the group that was added as number `i`, of [`LINES`] rays.
     #[inline]
     pub fn leaving(&self, i: usize) -> Leaving<'_, R> {
         assert!(self.group == LINES, "rays of one line are read one by one");
@@ -194,7 +193,7 @@ impl<R: Real> SpectralBundle<R> {
         self.rays.results(first, rays)
     }
 
-    /// What became of ray `i`.
+    /// The result of ray `i`.
     #[inline]
     pub fn result(&self, i: usize) -> Result<Ray, Lost> {
         self.rays.result(i)
@@ -202,9 +201,9 @@ impl<R: Real> SpectralBundle<R> {
 }
 
 /// The way that all lines share, and what they do not.
-fn along(lines: &[&Way<f64>]) -> (Way<f64>, Tables<f64>) {
+fn along(lines: &[&SurfaceSequence<f64>]) -> (SurfaceSequence<f64>, Tables<f64>) {
     let at = |i: usize| {
-        let numbers = |line: &&Way<f64>| match (line.gradients(i), line.steps[i].action) {
+        let numbers = |line: &&SurfaceSequence<f64>| match (line.gradients(i), line.steps[i].action) {
             (Some(gradients), _) => gradients.indices,
             (None, Action::Refract(interface)) => [interface.ratio, interface.excess],
             (None, Action::Pass | Action::Reflect) => [1.0, 0.0],
@@ -221,7 +220,7 @@ fn along(lines: &[&Way<f64>]) -> (Way<f64>, Tables<f64>) {
             step.action = action;
         }
     }
-    (Way { steps: steps.into(), ..lines[0].clone() }, tables)
+    (SurfaceSequence { steps: steps.into(), ..lines[0].clone() }, tables)
 }
 
 #[cfg(test)]
@@ -241,7 +240,7 @@ mod tests {
         })
     }
 
-    /// Rays to all places of the glass that they meet first, some beyond the rims.
+    /// Rays to all places of the glass that they hit first, some beyond the rims.
     fn rays(system: &System, travel: Travel) -> Vec<Ray> {
         let surfaces = system.surfaces();
         let (semi, z, start) = match travel {

@@ -9,31 +9,38 @@ use crate::vector::Vector;
 
 use super::gradient::Gradients;
 
-/// What a surface does to the direction.
+/// The change of a ray's direction at a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Action<R> {
+pub enum Action<R> {
+    /// Refraction between two media.
     Refract(Interface<R>),
-    /// The same medium on both sides.
+    /// No change of direction: the medium is the same on both sides.
     Pass,
+    /// Reflection.
     Reflect,
 }
 
-/// One surface, ready for rays of one wavelength in one direction of travel.
+/// One surface, ready for rays of one wavelength in one direction of travel. Lengths in mm.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step<R = f64> {
-    pub(super) shape: Shape<R>,
-    /// `None`: the surface stands on the axis, upright.
-    pub(super) pose: Option<Pose<R>>,
-    /// Added to z when the ray leaves the surface before: from its vertex to this one.
-    pub(super) to_here: R,
+pub struct Step<R = f64> {
+    /// The shape of the surface.
+    pub shape: Shape<R>,
+    /// Pose of the surface; `None` if it stands on the axis, upright.
+    pub pose: Option<Pose<R>>,
+    /// The number added to z when the ray leaves the surface before: from its vertex to this one.
+    pub to_here: R,
     /// sign(N · D) of the crossing that is meant.
-    pub(super) side: R,
-    pub(super) clear_squared: R,
-    pub(super) obstruction_squared: R,
-    pub(super) action: Action<R>,
-    pub(super) is_stop: bool,
+    pub side: R,
+    /// Square of the semi-diameter of the clear aperture, mm².
+    pub clear_squared: R,
+    /// Square of the radius of the central obstruction, mm²; 0 without one.
+    pub obstruction_squared: R,
+    /// What happens to the direction.
+    pub action: Action<R>,
+    /// True if the diaphragm is here.
+    pub is_stop: bool,
     /// True if a ray from the surface before may start so far away, in radii, that it must be carried first.
-    pub(super) is_far: bool,
+    pub is_far: bool,
 }
 
 /// Beyond so many radii of curvature between surfaces, a ray is carried to its point nearest the vertex: larger
@@ -82,7 +89,7 @@ impl<R: Real> Step<R> {
         }
     }
 
-    /// Where rays from `p` along `d`, seen from the vertex on the axis, meet the surface, in its own coordinates.
+    /// The hits of rays from `p` along `d`, seen from the vertex on the axis, on the surface, in its own coordinates.
     #[inline(always)]
     pub(super) fn meet<L: Lane<Real = R>>(&self, p: Vector<L>, d: Vector<L>) -> Crossing<L> {
         let (p, d) = self.own(p, d);
@@ -110,7 +117,7 @@ impl<R: Real> Step<R> {
         mut d: Vector<L>,
         diaphragm: &Diaphragm<R>,
         numbers: Option<[L; 2]>,
-    ) -> Passage<L> {
+    ) -> Intersection<L> {
         p.z = p.z + self.to_here;
         (p, d) = self.own(p, d);
         let crossing = match self.is_far {
@@ -121,8 +128,8 @@ impl<R: Real> Step<R> {
         self.act(d, crossing, diaphragm, interfaces)
     }
 
-    /// As [`Self::pass`] where `gradients` are beside the surface; `numbers` are then the indices before and behind it without
-    /// what the gradients add.
+    /// [`Self::pass`] with `gradients` beside the surface; `numbers` are then the indices before and behind it without what the gradients
+    /// add.
     #[inline(always)]
     pub(super) fn pass_gradients<L: Lane<Real = R>>(
         &self,
@@ -131,7 +138,7 @@ impl<R: Real> Step<R> {
         diaphragm: &Diaphragm<R>,
         numbers: Option<[L; 2]>,
         gradients: &Gradients<R>,
-    ) -> Passage<L> {
+    ) -> Intersection<L> {
         p.z = p.z + self.to_here;
         let bases = numbers.unwrap_or_else(|| gradients.bases(p.x));
         let (p, d, arrives) = gradients.carry(self, p, d, bases[0]);
@@ -145,7 +152,7 @@ impl<R: Real> Step<R> {
         self.act(self.own(p, d).1, crossing, diaphragm, Some(interface))
     }
 
-    /// What the surface does to rays that have come to it along `d`, in its own coordinates.
+    /// The passage of rays that have come to the surface along `d`, in its own coordinates.
     #[inline(always)]
     fn act<L: Lane<Real = R>>(
         &self,
@@ -153,7 +160,7 @@ impl<R: Real> Step<R> {
         crossing: Crossing<L>,
         diaphragm: &Diaphragm<R>,
         interfaces: Option<Interfaces<L>>,
-    ) -> Passage<L> {
+    ) -> Intersection<L> {
         let Vector { x, y, .. } = crossing.point;
         let squared = x * x + y * y;
         let is_transmitted;
@@ -177,7 +184,7 @@ impl<R: Real> Step<R> {
         if let Some(pose) = &self.pose {
             (point, direction) = (pose.point_out(point), pose.direction_out(direction));
         }
-        Passage {
+        Intersection {
             crossing,
             // Written so that NaN, too, is outside.
             is_inside: squared.at_most(squared.like(self.clear_squared)),
@@ -190,9 +197,9 @@ impl<R: Real> Step<R> {
     }
 }
 
-/// What became of rays at a surface, one in each lane. Where they did not pass, the other numbers mean nothing.
-pub(super) struct Passage<L: Lane> {
-    /// In the surface's own coordinates.
+/// The passage of rays at a surface, one in each lane. The other numbers of rays that did not pass are undefined.
+pub(super) struct Intersection<L: Lane> {
+    /// The hits, in the surface's own coordinates.
     pub(super) crossing: Crossing<L>,
     is_inside: L::Mask,
     is_unobstructed: L::Mask,
@@ -203,13 +210,13 @@ pub(super) struct Passage<L: Lane> {
     pub(super) direction: Vector<L>,
 }
 
-impl<L: Lane> Passage<L> {
+impl<L: Lane> Intersection<L> {
     #[inline(always)]
     pub(super) fn passed(&self) -> L::Mask {
         self.crossing.met & self.is_inside & self.is_unobstructed & self.is_open & self.is_transmitted
     }
 
-    /// What became of the rays, as bits.
+    /// The fates of the rays, as bits.
     #[inline(always)]
     pub(super) fn fates(&self) -> Fates {
         Fates {
@@ -224,7 +231,7 @@ impl<L: Lane> Passage<L> {
     }
 }
 
-/// What became of rays at a surface: a bit for each, in the order of the lanes.
+/// The fates of rays at a surface: a bit for each, in the order of the lanes.
 pub(super) struct Fates {
     passed: u64,
     met: u64,
@@ -236,7 +243,7 @@ pub(super) struct Fates {
 }
 
 impl Fates {
-    /// Why ray `i` did not pass; `None` if it did.
+    /// The reason why ray `i` did not pass; `None` if it did.
     pub(super) fn failure(&self, i: usize) -> Option<Failure> {
         let is = |bits: u64| bits >> i & 1 != 0;
         if is(self.passed) {

@@ -6,7 +6,7 @@ use glam::{DMat2, DVec2, DVec3};
 
 use crate::field::{Field, Origin};
 use crate::paraxial::Paraxial;
-use crate::prescription::{Behind, Metadata, Place, Prescription, SurfaceRow};
+use crate::prescription::{Metadata, NextMedium, Place, Prescription, SurfaceRow};
 use crate::system::{Element, Surface, System, SystemSettings};
 use crate::trace::Tracer;
 use crate::vector::Vector;
@@ -22,25 +22,25 @@ const MOST_STEPS: u32 = 30;
 const MOST_HALVINGS: u32 = 12;
 /// Slopes are taken over this part of the entrance pupil's radius.
 const DIFFERENCE: f64 = 1e-5;
-/// What a ray that is lost behind the stop counts as, in radii of a rim.
+/// The reach that stands for a ray that is lost behind the stop, in radii of a rim.
 pub(super) const LOST: f64 = 4.0;
 
-/// Where a ray goes.
+/// The path of a ray.
 pub(crate) struct Passage {
-    /// Where it meets the stop, in radii of its opening.
+    /// The point at which it hits the stop, in radii of its opening.
     pub(crate) stop: DVec2,
-    /// Its largest distance from the axis at the other surfaces, in radii of the rim there.
+    /// The ray's largest distance from the axis at the other surfaces, in radii of the rim there.
     pub(super) reach: f64,
     /// The surface where that is.
     pub(super) surface: usize,
-    /// Where it meets the first surface.
+    /// The point at which it hits the first surface.
     first: DVec3,
 }
 
 /// The rays past the rim of the stop.
 pub(super) struct RimOfBeam {
-    /// Where they meet the first surface: rays of a neighbouring field through the same places are near its own, however much the
-    /// beam is foreshortened.
+    /// The points at which they hit the first surface: rays of a neighbouring field through the same places are near its own, however much
+    /// the beam is foreshortened.
     pub(super) points: Vec<DVec3>,
     /// The largest reach of all.
     pub(super) reach: f64,
@@ -57,7 +57,7 @@ pub(crate) struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    /// For the object plane at `object_z_mm`; `None`: at infinity. No probe if the entrance pupil is there.
+    /// A probe for the object plane at `object_z_mm`; `None`: at infinity. There is no probe if the entrance pupil is there.
     pub(crate) fn new(system: &'a System, wavelength_nm: f64, object_z_mm: Option<f64>) -> Option<Self> {
         let pupil = Paraxial::new(system, wavelength_nm).entrance_pupil;
         Some(Self {
@@ -73,7 +73,7 @@ impl<'a> Probe<'a> {
         if self.origin.object_z_mm.is_some() { 89.9 } else { 180.0 }
     }
 
-    /// Where the ray of `field` goes that crosses its plane at `at`; the index of the surface that ends it before the stop.
+    /// The path of the ray of `field` that crosses its plane at `at`; the error is the index of the surface that ends it before the stop.
     pub(crate) fn pass(&self, field: &Field, at: DVec2) -> Result<Passage, usize> {
         let surfaces = self.system.surfaces();
         let mut hits = Vec::with_capacity(surfaces.len());
@@ -95,7 +95,7 @@ impl<'a> Probe<'a> {
         Ok(passage)
     }
 
-    /// About where rays along the axis cross the plane of their field to pass the rim of the stop.
+    /// The approximate points at which rays along the axis cross the plane of their field to pass the rim of the stop.
     pub(crate) fn paraxial_rim(&self) -> Vec<DVec2> {
         let spread = self.origin.object_z_mm.map_or(1.0, |z| z / (z - self.origin.pupil_z_mm));
         rim_targets().map(|target| target * (self.pupil_radius_mm * spread)).collect()
@@ -115,8 +115,8 @@ impl<'a> Probe<'a> {
         Ok(rim)
     }
 
-    /// Where the ray of `field` crosses its plane that meets the stop at `target`, by Newton's method from `start`; a
-    /// surface that keeps rays from there.
+    /// The point at which the ray of `field` that hits the stop at `target` crosses its plane, by Newton's method from `start`; the error
+    /// is a surface that keeps rays from there.
     pub(crate) fn aim(&self, field: &Field, target: DVec2, start: DVec2) -> Result<DVec2, usize> {
         let miss = |at: DVec2| self.pass(field, at).map(|passage| passage.stop - target);
         let difference = self.pupil_radius_mm * DIFFERENCE;
@@ -150,7 +150,7 @@ fn from_axis(s: &Surface, hit: DVec3) -> DVec2 {
     s.pose.point_in(Vector::<f64>::from_f64(hit.with_z(hit.z - s.z_mm))).of(0).truncate()
 }
 
-/// The same lens, every surface as large as its shape allows.
+/// A copy of the lens in which every surface is as large as its shape allows.
 fn without_rims(system: &System) -> Option<System> {
     let size: f64 = system.surfaces().iter().map(|s| s.thickness_mm.abs() + s.semi_diameter_mm).sum();
     let row = |s: &Surface| SurfaceRow {
@@ -158,8 +158,8 @@ fn without_rims(system: &System) -> Option<System> {
         pose: s.pose,
         thickness_mm: s.thickness_mm,
         behind: match &s.element {
-            Element::Refract { to, .. } => Behind::Medium(to.clone()),
-            Element::Reflect { .. } => Behind::Mirror,
+            Element::Refract { to, .. } => NextMedium::Medium(to.clone()),
+            Element::Reflect { .. } => NextMedium::Mirror,
         },
         semi_diameter_mm: s.shape.reach_mm().min(WITHOUT_RIM * size),
         obstruction_mm: 0.0,

@@ -24,7 +24,7 @@ pub(crate) struct Window {
     pub(crate) half: DVec2,
 }
 
-/// What is seen through a window.
+/// The beam that is seen through a window.
 pub(crate) struct Survey {
     /// The window that fits the beam.
     pub(crate) window: Window,
@@ -35,11 +35,11 @@ pub(crate) struct Survey {
 /// A ray that comes to the stop.
 #[derive(Clone, Copy)]
 struct Node {
-    /// Where it crosses the plane of its field.
+    /// The point at which it crosses the plane of its field.
     at: DVec2,
-    /// Where it meets the stop.
+    /// The point at which it hits the stop.
     stop: DVec2,
-    /// How far outside of the worst rim it goes, in its radii; not above 0: it passes.
+    /// Distance by which the ray goes outside of the worst rim, in its radii; not above 0: it passes.
     excess: f64,
 }
 
@@ -63,7 +63,7 @@ impl Window {
 
     /// The beam of `field` near this window; `None` if there is none.
     ///
-    /// Where no ray of the grid passes, the neighbourhood of the best is looked at more closely.
+    /// If no ray of the grid passes, the neighbourhood of the best is looked at more closely.
     pub(crate) fn find(&self, probe: &Probe, field: &Field) -> Option<Survey> {
         let mut window = *self;
         for _ in 0..MOST_WINDOWS {
@@ -140,7 +140,7 @@ impl<'a> Grid<'a> {
         0.5 * polygon.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>().abs()
     }
 
-    /// Where the beam ends between a ray that passes and one that does not: as if the excess were linear, or, where
+    /// The edge of the beam between a ray that passes and one that does not: as if the excess were linear, or, where
     /// rays do not come through at all, by halving.
     fn edge(&self, mut inside: Node, outside: usize) -> DVec2 {
         let is_through = |node: &Node| node.excess < LOST - 1.0;

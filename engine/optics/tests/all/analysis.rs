@@ -28,7 +28,7 @@ fn at_infinity(system: &System) -> Focus {
     Focus::at_infinity(system, line_nm::D)
 }
 
-/// Of 127 places of the stop: their landings' root mean square about the middle, as the reference has it from 50-digit rays.
+/// Root mean square radius of the spot of 127 places of the stop about its middle, as the reference has it from 50-digit rays.
 #[test]
 fn spots_of_rays_through_given_places_of_the_stop() {
     let table = reference_json("paraxial.json");
@@ -163,7 +163,7 @@ fn far_out_of_focus_contrast_is_that_of_a_disc() {
     }
 }
 
-/// By its series, for the small arguments here.
+/// The Bessel function J₁ by its series, for the small arguments here.
 fn bessel_j1(x: f64) -> f64 {
     let (mut term, mut sum) = (x / 2.0, x / 2.0);
     for k in 1..60 {
@@ -312,8 +312,8 @@ fn azimuths_of_an_anamorphic_lens_differ() {
     assert!((slope(UP) - 100.0).abs() < 0.2 && (slope(0.0) - 50.0).abs() < 0.2, "{} {}", slope(UP), slope(0.0));
 }
 
-/// On the axis of a real lens, by another way: rays of one meridian, their waves summed to the light of a point by a Hankel transform, and that
-/// light transformed again. Paths by the hits and the indices alone.
+/// The contrast on the axis of a real lens, by another way: rays of one meridian, their waves summed to the light of a point by a Hankel
+/// transform, and that light transformed again. Paths by the hits and the indices alone.
 #[test]
 fn on_the_axis_contrast_is_that_of_the_points_light() {
     let name = "cooke-triplet-50mm";
@@ -374,7 +374,7 @@ fn on_the_axis_contrast_is_that_of_the_points_light() {
     }
 }
 
-/// By its integral, a mean over half a turn: exact to rounding where there are more places than half of x.
+/// The Bessel function J₀ by its integral, a mean over half a turn: exact to rounding where there are more places than half of x.
 fn bessel_j0(x: f64) -> f64 {
     let places = 24 + (x.abs() / 2.0) as usize;
     (0..places).map(|i| (x * (PI * (i as f64 + 0.5) / places as f64).sin()).cos()).sum::<f64>() / places as f64

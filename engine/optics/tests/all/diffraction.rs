@@ -31,7 +31,7 @@ fn psf(system: &System, defocus_mm: f64) -> Psf {
     Analysis::new(system, focus, &[line_nm::D], 0, UP).unwrap().with_film_at(film_z_mm).psf(0.0).unwrap()
 }
 
-/// Along a direction from the middle, by cubics between places (Catmull and Rom).
+/// The value along a direction from the middle, by cubics between places (Catmull and Rom).
 fn along(psf: &Psf, angle: f64, radius_mm: f64) -> f64 {
     let half = (psf.side / 2) as f64;
     let [x, y] = [angle.cos(), angle.sin()].map(|c| half + c * radius_mm / psf.step_mm);

@@ -12,8 +12,8 @@ fn drawn(system: &System, angles_deg: &[f64], count: usize) -> Drawing {
     Drawing::new(system, &Focus::at_infinity(system, D), D, angles_deg, count)
 }
 
-/// Of every lens, the light on its axis is drawn: as many rays as were asked for, the outermost past a rim, each through all
-/// surfaces where these are drawn.
+/// The light on the axis of every lens is drawn: as many rays as were asked for, the outermost past a rim, each through all surfaces where
+/// these are drawn.
 #[test]
 fn rays_go_through_the_surfaces_as_they_are_drawn() {
     for name in lens_names().iter().map(String::as_str).chain(ASPHERES) {
@@ -103,7 +103,7 @@ fn the_stop_is_obeyed() {
     assert_eq!(drawn(&open, &[170.0], 3).fields[0].rays.len(), 0);
 }
 
-/// Nobody is asked for the angles: they are the design's, or follow from its rims.
+/// The angles need not be given: they are the design's, or follow from its rims.
 #[test]
 fn usual_angles_are_those_of_the_design() {
     let angles = |name: &str| {

@@ -127,7 +127,7 @@ fn system(name: &str, more: &str) -> System {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
-    /// Through aspheres, toroids and misaligned elements light finds its way back, as it must.
+    /// Light through aspheres, toroids and misaligned elements finds its way back, as it must.
     #[test]
     fn every_way_leads_back(x in -0.9..0.9f64, y in -0.9..0.9f64, u in -0.2..0.2f64, v in -0.2..0.2f64) {
         for (name, more) in [

@@ -123,7 +123,7 @@ fn accommodated_eyes_are_the_ends_of_the_tables() {
         assert!((lens_front.thickness_mm - (4.0 + 0.1 * log)).abs() < 1e-3, "{travel}");
         assert!((lens_front.shape.profile().base.conic - (-3.1316 - 0.34 * log)).abs() < 4e-3, "{travel}");
         let a = log.exp_m1();
-        let petzval_optics::prescription::Behind::Medium(medium) = &lens_front.behind else { panic!() };
+        let petzval_optics::prescription::NextMedium::Medium(medium) = &lens_front.behind else { panic!() };
         let shift = medium.index(line_nm::D) - medium.as_defined().index(line_nm::D);
         assert!((shift - 9e-5 * (10.0 * a + a * a)).abs() < 1.5e-4, "{travel}: {shift} {a}");
     }

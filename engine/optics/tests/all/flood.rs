@@ -1,4 +1,4 @@
-//! No number that is none leaves the tracer.
+//! No NaN leaves the tracer.
 
 #[allow(unreachable_pub, clippy::module_inception)]
 mod flood;

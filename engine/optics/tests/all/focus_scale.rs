@@ -14,8 +14,7 @@ fn focusing(anchor: Anchor, relation: Relation) -> Focusing {
     Focusing { anchor, relation }
 }
 
-/// Where a ray from the axis at `object_z` that meets the first vertex 1e-5 of the focal length beside it crosses the
-/// axis again.
+/// The z at which a ray from the axis at `object_z` that hits the first vertex 1e-5 of the focal length beside it crosses the axis again.
 fn crossing(system: &System, object_z: f64, size: f64) -> f64 {
     let origin = DVec3::new(0.0, 0.0, object_z);
     let direction = (DVec3::new(1e-5 * size, 0.0, 0.0) - origin).normalize();
@@ -50,8 +49,8 @@ fn what_is_at_the_distance_is_sharp_from_each_anchor() {
     assert!(seen > 60, "{seen}");
 }
 
-/// At the closest distance between object and film the image is as large as the object: four focal lengths and the gap of
-/// the principal planes.
+/// The image at the closest distance between object and film is as large as the object: four focal lengths and the gap of the principal
+/// planes.
 #[test]
 fn no_film_is_nearer_to_what_it_shows_than_at_life_size() {
     let system = system("biconvex-50mm");
@@ -67,8 +66,8 @@ fn no_film_is_nearer_to_what_it_shows_than_at_life_size() {
     assert!((nearest_mm - nearest).abs() < 1e-9);
 }
 
-/// In air the thin relation is the exact one counted from the object principal plane; its two distances obey
-/// 1/U + 1/V = 1/f in every lens, eyes too.
+/// The thin relation in air is the exact one counted from the object principal plane; its two distances obey 1/U + 1/V = 1/f in every lens,
+/// eyes too.
 #[test]
 fn the_thin_relation_is_the_papers() {
     for name in lens_names() {

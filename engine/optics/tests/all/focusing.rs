@@ -65,7 +65,8 @@ fn distance_and_film_undo_each_other() {
     }
 }
 
-/// Through mirrors too: six of the lenses have them, one of those an odd number.
+/// Exact rays have the magnification and the working f-number, through mirrors too: six of the lenses have them, one of
+/// those an odd number.
 #[test]
 fn exact_rays_have_the_magnification_and_the_working_f_number() {
     let mut mirrors = 0;

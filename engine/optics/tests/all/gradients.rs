@@ -49,7 +49,7 @@ fn rod_rays() -> impl Iterator<Item = Ray> {
     })
 }
 
-/// In such a rod every ray is a spring in t, x = x₀ cos(n₀ g t) + p₀ sin(n₀ g t) / (n₀ g), and goes evenly along the axis.
+/// A ray in such a rod is a spring in t, x = x₀ cos(n₀ g t) + p₀ sin(n₀ g t) / (n₀ g), and goes evenly along the axis.
 #[test]
 fn a_rod_bends_rays_as_a_spring() {
     for length in [0.7f64, 6.0, 25.0] {
@@ -251,7 +251,7 @@ fn single_precision_and_scale_change_little() {
     }
 }
 
-/// In bundles the same bits, for a rod that needs many steps and rays that turn back in it.
+/// Bundles have the same bits, for a rod that needs many steps and rays that turn back in it.
 #[test]
 fn bundles_have_the_same_bits() {
     let rod = system(&format!(

@@ -22,7 +22,7 @@ fn every_hard_case_comes_out() {
     assert!(bad.is_empty(), "{} cases:\n{}", bad.len(), bad.join("\n"));
 }
 
-/// What the reference calls `miss` may be a crossing of the wrong sheet and the other way round.
+/// True if the failure is the reference's: its `miss` may be a crossing of the wrong sheet and the other way round.
 fn is_status(found: Failure, expected: &str) -> bool {
     match expected {
         "miss" | "wrong_sheet" => matches!(found, Failure::Missed | Failure::WrongSheet),

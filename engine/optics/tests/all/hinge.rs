@@ -22,7 +22,7 @@ fn hinge(system: &System, film: &FilmPlane, object_z_mm: f64) -> [DVec3; 3] {
     [nearest.extend(focal_z), DVec3::new(-flat.y, flat.x, 0.0), DVec3::new(0.0, 0.0, object_z_mm)]
 }
 
-/// Where two rays from one point of the film, close to each other, come nearest in the scene.
+/// The point at which two rays from one point of the film, close to each other, come nearest in the scene.
 fn image(tracer: &Tracer, from: DVec3, towards: DVec3, apart: f64) -> DVec3 {
     let ray = |x: f64| {
         let to = towards + DVec3::new(x, x, 0.0);

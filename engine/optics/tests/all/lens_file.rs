@@ -4,7 +4,7 @@ use crate::common::{prescription, repository};
 use petzval_optics::diaphragm::DiaphragmError;
 use petzval_optics::formats::lens::{self, parse, parse_bytes};
 use petzval_optics::glass::{Catalogue, line_nm};
-use petzval_optics::prescription::Behind;
+use petzval_optics::prescription::NextMedium;
 use petzval_optics::surface::{Pose, Section, Shape};
 use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
 
@@ -88,7 +88,7 @@ fn what_surrounds_the_table_does_not_matter() {
     assert_eq!(lens.metadata.film_mm, Some([36.0, 24.0]));
     assert_eq!(lens.surfaces.len(), 2);
     assert_eq!((lens.surfaces[0].place.line, lens.surfaces[0].place.column), (5, 2));
-    assert_eq!(lens.surfaces[1].behind, Behind::Mirror);
+    assert_eq!(lens.surfaces[1].behind, NextMedium::Mirror);
     assert_eq!(parse("0 5 1.5 20 0 1", "dir/Flat one.lens", Catalogue::shipped()).unwrap().name, "Flat one");
 }
 

@@ -10,7 +10,7 @@ use petzval_optics::focus::{FilmPlane, Focus, Focusing, focus_distance_for_film_
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::prescription::{Behind, LensGroup, Prescription, SurfaceRow};
+use petzval_optics::prescription::{LensGroup, NextMedium, Prescription, SurfaceRow};
 use petzval_optics::published;
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::system::{System, SystemSettings};
@@ -97,7 +97,7 @@ fn the_numbers_are_those_of_the_reference() {
         };
         let reference = prescription(name);
         assert_eq!(numbers(&found.lens), numbers(&reference), "{name}");
-        let is_mirror = |s: &&SurfaceRow| matches!(s.behind, Behind::Mirror);
+        let is_mirror = |s: &&SurfaceRow| matches!(s.behind, NextMedium::Mirror);
         for (ours, theirs) in found.lens.surfaces.iter().zip(&reference.surfaces) {
             let added = ours.obstruction_mm;
             let mut mirrors = reference.surfaces.iter().filter(is_mirror);
@@ -126,7 +126,7 @@ impl Setting {
         Self { what, system, focus, tracer }
     }
 
-    /// At infinity and near, of a zoom at every position of its table.
+    /// The settings of a lens: at infinity and near, of a zoom at every position of its table.
     fn all(shipped: &Shipped) -> Vec<Self> {
         let (name, lens) = (&shipped.name, &shipped.lens);
         let zooms = lens.moving.as_ref().map_or(Vec::new(), |moving| {
@@ -176,7 +176,7 @@ impl Setting {
         }
     }
 
-    /// How far from the axis the light of a field comes to the film, by exact rays in the meridian; `None`: none comes.
+    /// Distance from the axis of the light of a field on the film, by exact rays in the meridian; `None`: none comes.
     fn height_mm(&self, angle_deg: f64) -> Option<f64> {
         let drawing = Drawing::new(&self.system, &self.focus, line_nm::D, &[angle_deg], 9);
         let ends: Vec<f64> = drawing.fields[0].rays.iter().map(|ray| ray.last().unwrap()[1].abs()).collect();

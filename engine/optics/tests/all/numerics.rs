@@ -28,7 +28,7 @@ fn check(category: Category, by: By, tally: &mut Tally, least: u64) {
     }
 }
 
-/// What the printed equations lose where the stable form loses nothing, or this test compares nothing.
+/// True if the printed equations lose digits in a category in which they are known to; else this test compares nothing.
 fn is_printed_form_lost(category: Category, tally: &Tally) -> bool {
     let is_known =
         matches!(category, Category::NoLeadingTerm | Category::Radius | Category::FarStart | Category::ConicConstant);
@@ -53,7 +53,7 @@ fn many_hard_rays() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
 
-    /// Others in every run.
+    /// Random hard rays, other ones in every run.
     #[test]
     fn any_hard_ray(category in prop::sample::select(&Category::ALL[..]), seed: u64, index: u64) {
         let mut tallies: [Tally; 3] = Default::default();

@@ -1,4 +1,4 @@
-//! What holds for every ray through every lens.
+//! Properties of every ray through every lens.
 
 use crate::common::{lens_names, prescription, system};
 use glam::DVec3;

@@ -56,7 +56,7 @@ impl Camera {
         (mean, ((sums[1] / count - mean * mean).max(0.0) / count).sqrt())
     }
 
-    /// The same by even samples of everything that a ray to the rear glass can cross.
+    /// The integral of the contribution and its standard error, by even samples of everything that a ray to the rear glass can cross.
     fn by_brute_force(&self, point: DVec3, n: u32) -> (f64, f64) {
         let radius = 1.02 * self.map.glass_radius_mm();
         let mut sums = [0.0; 2];

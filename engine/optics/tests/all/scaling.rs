@@ -27,7 +27,7 @@ fn prescriptions() -> Vec<(String, Prescription)> {
     reference.map(|name| (name.clone(), prescription(&name))).chain(shipped.map(read)).collect()
 }
 
-/// What a lens is at a wavelength: its lengths in mm, and what has no length. Infinite lengths are `None`.
+/// The numbers of a lens at a wavelength: its lengths in mm, and those without a length. Infinite lengths are `None`.
 fn described(system: &System, nm: f64, distance_mm: f64) -> (Vec<Option<f64>>, Vec<Option<f64>>) {
     let p = Paraxial::new(system, nm);
     let focus = Focus::at_distance(system, nm, distance_mm).unwrap();

@@ -21,7 +21,7 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// How far the ray through (x, y) of the entrance pupil, in mm, misses the Gaussian image.
+    /// The vector by which the ray through (x, y) of the entrance pupil, in mm, misses the Gaussian image.
     fn miss(&self, x: f64, y: f64) -> DVec3 {
         let pupil_z = self.info.entrance_pupil.z_mm.unwrap();
         let at_pupil = DVec3::new(x, y, pupil_z);

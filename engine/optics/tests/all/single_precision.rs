@@ -1,4 +1,4 @@
-//! What f32 loses, on the rays of the reference tables: the bounds that docs/numerics.md states.
+//! Errors of f32 on the rays of the reference tables: the bounds that docs/numerics.md states.
 
 use crate::common::{ASPHERES, lens_names, number, reference_json, system, vector};
 use glam::DVec3;
@@ -8,7 +8,8 @@ use serde_json::Value;
 
 /// Hits by the size of the lens: 24 roundings of 6e-8. The largest seen is 1.4e-6, in the 170-degree fisheye.
 const HIT: f64 = 24.0 * 6e-8;
-/// The same of rays that are lost: their last hits may graze. The largest seen is 9.5e-6, in the Sonnar.
+/// Hits of rays that are lost, by the size of the lens: their last hits may graze. The largest seen is 9.5e-6, in the
+/// Sonnar.
 const HIT_OF_LOST: f64 = 2e-5;
 /// Directions of half of all rays through a lens: 8 roundings. The largest seen is 4.4e-7, in a telescope of 57 m.
 const MEDIAN_DIRECTION: f64 = 8.0 * 6e-8;

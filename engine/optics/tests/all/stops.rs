@@ -31,7 +31,7 @@ fn rays() -> Vec<Ray> {
     rays
 }
 
-/// Where a ray that has left the lens crosses a plane.
+/// The point at which a ray that has left the lens crosses a plane.
 fn crossing(ray: &Ray, z: f64) -> DVec2 {
     (ray.origin + ray.direction * ((z - ray.origin.z) / ray.direction.z)).truncate()
 }
@@ -76,7 +76,7 @@ fn a_fixed_stop_and_a_field_stop_stop_what_passes_outside_and_nothing_else() {
     assert!((f_number(&plain) - f_number(&stopped)).abs() < 1e-12);
 }
 
-/// A plate of thickness t moves a ray that meets it at the angle i sideways by t sin(i - r) / cos r, and does not turn it.
+/// A plate of thickness t moves a ray that hits it at the angle i sideways by t sin(i - r) / cos r, and does not turn it.
 #[test]
 fn flat_glass_beside_the_diaphragm_and_under_it_is_a_plate() {
     let (thickness, index) = (4.0, 1.6);

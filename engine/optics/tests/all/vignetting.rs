@@ -16,7 +16,8 @@ use petzval_optics::vignetting::Vignetting;
 const SIDE: i32 = 250;
 /// Cells along the stop's diameter in which its area is counted.
 const CELLS: f64 = 80.0;
-/// What no rim stops: larger lets rays find other ways to the stop than those of the beam.
+/// Factor of the widened rims, which stop nothing: a larger one lets rays find other ways to the stop than those of the
+/// beam.
 const RIMS: f64 = 1.5;
 /// Rays across and along the plane in which the beam is looked for: far out it is wide and thin.
 const COARSE: [i32; 2] = [31, 4001];
@@ -32,12 +33,12 @@ struct Counter {
     object_z: Option<f64>,
 }
 
-/// What came through.
+/// Numbers of rays that came through.
 #[derive(Default)]
 struct Count {
-    /// The stop alone.
+    /// Rays that pass the stop alone.
     beam: usize,
-    /// Of those, the whole lens.
+    /// Rays of the beam that pass the whole lens.
     passed: usize,
     /// Parts of the stop's area that are filled.
     filled: usize,

@@ -34,7 +34,8 @@ def seconds_to(row: dict[str, Any], error: float, found: dict[str, Any]) -> floa
     if left <= 0.0:
         return None
     pixels = found["size"][0] * found["size"][1]
-    return row["setup_s"] + 1e-6 * row["us_a_sample"] * pixels * max(row["noise_of_one_sample"] / left, 1.0)
+    seconds: float = row["setup_s"] + 1e-6 * row["us_a_sample"] * pixels * max(row["noise_of_one_sample"] / left, 1.0)
+    return seconds
 
 
 def advice(found: dict[str, Any]) -> list[str]:
@@ -43,11 +44,12 @@ def advice(found: dict[str, Any]) -> list[str]:
     auto, top = rows["auto"], rows["hero"]
     goal = auto["rel_mse"]
     cameras = [row for row in rows.values() if is_camera(row)]
-    reach = {row["key"]: seconds_to(row, goal, found) for row in cameras}
-    able = [row for row in cameras if reach[row["key"]] is not None and _is_true(row, goal)]
+    times = {row["key"]: seconds_to(row, goal, found) for row in cameras}
+    reach = {key: time_s for key, time_s in times.items() if time_s is not None}
+    able = [row for row in cameras if row["key"] in reach and _is_true(row, goal)]
     best = min(able, key=lambda row: reach[row["key"]], default=auto)
     margin = ALIKE + _unsure(auto) + _unsure(best)
-    choose = auto if reach["auto"] is not None and reach["auto"] <= (1.0 + margin) * reach[best["key"]] else best
+    choose = auto if "auto" in reach and reach["auto"] <= (1.0 + margin) * reach[best["key"]] else best
     what = f"{found['samples']} samples a pixel take {seconds(auto['seconds'])}"
     said = [
         f"Use {choose['name'].split(':')[0]}. "
@@ -95,9 +97,9 @@ def _kind(row: dict[str, Any]) -> str:
     return f"noise but for {percent(row['bias'])}" if part < 0.5 else f"most of it for good ({percent(row['bias'])})"
 
 
-def _beside(auto: dict[str, Any], top: dict[str, Any], reach: dict[str, float | None]) -> str:
+def _beside(auto: dict[str, Any], top: dict[str, Any], reach: dict[str, float]) -> str:
     """Auto against everything on."""
-    mine, full = reach["auto"], reach["hero"]
+    mine, full = reach.get("auto"), reach.get("hero")
     if full is None or mine is None:
         return ""
     times = full / mine

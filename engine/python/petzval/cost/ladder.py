@@ -21,7 +21,7 @@ FINEST = 100.0
 #: Lens effects that are no colours: with one wavelength, these alone can be asked for.
 _COLOURS = ("lateral_colour", "axial_colour")
 
-#: Light that strays is found once a picture, whatever its samples, and laid over it: each kind is a rung by itself, and in no other.
+#: Stray light is found once a picture, whatever its samples, and laid over it: each kind is a rung by itself, and in no other.
 #: The cameras are held against the truth without it, and each kind of it against the truth with all of it.
 STRAYS = {"ghosts": "with ghosts", "glare": "with veiling glare", "diffraction": "with diffraction"}
 
@@ -59,7 +59,7 @@ def ladder(camera: Any, info: dict[str, Any], available: list[str], wishes: dict
     one = {"wavelength_nm": ONE_NM}
     full = {"wavelength_nm": None, "spectrum": "VISIBLE"}
 
-    def exact(key: str, name: str, changes: dict, effects: dict, pipeline: str = "AUTO") -> Rung:
+    def exact(key: str, name: str, changes: dict[str, Any], effects: dict[str, str], pipeline: str = "AUTO") -> Rung:
         return Rung(key, name, "camera", changes, {"pipeline": pipeline}, effects, FINEST)
 
     simple = _simple(camera, info)

@@ -37,7 +37,8 @@ def picture(found: dict[str, Any], lettering: Lettering) -> Any:
     for before, after in zip(corners, corners[1:], strict=False):
         steps += [(after[0], before[1]), after]
     if steps:
-        axes.plot(*zip(*steps, strict=True), color="#222222", linewidth=2.0, alpha=0.25)
+        times, errors = zip(*steps, strict=True)
+        axes.plot(times, errors, color="#222222", linewidth=2.0, alpha=0.25)
     for row in rows:
         size = 10.0 if row["key"] == "auto" else 7.0
         axes.plot([row["seconds"]], [_error(row)], "o", color=_colour(row), markersize=size)

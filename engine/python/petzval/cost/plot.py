@@ -109,7 +109,7 @@ def _name(axes: Any, ends: list[tuple[dict[str, Any], float, float]]) -> None:
     figure.canvas.draw()
     line = 1.45 * _LABEL * figure.dpi / 72.0
     right = axes.transAxes.transform((1.0, 0.0))[0]
-    placed = []
+    placed: list[tuple[dict[str, Any], float, float, float]] = []
     for row, x, y in sorted(ends, key=lambda end: -end[2]):
         at = axes.transData.transform((x, y))
         height = min(at[1], placed[-1][1] - line) if placed else at[1]

@@ -165,7 +165,7 @@ class _Measured:
 
     def _is_over(self) -> bool:
         if self.options["rounds"]:
-            return self.rounds >= self.options["rounds"]
+            return bool(self.rounds >= self.options["rounds"])
         if not self.has_enough():
             return False
         # Not in the middle of the two halves of the truth.
@@ -202,7 +202,8 @@ class _Measured:
             shutter=subject.shutter,
             **subject.wishes,
         )
-        return json.loads(plan.json())["effects"]
+        effects: list[dict[str, Any]] = json.loads(plan.json())["effects"]
+        return effects
 
     def _prepare(self, one: Runs) -> None:
         """Renders a rung for the first time; what cannot be rendered is left with the reason."""
@@ -257,7 +258,9 @@ class _Measured:
         one.processor_s.append(processor - made)
         one.pictures.add(job.image()[..., :3])
         if rung.group == "stray":
-            one.strayed.add(job.stray(effect_of(rung.key).upper()))
+            effect = effect_of(rung.key)
+            assert effect is not None
+            one.strayed.add(job.stray(effect.upper()))
             one.stray_s.append(developed)
 
     def _add_truth(self) -> None:

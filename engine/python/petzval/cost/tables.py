@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from .advice import advice, percent, seconds
@@ -25,7 +26,7 @@ def markdown(found: dict[str, Any], level: int = 1, picture: str | None = "costs
         f"{width} x {height} pixels, {found['samples']} samples a pixel, {_count(found['threads'], 'thread')}. "
         f"{found['rounds']} rounds, rungs interleaved, {least} to {most} samples of each"
         f"{'' if found['settled'] else '; the time was over before every interval was narrower than 3 %'}. "
-        f"The truth: everything on but light that strays, which has a table of its own, {truth['samples']} samples, "
+        f"The truth: everything on but stray light, which has a table of its own, {truth['samples']} samples, "
         f"{percent(truth['rel_mse'])} off by noise."
     )
     parts += [_cameras(found), _effects(found), _strays(found), _notes(found)]
@@ -36,7 +37,7 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}" + ("" if number == 1 else "s")
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     lines = ["| " + " | ".join(head) + " |", "|---" + "|---:" * (len(head) - 1) + "|"]
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
@@ -85,7 +86,7 @@ def _effects(found: dict[str, Any]) -> str:
 def _strays(found: dict[str, Any]) -> str:
     """The light that is laid over the finished picture: so many seconds, whatever its samples."""
     top = next(row for row in found["rungs"] if row["key"] == "hero")
-    head = ("light that strays", "on: more for the picture", "of its time", "off: for good", "FLIP", "by the plan")
+    head = ("stray light", "on: more for the picture", "of its time", "off: for good", "FLIP", "by the plan")
     planned = {row["effect"]: row for row in found["auto"]["effects"]}
     rows = []
     for row in found["rungs"]:
@@ -105,7 +106,7 @@ def _strays(found: dict[str, Any]) -> str:
         every = found["strays"]
         rows.append(("all of it", *_stray_cells(every, top), percent(every["bias"]), f"{every['flip']:.3f}", ""))
     return (
-        "Light that strays, laid over the finished picture, each kind alone. Off, pixels miss it: against the truth with everything on, "
+        "Stray light, laid over the finished picture, each kind alone. Off, pixels miss it: against the truth with everything on, "
         "stray light with it.\n\n" + _table(head, rows)
     )
 

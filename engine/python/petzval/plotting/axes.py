@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -36,7 +36,7 @@ class _Spine:
         self.color = color
 
 
-class _Spines(dict):
+class _Spines(dict[Any, Any]):
     """By name, or by a list of names all at once."""
 
     def __getitem__(self, key: Any) -> Any:
@@ -99,7 +99,7 @@ class Axes:
         self.lines: list[Line] = []
         self.spines = _Spines({name: _Spine(not figure.has_grid or name in ("left", "bottom")) for name in ("left", "right", "top", "bottom")})  # fmt: skip
         self._x, self._y = _Scale(), _Scale()
-        self._title = ("", {})
+        self._title: tuple[str, dict[str, Any]] = ("", {})
         self._areas: list[tuple[float, Any]] = []
         self._texts: list[tuple[float, float, str, dict[str, Any]]] = []
         self._legend: tuple[Legend, str, tuple[float, float]] | None = None
@@ -246,8 +246,8 @@ class Axes:
         if low is None or high is None:
             sharers = [one for one in self.figure.axes if (one.share_x if axis == "x" else one.share_y) is owner]
             lines = [line for one in sharers for line in one.lines if line.endless in ("", axis)]
-            values = [np.atleast_1d(line.x if axis == "x" else line.y).astype(float) for line in lines]
-            values = np.concatenate([np.zeros(0), *values])
+            ends = [np.atleast_1d(line.x if axis == "x" else line.y).astype(float) for line in lines]
+            values = np.concatenate([np.zeros(0), *ends])
             values = values[np.isfinite(values)]
             least, most = (values.min(), values.max()) if len(values) else (0.0, 1.0)
             if scale.is_log:
@@ -285,17 +285,19 @@ class Axes:
         left, low, right, high = self.box
         if self._has_axes:
             self._draw_scales()
-        drawings = [(zorder, self._draw_area, area) for zorder, area in self._areas]
+        drawings: list[tuple[float, Callable[[Any], None], Any]] = [
+            (zorder, self._draw_area, area) for zorder, area in self._areas
+        ]
         drawings += [(line.zorder, self._draw_line, line) for line in self.lines]
         for _, paint, thing in sorted(drawings, key=lambda drawing: drawing[0]):
             paint(thing)
         for x, y, text, look in self._texts:
             words = {key: value for key, value in look.items() if key != "transform"}
             is_of_box = look.get("transform") is not None
-            place = (left + x * (right - left), low + y * (high - low)) if is_of_box else self.to_pixels(x, y)
-            self.figure.write(*place, text, **words)
+            at_x, at_y = (left + x * (right - left), low + y * (high - low)) if is_of_box else self.to_pixels(x, y)
+            self.figure.write(at_x, at_y, text, **words)
         if self._legend:
-            self._draw_legend()
+            self._draw_legend(*self._legend)
 
     def _draw_area(self, area: Any) -> None:
         points, face, edge, width = area
@@ -320,7 +322,7 @@ class Axes:
         left, low, right, high = self.box
         number = self._number_size
 
-        def rule(ends: list, colour: str, width: float) -> None:
+        def rule(ends: list[list[float]], colour: str, width: float) -> None:
             figure.canvas.fill(stroke(np.array(ends), max(px(width), 0.9)), colour_of(colour))
 
         x_places, x_words = self._ticks(self._x if self._x.places else self.share_x._x, self._seen("x"), max(2, int((right - left) / (4.6 * px(number)))))  # fmt: skip
@@ -349,7 +351,7 @@ class Axes:
                 figure.write(left - to, y, word, fontsize=number, color=_NUMBER_COLOUR, ha="right", va="center")
         self._draw_names(y_at)
         if self._right:
-            self._draw_right(rule)
+            self._draw_right(self._right, rule)
 
     def _draw_names(self, y_at: list[tuple[float, str]]) -> None:
         figure, px = self.figure, self.figure.pixels
@@ -373,10 +375,10 @@ class Axes:
             shown = {"fontsize": look.get("fontsize", size + 0.5), "color": look.get("color", "black")}
             figure.write(x, high + px(_TO_TITLE), title, ha=ha, **shown)
 
-    def _draw_right(self, rule: Any) -> None:
+    def _draw_right(self, axis: _RightAxis, rule: Any) -> None:
         figure, px = self.figure, self.figure.pixels
         _, low, right, high = self.box
-        scale, widest = self._right.scale, 0.0
+        scale, widest = axis.scale, 0.0
         for value, word in zip(scale.places or [], scale.words or [], strict=True):
             y = self.to_pixels(self._seen("x")[0], value)[1]
             if low - 1.0 <= y <= high + 1.0:
@@ -387,8 +389,8 @@ class Axes:
         place = right + px(_TICK + _TO_NUMBER + _TO_NAME) + widest
         figure.write(place, 0.5 * (low + high), scale.name, color=_NUMBER_COLOUR, ha="center", va="top", turned=True)
 
-    def _draw_legend(self) -> None:
-        legend, loc, (anchor_x, anchor_y) = self._legend
+    def _draw_legend(self, legend: Legend, loc: str, anchor: tuple[float, float]) -> None:
+        anchor_x, anchor_y = anchor
         left, low, right, high = self.box
         width, height = legend.size(self.figure)
         inset = self.figure.pixels(6.0)

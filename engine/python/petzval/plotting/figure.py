@@ -58,12 +58,12 @@ class Figure:
         """Plots in a grid; an array of them, but one alone, or one row."""
         self._grid = rows, columns, width_ratios or [1.0] * columns
         grid = [[Axes(self, (row, column)) for column in range(columns)] for row in range(rows)]
-        for row in grid:
-            for axes in row:
+        for row, line in enumerate(grid):
+            for column, axes in enumerate(line):
                 axes.share_x = grid[0][0] if sharex else axes
                 axes.share_y = grid[0][0] if sharey else axes
-                axes.names_x = not sharex or axes.place[0] == rows - 1
-                axes.names_y = not sharey or axes.place[1] == 0
+                axes.names_x = not sharex or row == rows - 1
+                axes.names_y = not sharey or column == 0
                 self.axes.append(axes)
         if not squeeze:
             return grid
@@ -151,6 +151,8 @@ class Figure:
         wide = right - left - sum(lefts) - sum(rights) - across * (columns - 1)
         tall = (high - low - sum(lows) - sum(highs) - gap * (rows - 1)) / rows
         for axes in self.axes:
+            if axes.place is None:
+                continue
             row, column = axes.place
             x = left + sum(lefts[: column + 1]) + sum(rights[:column]) + across * column
             x += wide * sum(ratios[:column]) / sum(ratios)

@@ -65,12 +65,13 @@ def _mark(kind: str, radius: float) -> Polygon:
 
 def _disc(middle: Polygon, radius: float, corners: int, turn: float = 0.0) -> Polygon:
     angles = turn + 2.0 * np.pi * np.arange(corners) / corners
-    return middle + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    rim: Polygon = middle + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return rim
 
 
 def clipped(points: Polygon, low: Sequence[float], high: Sequence[float]) -> list[Polygon]:
     """The pieces of a line within a box."""
-    pieces: list[list[np.ndarray]] = []
+    pieces: list[list[Polygon]] = []
     for a, b in zip(points, points[1:], strict=False):
         inside = _within(a, b, low, high)
         if inside is None:

@@ -72,7 +72,7 @@ mod tests {
         }
     }
 
-    /// The same distances as trees that were built for it.
+    /// Asserts that these trees find the distances that trees built for the scene find.
     fn assert_sees(accel: &Accel, scene: &Scene) {
         let truth = Accel::new(scene);
         let mut hits = 0;

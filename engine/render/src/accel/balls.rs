@@ -1,4 +1,4 @@
-//! Balls, eight at a time. As in Cycles they are met from outside alone: a ray that has gone into one does not meet it again.
+//! Balls, eight at a time. As in Cycles they are hit from outside alone: a ray that has gone into one does not hit it again.
 
 use super::triangles::LANES;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
@@ -22,18 +22,18 @@ pub(super) struct Beam {
     pub(super) direction: Vec3A,
 }
 
-/// What the lanes of a leaf found.
+/// The hits of a ray in the lanes of a leaf.
 pub(super) struct Met {
-    /// Lanes that the ray meets, as bits.
+    /// Lanes that the ray hits, as bits.
     pub(super) lanes: u32,
-    /// Their distances.
+    /// Distances of the hits.
     pub(super) t: [f32; LANES],
-    /// From the middle to where it is met.
+    /// Vectors from the balls' middles to the hits.
     out: [[f32; LANES]; 3],
 }
 
 impl Met {
-    /// From the middle of a lane's ball to where it is met; no certain length.
+    /// The vector from the middle of a lane's ball to the hit; its length is undefined.
     #[inline(always)]
     pub(super) fn outward(&self, lane: usize) -> Vec3A {
         Vec3A::from_array(self.out.map(|axis| axis[lane]))
@@ -41,7 +41,7 @@ impl Met {
 }
 
 impl Balls {
-    /// Without balls.
+    /// A leaf without balls.
     pub(super) const EMPTY: Self = Self { parts: [[f32::NAN; LANES]; 4], instance: [0; LANES], point: [0; LANES] };
 
     /// Puts a ball into a lane.
@@ -51,7 +51,7 @@ impl Balls {
         self.point[lane] = point;
     }
 
-    /// The same balls on their way to where another leaf has them, after a part of it.
+    /// These balls moved by a part of the way to where another leaf has them.
     #[inline(always)]
     pub(super) fn towards(&self, to: &Self, part: f32) -> Self {
         let mut now = self.clone();

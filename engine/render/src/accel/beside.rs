@@ -1,4 +1,5 @@
-//! What most scenes have none of: hair, point clouds, and what moves. Scenes without it pay one question a ray.
+//! Trees that most scenes do not need: hair, point clouds, and moving instances. Scenes without these pay one test a
+//! ray.
 
 use super::bounds::Bounds;
 use super::curves::CurveForest;
@@ -12,7 +13,7 @@ use std::ops::ControlFlow;
 
 /// Trees beside those of still triangles.
 pub(super) trait Forest {
-    /// The nearest that is nearer than `nearest`, else that; of instances that are wanted.
+    /// The closest hit on a wanted instance if it is nearer than `nearest`, else `nearest`.
     fn closest_with<S: Simd>(
         &self,
         simd: S,
@@ -21,7 +22,7 @@ pub(super) trait Forest {
         wanted: &impl Fn(u32) -> bool,
     ) -> Option<Hit>;
 
-    /// Gives everything between the ray's ends to `pass` until that says no; whether it did not.
+    /// Visits the hits on wanted instances between the ray's ends until `pass` returns false; `Break` if it did.
     fn each_between_with<S: Simd>(
         &self,
         simd: S,
@@ -30,13 +31,13 @@ pub(super) trait Forest {
         pass: &mut dyn FnMut(&Hit) -> bool,
     ) -> ControlFlow<()>;
 
-    /// [`Self::closest_with`] in the lanes that there are.
+    /// [`Self::closest_with`] in the lanes that the processor has.
     #[inline(never)]
     fn closest(&self, level: Level, ray: &Ray, nearest: Option<Hit>, wanted: &impl Fn(u32) -> bool) -> Option<Hit> {
         dispatch!(level, simd => self.closest_with(simd, ray, nearest, wanted))
     }
 
-    /// [`Self::each_between_with`] likewise.
+    /// [`Self::each_between_with`] in the lanes that the processor has.
     #[inline(never)]
     fn each_between(
         &self,
@@ -49,15 +50,15 @@ pub(super) trait Forest {
     }
 }
 
-/// Those of a scene.
-pub(super) struct Forests {
+/// The trees of a scene beside those of triangles.
+pub(super) struct ExtraTrees {
     curves: Option<Box<CurveForest>>,
     points: Option<Box<PointForest>>,
     moving: Option<MovingForest>,
 }
 
-impl Forests {
-    /// `None` where there is nothing of it.
+impl ExtraTrees {
+    /// The trees of a scene beside those of triangles; `None` if there are none.
     pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
         let (curves, points) = (CurveForest::new(scene, parts), PointForest::new(scene, parts));
         let moving = MovingForest::new(scene);
@@ -72,7 +73,7 @@ impl Forests {
         all.reduce(|a, b| a.union(&b))
     }
 
-    /// As [`Forest::closest_with`], of all.
+    /// The closest hit in all of these trees; see [`Forest::closest_with`].
     pub(super) fn closest(
         &self,
         level: Level,
@@ -92,7 +93,7 @@ impl Forests {
         }
     }
 
-    /// As [`Forest::each_between_with`], of all.
+    /// Visits the hits in all of these trees; see [`Forest::each_between_with`].
     pub(super) fn each_between(
         &self,
         level: Level,

@@ -10,10 +10,10 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Around nothing.
+    /// The box around nothing.
     pub(super) const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY };
 
-    /// How far rounding moves a ray against a triangle, as a share of their distances from the origin: six half
+    /// Bound of the rounding error of a ray against a triangle, as a share of their distances from the origin: six half
     /// units in the triangle test's shear, three in the box test, four where the node is coarse; rounded up.
     pub(super) const SLACK: f32 = 8.0 * f32::EPSILON;
 
@@ -23,7 +23,7 @@ impl Bounds {
         Self { min: a.min(b).min(c), max: a.max(b).max(c) }.grown()
     }
 
-    /// Around balls, their radii the fourth parts.
+    /// The box around balls, whose radii are the fourth parts.
     pub(super) fn around(balls: &[Vec4]) -> Self {
         let of = |ball: &Vec4| {
             let (place, radius) = (ball.with_w(0.0), Vec4::splat(ball.w.abs()).with_w(0.0));
@@ -32,18 +32,18 @@ impl Bounds {
         balls.iter().map(of).fold(Self::EMPTY, |all, one| all.union(&one)).grown()
     }
 
-    /// The same box, around what these two numbers name.
+    /// This box with two numbers in its fourth components.
     pub(super) fn naming(self, [a, b]: [u32; 2]) -> Self {
         let [a, b] = [a, b].map(f32::from_bits);
         Self { min: self.min.with_w(a), max: self.max.with_w(b) }
     }
 
-    /// What it is around.
+    /// The two numbers in its fourth components.
     pub(super) fn name(&self) -> [u32; 2] {
         [self.min.w, self.max.w].map(f32::to_bits)
     }
 
-    /// Near enough for products of three distances to be numbers of single precision.
+    /// True if the box is near enough to the origin for products of three distances to be numbers of single precision.
     pub(super) fn is_within_reach(&self) -> bool {
         const REACH: f32 = 1e12;
         self.low().abs().max(self.high().abs()).cmple(Vec3A::splat(REACH)).all()
@@ -56,7 +56,7 @@ impl Bounds {
         Self { min: self.min - grow, max: self.max + grow }
     }
 
-    /// Around a moved box.
+    /// The box around this box transformed.
     pub(super) fn transformed(&self, m: &Affine3A) -> Self {
         let mut out = Self::EMPTY;
         for i in 0..8 {
@@ -77,7 +77,7 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// With another point.
+    /// This box grown to hold another point.
     #[inline(always)]
     pub(super) fn with(&self, p: Vec4) -> Self {
         Self { min: self.min.min(p), max: self.max.max(p) }

@@ -15,8 +15,8 @@ const DEEP: usize = super::traverse::DEEPEST - 32;
 /// Fewer boxes are not worth another thread.
 const PARALLEL: usize = 4096;
 
-/// What would fit into one leaf gets two if their areas come to less than this share of its: one large triangle apart
-/// from small ones. Above 0.9 leaves are half empty and take more memory than rays save.
+/// The contents of one leaf are parted into two if the areas of these come to less than this share of the leaf's: one
+/// large triangle apart from small ones. Above 0.9 leaves are half empty and take more memory than rays save.
 const WORTH_PARTING: f32 = 0.8;
 
 /// A tree's nodes, and which of the boxes, in their new order, each leaf holds.
@@ -76,7 +76,7 @@ struct Span<'a> {
     items: &'a mut [Bounds],
     first: usize,
     bounds: Bounds,
-    /// Around their middles.
+    /// The box around the middles of the items.
     middles: Bounds,
 }
 
@@ -90,7 +90,7 @@ impl<'a> Span<'a> {
         Self { items, first, bounds, middles }
     }
 
-    /// Two parts of it; gives it back where that does not pay.
+    /// Divides the span into two parts; gives it back where that does not pay.
     fn split(self, most: usize, by_number: bool) -> Result<[Self; 2], Self> {
         let must = self.items.len() > most;
         let best = if by_number { None } else { Bins::new(&self).best(most) };
@@ -151,7 +151,7 @@ fn open(span: Span, most: usize, by_number: bool) -> ArrayVec<Span, WIDTH> {
     large.into_iter().chain(small).collect()
 }
 
-/// Which bin a middle falls into.
+/// The bins by which the middles of boxes are sorted.
 struct Grid {
     low: Vec4,
     scale: Vec4,

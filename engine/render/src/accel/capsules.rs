@@ -1,11 +1,11 @@
-//! Bounding capsules of curve segments, eight at a time: a ray must meet one before the keys of its segment are read.
+//! Bounding capsules of curve segments, eight at a time: a ray must hit one before the keys of its segment are read.
 //!
-//! A box along the axes is mostly empty where a strand runs across them, and eight such boxes overlap; a capsule about the chord
-//! fits a strand whichever way it runs. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
+//! A box along the axes is mostly empty where a strand runs across them, and eight such boxes overlap; a capsule about the chord fits a
+//! strand whichever way it runs. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
 //! "Exploiting Local Orientation Similarity for Efficient Ray Traversal of Hair and Fur"); here the leaves alone are oriented.
 
 use super::bounds::Bounds;
-use super::segment::Gaze;
+use super::segment::RayFrame;
 use super::triangles::LANES;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec3A, Vec4};
@@ -27,9 +27,9 @@ pub(super) struct Capsules {
 
 /// The capsules of a leaf that a ray hits.
 pub(super) struct Candidates {
-    /// Lanes, as bits.
+    /// The lanes that are hit, as bits.
     pub(super) lanes: u32,
-    /// Distances before which the lanes' segments are not met.
+    /// Distances before which the lanes' segments are not hit.
     pub(super) near: [f32; LANES],
 }
 
@@ -39,8 +39,8 @@ impl Capsules {
         Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], first }
     }
 
-    /// Puts a capsule into a lane, around all that is between each two neighbours of some balls. Its axis has the direction of the line from
-    /// the first to the last, and lies beside that line where the balls do.
+    /// Puts a capsule into a lane, around all that is between each two neighbours of some balls. Its axis has the direction of the line
+    /// from the first to the last, and lies beside that line where the balls do.
     pub(super) fn set(&mut self, lane: usize, balls: &[Vec4]) {
         /// Steps towards the axis of the thinnest capsule: the first is the last one of a plain bend, an S takes some.
         const STEPS: usize = 6;
@@ -48,8 +48,8 @@ impl Capsules {
         let direction = (end - start).normalize_or_zero();
         let from = |ball: &Vec4| Vec3A::from_vec4(*ball) - start;
         let aside = |ball: &Vec4| from(ball).reject_from_normalized(direction);
-        // How far balls reach is a convex function of where they are and of their radii: the largest value is at one of them. The centre of the
-        // smallest ball around others is found by going towards the farthest, ever less far (Badoiu and Clarkson 2003, "Smaller
+        // How far balls reach is a convex function of where they are and of their radii: the largest value is at one of them. The centre of
+        // the smallest ball around others is found by going towards the farthest, ever less far (Badoiu and Clarkson 2003, "Smaller
         // Core-Sets for Balls").
         let (mut shift, mut best, mut thinnest) = (Vec3A::ZERO, Vec3A::ZERO, f32::INFINITY);
         for step in 0..=STEPS {
@@ -78,9 +78,9 @@ impl Capsules {
         self.radius[lane] = thinnest * (1.0 + ROUNDING) + rounding;
     }
 
-    /// The capsules that a ray meets before `t_max`, or may meet.
+    /// The capsules that a ray hits before `t_max`, or may hit.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(&self, simd: S, gaze: &Gaze, t_max: f32) -> Option<Candidates> {
+    pub(super) fn meet<S: Simd>(&self, simd: S, gaze: &RayFrame, t_max: f32) -> Option<Candidates> {
         let [ax, ay, az] = self.seen(simd, gaze, 0);
         let [bx, by, bz] = self.seen(simd, gaze, 1);
         let room = f32x8::load_array_ref(simd, &self.radius) + ROUNDING * gaze.reach();
@@ -99,7 +99,7 @@ impl Capsules {
 
     /// One end of each axis as it is seen along a ray. (A function, since closures are not inlined.)
     #[inline(always)]
-    fn seen<S: Simd>(&self, simd: S, gaze: &Gaze, end: usize) -> [f32x8<S>; 3] {
+    fn seen<S: Simd>(&self, simd: S, gaze: &RayFrame, end: usize) -> [f32x8<S>; 3] {
         let from = gaze.origin();
         let x = f32x8::load_array_ref(simd, &self.ends[end][0]) - from.x;
         let y = f32x8::load_array_ref(simd, &self.ends[end][1]) - from.y;

@@ -10,7 +10,7 @@ use super::divide::divide;
 use super::moving::MovingPlaces;
 use super::node::{BoxRay, Node};
 use super::places::{PlacedMesh, Within, placed};
-use super::segment::{BothMet, CurveMet, Cut, Gaze, meet};
+use super::segment::{BothMet, CurveMet, Cut, RayFrame, meet};
 use super::source::Parts;
 use super::traverse::{lanes, traverse};
 use super::triangles::LANES;
@@ -25,13 +25,13 @@ use std::ops::{ControlFlow, Range};
 
 /// All curves of a scene.
 pub(super) struct CurveForest {
-    /// In render space, of those that have one instance.
+    /// The tree in render space of the curves that have one instance.
     common: CurveTree,
-    /// In object space, of the others; by mesh.
+    /// The trees in object space of the other curves; by mesh.
     shared: Vec<CurveTree>,
     places: Vec<Node>,
     placed: Vec<PlacedMesh>,
-    /// Those that move.
+    /// The instances that move.
     moving: Option<MovingPlaces>,
 }
 
@@ -41,9 +41,9 @@ struct CurveTree {
     nodes: Vec<Node>,
     /// The leaves.
     leaves: Vec<Capsules>,
-    /// In their order.
+    /// The segments, in the order of the leaves.
     segments: Vec<Segment>,
-    /// Of all strands, each with its first key before it and its last one behind it once more.
+    /// The keys of all strands; each strand's first key is repeated before it, and its last one behind it.
     keys: Vec<Vec4>,
 }
 
@@ -52,18 +52,18 @@ struct CurveTree {
 struct Segment {
     /// The first of four in [`CurveTree::keys`].
     controls: u32,
-    /// Of no meaning in trees of one mesh.
+    /// Index of the instance; undefined in trees of one mesh.
     instance: u32,
     strand: u32,
-    /// In its curves.
+    /// Number of the segment in the curves.
     number: u32,
     cut: Cut,
-    /// Of its pieces.
+    /// The range of the segment's pieces.
     part: Range<u16>,
 }
 
 impl CurveForest {
-    /// `None` where the scene has no curves.
+    /// The trees of the scene's curves; `None` if it has none.
     pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
         if scene.meshes.iter().all(|mesh| mesh.curves.is_none()) {
             return None;
@@ -111,7 +111,7 @@ impl Forest for CurveForest {
     ) -> Option<Hit> {
         let here = BoxRay::new(ray.origin, ray.direction);
         let mut t_max = nearest.map_or(ray.t_max, |hit| hit.t);
-        let gaze = Gaze::new(ray.origin, ray.direction);
+        let gaze = RayFrame::new(ray.origin, ray.direction);
         let _ = self.common.follow(
             simd,
             (&here, &gaze),
@@ -168,7 +168,7 @@ impl Forest for CurveForest {
     ) -> ControlFlow<()> {
         let mut pass = |hit: Hit| if pass(&hit) { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let here = BoxRay::new(ray.origin, ray.direction);
-        let gaze = Gaze::new(ray.origin, ray.direction);
+        let gaze = RayFrame::new(ray.origin, ray.direction);
         self.common.follow(
             simd,
             (&here, &gaze),
@@ -275,18 +275,18 @@ impl CurveForest {
 
 /// The ray in the object space of an instance, and how much longer distances are there.
 #[inline(always)]
-fn enter(placed: &PlacedMesh, ray: &Ray) -> Option<(BoxRay, Gaze, f32)> {
+fn enter(placed: &PlacedMesh, ray: &Ray) -> Option<(BoxRay, RayFrame, f32)> {
     let Within { origin, direction, scale } = placed.enter(ray)?;
-    Some((BoxRay::new(origin, direction), Gaze::new(origin, direction), scale))
+    Some((BoxRay::new(origin, direction), RayFrame::new(origin, direction), scale))
 }
 
-/// By how much an instance makes radii larger, as Cycles has it.
+/// Factor of an instance on radii, as Cycles has it.
 pub(crate) fn radius_scale(instance: &Instance) -> f32 {
     instance.to_render.matrix3.determinant().abs().cbrt()
 }
 
 impl Segment {
-    /// Gives both of its hits to `pass`.
+    /// Gives both hits of the segment to `pass`.
     #[inline(always)]
     fn pass_hits(
         &self,
@@ -312,7 +312,7 @@ impl Segment {
 }
 
 impl CurveTree {
-    /// Of these curves: of an instance, in render space, or in object space.
+    /// The tree of these curves: of instances, in render space, or in object space.
     fn new(of: &[(u32, Option<&Instance>, &Curves)]) -> Self {
         let mut tree = Self::default();
         let mut boxes = Vec::new();
@@ -365,7 +365,7 @@ impl CurveTree {
         tree
     }
 
-    /// Puts segments into this order, and strands into that of their first segments: what one ray meets lies together in memory.
+    /// Puts segments into this order, and strands into that of their first segments: what one ray hits lies together in memory.
     fn set_order(&mut self, order: impl Iterator<Item = usize>, strands: &[Range<usize>], strand_of: &[u32]) {
         let mut segments = Vec::with_capacity(self.segments.len());
         let mut keys = Vec::with_capacity(self.keys.len());
@@ -383,7 +383,7 @@ impl CurveTree {
         (self.segments, self.keys) = (segments, keys);
     }
 
-    /// Around some of its segments.
+    /// The capsules around some of the tree's segments.
     fn capsules(&self, of: Range<usize>) -> Capsules {
         let mut capsules = Capsules::new(of.start as u32);
         let mut balls = Vec::new();
@@ -405,12 +405,12 @@ impl CurveTree {
         *self.keys[first..first + 4].first_chunk().expect("four")
     }
 
-    /// Offers what a ray meets of wanted segments; `met` gives the ray's end from then on.
+    /// Offers what a ray hits of wanted segments; `met` gives the ray's end from then on.
     #[inline(always)]
     fn follow<S: Simd>(
         &self,
         simd: S,
-        (boxes, gaze): (&BoxRay, &Gaze),
+        (boxes, gaze): (&BoxRay, &RayFrame),
         t_max: f32,
         wanted: impl Fn(&Segment) -> bool,
         mut met: impl FnMut(&Segment, BothMet, f32) -> ControlFlow<(), f32>,

@@ -9,15 +9,15 @@ use crate::scene::curves::Controls;
 use glam::Vec4;
 use std::ops::Range;
 
-/// How often a segment is halved at most.
+/// Number of times that a segment is halved at most.
 const HALVINGS: u32 = 2;
 /// A part is halved where the boxes of its halves have less than this share of its box's surface.
 const WORTH_HALVING: f32 = 0.7;
 /// Parts of all segments of a tree at most where segments are halved; a part takes some 60 bytes.
 const MOST_PARTS: usize = 1 << 23;
 
-/// Divides a segment of a tree with so many segments, and gives the parts, pieces each, with their boxes to `take`. Segments beyond the reach
-/// of single precision have no parts. `balls` is scratch.
+/// Divides a segment of a tree with so many segments, and gives the parts, pieces each, with their boxes to `take`. Segments beyond the
+/// reach of single precision have no parts. `balls` is scratch.
 pub(super) fn divide(
     cut: Cut,
     controls: &Controls,
@@ -25,7 +25,7 @@ pub(super) fn divide(
     balls: &mut Vec<Vec4>,
     take: &mut impl FnMut(Range<u16>, Bounds),
 ) {
-    // Round pieces overlap, and what overlaps would be met in both halves.
+    // Round pieces overlap, and what overlaps would be hit in both halves.
     let is_divided = matches!(cut, Cut::Ribbon(_));
     let halvings = (1..=HALVINGS).rev().find(|&halvings| is_divided && segments << halvings <= MOST_PARTS).unwrap_or(0);
     let whole = 0..cut.pieces();

@@ -1,4 +1,4 @@
-//! What moves while the shutter is open, beside what stands still: who has nothing that moves pays nothing.
+//! The trees of instances that move while the shutter is open, beside those of still ones: scenes without motion pay nothing.
 //!
 //! The shutter's time is parted into slices, each with a tree over what its instances sweep meanwhile; a ray asks the tree of its
 //! moment's slice, and an instance where it stands at that moment.
@@ -28,36 +28,37 @@ const SLICE_BITS: u32 = 4;
 pub(super) struct MovingPlaces {
     slices: Vec<Slice>,
     items: Vec<Item>,
-    /// Of all items, by moment.
-    stands: Vec<Stand>,
+    /// Placements of all items, by moment.
+    stands: Vec<PlacedTransform>,
 }
 
 /// A part of the shutter's time.
 struct Slice {
     nodes: Vec<Node>,
-    /// By leaf.
+    /// Items by leaf.
     items: Vec<u32>,
 }
 
-/// One that moves.
+/// An instance that moves.
 struct Item {
     mesh: u32,
-    /// Of its first moment.
+    /// The instance that stands for its first moment.
     instance: u32,
     shift: u32,
-    /// The first of its stands.
+    /// Number of the first stand of the instance.
     stand: u32,
 }
 
-/// Where it is at one moment.
+/// The placement of an instance at one moment.
 #[derive(Clone, Copy)]
-struct Stand {
+struct PlacedTransform {
     to_object: Affine3A,
     pose: Pose,
 }
 
 impl MovingPlaces {
-    /// Of those that are wanted; `bounds` are in object space, of an instance's mesh in its pose. `None` where there are none.
+    /// The trees over those instances that are wanted; `bounds` are in object space, of an instance's mesh in its pose. `None` where there
+    /// are none.
     pub(super) fn new<'a>(
         scene: &'a Scene,
         wanted: impl Fn(&Moving) -> bool,
@@ -69,7 +70,7 @@ impl MovingPlaces {
             let mesh = scene.instances[one.instance as usize].mesh;
             items.push(Item { mesh, instance: one.first, shift: one.shift, stand: stands.len() as u32 });
             let own = &scene.instances[one.first as usize..][..one.count() as usize];
-            stands.extend(own.iter().map(|now| Stand { to_object: now.to_object, pose: now.pose }));
+            stands.extend(own.iter().map(|now| PlacedTransform { to_object: now.to_object, pose: now.pose }));
         }
         let slice = |number: u32| {
             let swept = |(i, one): (usize, &&Moving)| {
@@ -98,12 +99,12 @@ impl MovingPlaces {
         &self.slice(moment).nodes
     }
 
-    /// What is in a leaf of that, where it stands then, in which pose.
+    /// The mesh in a leaf of the moment's slice, placed at that moment, and its pose.
     #[inline(always)]
     pub(super) fn placed(&self, leaf: usize, moment: u16) -> (PlacedMesh, Pose) {
         let item = &self.items[self.slice(moment).items[leaf] as usize];
         let number = u32::from(moment) >> item.shift;
-        let Stand { to_object, pose } = self.stands[(item.stand + number) as usize];
+        let PlacedTransform { to_object, pose } = self.stands[(item.stand + number) as usize];
         (PlacedMesh { to_object, mesh: item.mesh, instance: item.instance + number }, pose)
     }
 
@@ -116,14 +117,14 @@ impl MovingPlaces {
 /// Meshes that move.
 pub(super) struct MovingForest {
     places: MovingPlaces,
-    /// By mesh, of those that keep their shape; empty for the others.
+    /// Trees of the meshes that keep their shape, by mesh; empty for the others.
     still: Vec<TriangleTree>,
-    /// By mesh, of those that do not: by key, from there to the next.
+    /// Trees of the meshes that change their shape, by mesh, then by key: from there to the next.
     posed: Vec<Vec<PosedTree>>,
 }
 
 impl MovingForest {
-    /// `None` where no mesh moves.
+    /// The trees of the scene's meshes that move; `None` if none does.
     pub(super) fn new(scene: &Scene) -> Option<Self> {
         let is_of_triangles = |one: &Moving| mesh_of(scene, one.instance).is_of_triangles();
         let mut moves = vec![false; scene.meshes.len()];
@@ -298,7 +299,7 @@ mod tests {
         scene
     }
 
-    /// The same as it stands at a moment, nothing of it moving.
+    /// The scene as it stands at a moment, without motion.
     fn at(scene: &Scene, moment: u16) -> Scene {
         let mut builder = SceneBuilder::new();
         let mut placed: Vec<u32> = (0..scene.placed().len() as u32).collect();

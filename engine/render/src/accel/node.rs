@@ -8,11 +8,11 @@ use glam::Vec3A;
 /// Boxes of a node.
 pub(super) const WIDTH: usize = 8;
 
-/// In a [`Child`]: it is a leaf.
+/// The bit of a [`Child`] that marks a leaf.
 const LEAF: u32 = 1 << 31;
 /// Bits of an index; those above count children.
 const INDEX_BITS: u32 = 28;
-/// As many nodes or leaves can a tree have.
+/// Number of nodes or leaves that a tree can have.
 pub(super) const MOST: usize = 1 << INDEX_BITS;
 
 /// Up to eight children: inner nodes first, then leaves, both consecutive. 80 bytes.
@@ -23,15 +23,15 @@ pub(super) struct Node {
     origin: [f32; 3],
     /// One step of the grid along each axis: a power of two, so that multiplying by it is exact.
     step: [f32; 3],
-    /// Index of the first inner child; above it, how many children are inner nodes.
+    /// Index of the first inner child; in the upper bits the number of children that are inner nodes.
     nodes: u32,
-    /// Index of the first leaf; above it, how many children there are.
+    /// Index of the first leaf; in the upper bits the number of children.
     leaves: u32,
-    /// By axis: the lower and the upper planes.
+    /// The lower and the upper planes, by axis.
     planes: [[[u8; WIDTH]; 2]; 3],
 }
 
-/// What a node points to.
+/// A reference of a node to a child.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Child(pub(super) u32);
 
@@ -74,39 +74,39 @@ impl Node {
         }
     }
 
-    /// The same with its children where they are.
+    /// This node with the indices of its first inner child and its first leaf.
     pub(super) fn pointing_to(self, first_node: usize, first_leaf: usize) -> Self {
         Self { nodes: self.nodes | first_node as u32, leaves: self.leaves | first_leaf as u32, ..self }
     }
 
-    /// Around all children.
+    /// The box around all children.
     pub(super) fn bounds(&self) -> Bounds {
         self.boxes().fold(Bounds::EMPTY, |all, one| all.union(&one))
     }
 
-    /// How many children there are.
+    /// Number of children.
     #[inline(always)]
     fn count(&self) -> u32 {
         self.leaves >> INDEX_BITS
     }
 
-    /// How many children are inner nodes: the first.
+    /// Number of children that are inner nodes: the first.
     pub(super) fn inner_count(&self) -> usize {
         (self.nodes >> INDEX_BITS) as usize
     }
 
-    /// Where the inner ones and the leaves among its children begin.
+    /// Indices of the first inner node and of the first leaf among its children.
     pub(super) fn first_children(&self) -> (usize, usize) {
         let index = |packed: u32| (packed & (MOST as u32 - 1)) as usize;
         (index(self.nodes), index(self.leaves))
     }
 
-    /// In order.
+    /// The children in order.
     pub(super) fn children(&self) -> impl Iterator<Item = Child> + '_ {
         (0..self.count()).map(|i| self.child(i))
     }
 
-    /// Of the children, as the grid has them.
+    /// Boxes of the children, as the grid has them.
     pub(super) fn boxes(&self) -> impl Iterator<Item = Bounds> + '_ {
         (0..self.count() as usize).map(|i| {
             let corner = |side: usize| {
@@ -125,7 +125,7 @@ impl Node {
         Child(if i < inner { index(self.nodes) + i } else { LEAF | (index(self.leaves) + i - inner) })
     }
 
-    /// Which boxes the ray meets before `t_max`, as bits, and where it enters them.
+    /// The boxes that the ray enters before `t_max`, as bits, and the distances at which it does.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, ray: &BoxRay, t_max: f32) -> (u32, f32x8<S>) {
         let mut enter = f32x8::splat(simd, 0.0);
@@ -175,7 +175,7 @@ fn on_grid(low: f32, high: f32, origin: f32, step: f32) -> [u8; 2] {
 /// A ray for testing boxes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxRay {
-    // Two starts, a little ahead and a little behind, so that boxes are met that rounding would miss.
+    // Two starts, a little ahead and a little behind, so that boxes are hit that rounding would miss.
     origin_near: [f32; 3],
     origin_far: [f32; 3],
     inverse: [f32; 3],

@@ -8,7 +8,7 @@ use crate::scene::{Instance, Scene};
 use glam::{Affine3A, Vec3A};
 use std::ops::Range;
 
-/// What traversal needs of an instance.
+/// The data of an instance that traversal needs.
 #[derive(Clone, Copy)]
 pub(super) struct PlacedMesh {
     pub(super) to_object: Affine3A,
@@ -19,9 +19,9 @@ pub(super) struct PlacedMesh {
 /// A ray in the object space of an instance.
 pub(super) struct Within {
     pub(super) origin: Vec3A,
-    /// Unit.
+    /// Direction of the ray, unit.
     pub(super) direction: Vec3A,
-    /// How much longer distances are there.
+    /// Factor of distances in object space.
     pub(super) scale: f32,
 }
 
@@ -31,7 +31,7 @@ impl PlacedMesh {
         Self { to_object: instance.to_object, mesh: instance.mesh, instance: i }
     }
 
-    /// The ray in its object space; `None` where that has no extent along it.
+    /// The ray in the instance's object space; `None` where that has no extent along it.
     #[inline(always)]
     pub(super) fn enter(&self, ray: &Ray) -> Option<Within> {
         let origin = self.to_object.transform_point3a(ray.origin);

@@ -1,6 +1,6 @@
 //! Trees of point clouds, beside those of triangles: who has none pays nothing. Leaves hold eight balls.
 //!
-//! A cloud that stands in the scene once, and is as large along all its axes, is met in render space; others in their own, where
+//! A cloud that stands in the scene once, and is as large along all its axes, is hit in render space; others in their own, where
 //! balls are balls however they are stretched.
 
 use super::balls::{Balls, Beam};
@@ -27,15 +27,15 @@ const EVEN: f32 = 1e-5;
 
 /// All point clouds of a scene.
 pub(super) struct PointForest {
-    /// In render space, of those that have one instance.
+    /// The tree in render space of the clouds that have one instance.
     common: PointTree,
-    /// In object space, of the others; by mesh.
+    /// The trees in object space of the other clouds; by mesh.
     shared: Vec<PointTree>,
-    /// By mesh, of those whose points move: by key, from there to the next.
+    /// Trees of the clouds whose points move, by mesh, then by key: from there to the next.
     posed: Vec<Vec<PointTree>>,
     places: Vec<Node>,
     placed: Vec<PlacedMesh>,
-    /// Those that move.
+    /// The instances that move.
     moving: Option<MovingPlaces>,
 }
 
@@ -44,16 +44,16 @@ pub(super) struct PointForest {
 struct PointTree {
     nodes: Vec<Node>,
     leaves: Vec<Balls>,
-    /// Where they go while the shutter is open, leaf by leaf; empty where they stay.
+    /// Positions at the next key while the shutter is open, leaf by leaf; empty where the points stay.
     to: Vec<Balls>,
 }
 
 /// A cloud as a tree holds it.
 struct Cloud<'a> {
-    /// Of no meaning in trees of one cloud.
+    /// Index of the instance; undefined in trees of one cloud.
     instance: u32,
     points: &'a Points,
-    /// To render space, and by how much balls are larger there; `None`: in object space.
+    /// The transform to render space, and the factor on balls there; `None`: in object space.
     place: Option<(&'a Affine3A, f32)>,
 }
 
@@ -86,7 +86,7 @@ fn sides(of: Vec2) -> Vec2 {
     Vec2::new(1f32.copysign(of.x), 1f32.copysign(of.y))
 }
 
-/// By how much an instance makes balls larger; `None` where they do not stay balls.
+/// Factor of an instance on balls; `None` where they do not stay balls.
 fn even_scale(instance: &Instance) -> Option<f32> {
     let m = &instance.to_render.matrix3;
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
@@ -96,7 +96,7 @@ fn even_scale(instance: &Instance) -> Option<f32> {
 }
 
 impl PointForest {
-    /// `None` where the scene has no points.
+    /// The trees of the scene's points; `None` if it has none.
     pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
         if scene.meshes.iter().all(|mesh| mesh.points.is_none()) {
             return None;
@@ -144,7 +144,7 @@ impl PointForest {
         places.into_iter().chain(self.common.bounds()).chain(moving).reduce(|a, b| a.union(&b))
     }
 
-    /// Offers the balls of an instance that a ray meets to `met`, which gives the end of the ray from then on; gives it, too.
+    /// Offers the balls of an instance that a ray hits to `met`, which gives the end of the ray from then on; gives it, too.
     #[inline(always)]
     fn follow_placed<S: Simd>(
         &self,
@@ -179,7 +179,7 @@ impl PointForest {
         ControlFlow::Continue(t_max)
     }
 
-    /// Offers all balls that a ray meets to `met`, as [`Self::follow_placed`].
+    /// Offers all balls that a ray hits to `met`, as [`Self::follow_placed`].
     #[inline(always)]
     fn follow<S: Simd>(
         &self,
@@ -315,7 +315,7 @@ impl PointTree {
         Self { nodes, leaves: names.iter().map(leaf).collect(), to: Vec::new() }
     }
 
-    /// Of the way of points from a key to the next, object space: boxes hold all of it.
+    /// The tree of points on their way from a key to the next, object space: boxes hold all of it.
     fn between(points: &Points, key: u32) -> Self {
         let ball = |point: u32, part: f32| points.at(point, Pose { key, part });
         let swept = |point: u32| Bounds::around(&[ball(point, 0.0), ball(point, 1.0)]).naming([0, point]);
@@ -335,7 +335,7 @@ impl PointTree {
         self.nodes.first().map(Node::bounds)
     }
 
-    /// Offers what a ray meets of balls that it does not pass by: instance, point, distance, from the middle outwards, and the
+    /// Offers what a ray hits of balls that it does not pass by: instance, point, distance, from the middle outwards, and the
     /// ray's end, which `met` gives anew.
     #[inline(always)]
     fn follow<S: Simd>(

@@ -11,15 +11,15 @@ use fearless_simd::Simd;
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 
-/// Triangles on their way between two keys. The blocks of the tree are where they come from.
+/// The triangles of a mesh between two keys. The blocks of the tree are those of the first key.
 pub(super) struct PosedTree {
     pub(super) tree: TriangleTree,
-    /// Where they go.
+    /// The blocks at the next key.
     to: Vec<Block>,
 }
 
 impl PosedTree {
-    /// Of the time from a key to the next.
+    /// The tree for the time from a key to the next.
     pub(super) fn new(mesh: &Mesh, poses: &Poses, key: usize) -> Self {
         let corners = |triangle: u32, part: f32| {
             let pose = Pose { key: key as u32, part };
@@ -44,7 +44,7 @@ impl PosedTree {
         Self { tree, to: built.leaves.iter().map(|leaf| block(leaf, 1.0)).collect() }
     }
 
-    /// As [`TriangleTree::closest`], after a part of the time.
+    /// [`TriangleTree::closest`] after a part of the time.
     #[inline(always)]
     pub(super) fn closest<S: Simd>(
         &self,
@@ -74,7 +74,7 @@ impl PosedTree {
         nearest
     }
 
-    /// As [`TriangleTree::visit`], after a part of the time.
+    /// [`TriangleTree::visit`] after a part of the time.
     #[inline(always)]
     pub(super) fn visit<S: Simd>(
         &self,

@@ -12,16 +12,16 @@ use arrayvec::ArrayVec;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// A tree whose boxes come to this many times the surface that they had when it was built is built anew: a ray meets
+/// A tree whose boxes come to this many times the surface that they had when it was built is built anew: a ray hits
 /// boxes in proportion to their surface (MacDonald and Booth 1990).
 const WORSE: f32 = 1.25;
 
-/// What must be the same for trees to be kept.
+/// The properties of a scene that must be equal for trees to be kept.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Topology {
-    /// By instance.
+    /// The mesh of each instance.
     meshes: Vec<u32>,
-    /// By mesh.
+    /// Number of triangles of each mesh.
     triangles: Vec<usize>,
     /// The instances that move.
     moving: Vec<u32>,
@@ -64,7 +64,7 @@ impl Accel {
 }
 
 impl TriangleTree {
-    /// The same tree around the same triangles where they are now; `None` where a build is the better choice.
+    /// This tree around the present places of its triangles; `None` where a build is the better choice.
     pub(super) fn refitted(&self, source: &TriangleSource<'_>) -> Option<Self> {
         let count: usize = self.blocks.par_iter().map(Block::len).sum();
         if self.nodes.is_empty() || count != source.count() {
@@ -101,21 +101,21 @@ impl TriangleTree {
         (tree.surface_now() <= WORSE * self.surface).then_some(tree)
     }
 
-    /// Of all boxes.
+    /// Sum of half of the surface of all boxes.
     pub(super) fn surface_now(&self) -> f32 {
         self.nodes.iter().map(|node| node.boxes().map(|b| b.half_area()).sum::<f32>()).sum()
     }
 }
 
 impl Block {
-    /// How many triangles it holds: those of the first lanes.
+    /// Number of triangles in the block: those of the first lanes.
     fn len(&self) -> usize {
         (0..LANES).take_while(|&lane| self.holds(lane)).count()
     }
 }
 
 impl Node {
-    /// The same children, their boxes now these.
+    /// A node with the children of this one and with these boxes.
     fn around(&self, boxes: &[Bounds]) -> Self {
         let (first_node, first_leaf) = self.first_children();
         Self::new(boxes, self.inner_count()).pointing_to(first_node, first_leaf)

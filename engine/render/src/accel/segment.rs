@@ -1,10 +1,10 @@
-//! Where a ray meets one segment of a curve.
+//! Intersection of a ray with one segment of a curve.
 //!
 //! The segment is looked at along the ray and taken in pieces, eight at a time, a lane each. A piece lies between the planes
 //! through its two joints at right angles to the curve; neighbours share a plane to the last bit, so that nothing passes between
 //! them. Ribbons are even between joints and face the ray (Nakamaru and Ohno 2002; Woop, Benthin, Wald, Johnson and Tabellion
 //! 2014, as Cycles has them); round strands are cones about the line between joints (in the manner of the phantom intersector of
-//! Reshetov and Luebke 2018, with the planes instead of its iteration), met on their way in and on their way out.
+//! Reshetov and Luebke 2018, with the planes instead of its iteration), hit on their way in and on their way out.
 
 use super::LEANS_AWAY;
 use crate::scene::curves::{Controls, CurveShape};
@@ -15,7 +15,7 @@ use std::ops::Range;
 const LANES: usize = 8;
 /// Pieces of a round segment at most.
 const MOST_PIECES: f32 = 64.0;
-/// Ribbons are met from twice their radius away on, as in Embree: nearer ones of other strands would show cuts.
+/// Ribbons are hit from twice their radius away on, as in Embree: nearer ones of other strands would show cuts.
 const RIBBON_ROOM: f32 = 2.0;
 
 /// Round pieces reach so many radii over the joint before and the one behind them: two cones do not meet the plane between them in
@@ -27,12 +27,12 @@ const OVERLAP: [f32; 2] = [0.005, 0.1];
 const OVERLAP_DEPTH: f32 = 0.01;
 
 /// A ray along whose direction curves are looked at.
-pub(super) struct Gaze {
+pub(super) struct RayFrame {
     origin: Vec3A,
     axes: [Vec3A; 3],
 }
 
-impl Gaze {
+impl RayFrame {
     /// `direction` has length one.
     pub(super) fn new(origin: Vec3A, direction: Vec3A) -> Self {
         let (x, y) = direction.any_orthonormal_pair();
@@ -66,21 +66,21 @@ impl Gaze {
     }
 }
 
-/// Where a segment is met.
+/// A hit on a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CurveMet {
     pub(super) t: f32,
-    /// Along the segment, 0 to 1; beyond that on a round end, by what the normal has along the strand.
+    /// Place along the segment, 0 to 1; beyond that on a round end, by the part of the normal along the strand.
     pub(super) u: f32,
-    /// Across it, -1 to 1: the sine of the angle between the normal and the view, to the side of the cross product of the
+    /// Place across the segment, -1 to 1: the sine of the angle between the normal and the view, to the side of the cross product of the
     /// strand's direction and the view. [`LEANS_AWAY`] more where the normal leans as it does not of a cylinder.
     pub(super) v: f32,
 }
 
-/// What a segment has of a ray: on the way in, and on the way out.
+/// The hits of a ray on a segment: on the way in, and on the way out.
 pub(super) type BothMet = [Option<CurveMet>; 2];
 
-/// How a segment is taken apart.
+/// The division of a segment into pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cut {
     Ribbon(u16),
@@ -112,8 +112,8 @@ impl Cut {
         let pieces = self.pieces();
         // The edges between round pieces stick out.
         let reach = if matches!(self, Self::Round(_)) { 1.04 } else { 1.0 };
-        // As far as a curve is from the chord of a piece: an eighth of the second difference. A ribbon, whose pieces end at right angles to the
-        // curve and not to their chords, is met less far outside of them.
+        // As far as a curve is from the chord of a piece: an eighth of the second difference. A ribbon, whose pieces end at right angles to
+        // the curve and not to their chords, is hit less far outside of them.
         let [_, _, c, d] = if self == Self::Straight { [Vec4::ZERO; 4] } else { controls.coefficients() };
         let second = (2.0 * c).truncate().length().max((2.0 * c + 6.0 * d).truncate().length());
         let bend = second / (8.0 * f32::from(pieces) * f32::from(pieces));
@@ -129,7 +129,8 @@ impl Cut {
     }
 }
 
-/// So many that no chord is a fiftieth of the radius from the curve, nor two more than a quarter of a radian apart.
+/// Number of pieces of a round segment: no chord is a fiftieth of the radius from the curve, nor are two more than a quarter of a radian
+/// apart.
 fn round_pieces(controls: &Controls) -> u16 {
     let [_, b, c, d] = controls.coefficients();
     let bend = (2.0 * c).truncate().length().max((2.0 * c + 6.0 * d).truncate().length());
@@ -140,11 +141,11 @@ fn round_pieces(controls: &Controls) -> u16 {
     pieces.clamp(LANES as f32, MOST_PIECES) as u16
 }
 
-/// The nearest places before `t_max` where a part of a segment is met, some of its pieces.
+/// The nearest places before `t_max` where a part of a segment is hit, some of its pieces.
 #[inline(always)]
 pub(super) fn meet<S: Simd>(
     simd: S,
-    gaze: &Gaze,
+    gaze: &RayFrame,
     controls: [Vec4; 4],
     (cut, part): (Cut, &Range<u16>),
     t_max: f32,
@@ -160,7 +161,7 @@ pub(super) fn meet<S: Simd>(
     }
 }
 
-/// Whether the ray is too far from the line between the segment's ends, as it is seen along the ray, for what bends about that.
+/// True if the ray is farther from the line between the segment's ends, as seen along the ray, than the curve bends away from that line.
 #[inline(always)]
 fn passes_by(seen: &Controls) -> bool {
     let [start, first, second, end] = seen.hull();
@@ -205,7 +206,7 @@ fn in_pieces<S: Simd, const ROUND: bool>(
     if ROUND { both.map(|met| met.map(|met| on_curve(&coefficients, met))) } else { both }
 }
 
-/// The place of the curve that is nearest to where a piece was met, instead of that of the chord.
+/// The place of the curve that is nearest to where a piece was hit, instead of that of the chord.
 fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
     let at = |u: f32| *a + u * (*b + u * (*c + u * *d));
     let slope = |u: f32| (*b + u * (2.0 * *c + 3.0 * u * *d)).truncate();
@@ -217,11 +218,11 @@ fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
     if (u + v).is_finite() { CurveMet { u, v: v.clamp(-1.0, 1.0), ..met } } else { met }
 }
 
-/// What the lanes found.
+/// The hits in the lanes.
 struct Lanes<S: Simd> {
     hit: u32,
     t: f32x8<S>,
-    /// Along the piece.
+    /// Place along the piece.
     s: f32x8<S>,
     v: f32x8<S>,
 }
@@ -354,8 +355,8 @@ fn round<S: Simd>(
     }
 }
 
-/// What a ball sweeps that goes from one key to the other, its radius changing evenly: a cone that touches two balls, and what of
-/// them is outside of it.
+/// The hits on the body that a ball sweeps from one key to the other, its radius changing evenly: a cone that touches two balls, and the
+/// parts of them outside of it.
 fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> BothMet {
     let (start, end) = (*start, *end);
     let axis = (end - start).truncate();

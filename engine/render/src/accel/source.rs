@@ -1,4 +1,4 @@
-//! Which triangles belong to which tree.
+//! The assignment of triangles to trees.
 
 use super::bounds::Bounds;
 use crate::scene::{Scene, mesh::Mesh};
@@ -6,14 +6,14 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Which of the instances that stand still go where.
+/// The still instances, sorted by the tree that holds them.
 pub(super) struct Parts {
-    /// Those whose mesh has no other.
+    /// Instances whose mesh has no tree of its own.
     pub(super) alone: Vec<u32>,
     pub(super) several: Vec<u32>,
-    /// By mesh: its instances.
+    /// Number of instances, by mesh.
     uses: Vec<u32>,
-    /// From so many on a mesh has a tree of its own.
+    /// Least number of instances of a mesh that has a tree of its own.
     sharing: u32,
 }
 
@@ -39,7 +39,7 @@ impl Parts {
         Self { alone, several, uses, sharing }
     }
 
-    /// By mesh: the triangles of those that have a tree of their own.
+    /// The triangles, by mesh, of those meshes that have a tree of their own.
     pub(super) fn shared_meshes<'a>(&self, scene: &'a Scene) -> Vec<Option<TriangleSource<'a>>> {
         let source =
             |(mesh, &uses): (&'a Arc<Mesh>, &u32)| (uses >= self.sharing).then_some(TriangleSource::Mesh(mesh));
@@ -49,9 +49,9 @@ impl Parts {
 
 /// The triangles of a tree, by name: an instance and a triangle of its mesh.
 pub(super) enum TriangleSource<'a> {
-    /// Of instances, in render space.
+    /// Triangles of instances, in render space.
     Placed { scene: &'a Scene, instances: &'a [u32] },
-    /// Of a mesh, in object space; the instance has no meaning.
+    /// Triangles of a mesh, in object space; the instance is undefined.
     Mesh(&'a Mesh),
 }
 
@@ -80,7 +80,7 @@ impl<'a> TriangleSource<'a> {
         }
     }
 
-    /// Boxes around all of them.
+    /// Boxes around all triangles.
     pub(super) fn boxes(&self) -> Vec<Bounds> {
         let mut boxes = Vec::with_capacity(self.count());
         let mut add = |instance: u32, mesh: &Mesh| {

@@ -43,7 +43,7 @@ fn direction(u: [f32; 2]) -> Vec3A {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// A ray that starts inside of a closed mesh meets it, whichever way it goes, edges and corners included.
+    /// A ray that starts inside of a closed mesh hits it, whichever way it goes, edges and corners included.
     #[test]
     fn closed_meshes_have_no_gaps(u in [0f32..1.0, 0f32..1.0], edge in 0usize..2000, scale in -3f64..4.0) {
         let size = 10f64.powf(scale);

@@ -31,11 +31,11 @@ impl TreeRay {
 pub(super) struct TriangleTree {
     pub(super) nodes: Vec<Node>,
     pub(super) blocks: Vec<Block>,
-    /// Of all boxes when the tree was built.
+    /// Sum of half of the surface of all boxes when the tree was built.
     pub(super) surface: f32,
 }
 
-/// A triangle that a ray meets.
+/// A triangle that a ray hits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     pub(super) t: f32,
@@ -131,7 +131,7 @@ pub(super) fn lanes(bits: u32) -> impl Iterator<Item = usize> {
     )
 }
 
-/// Offers the leaves whose boxes the ray meets before `t_max` to `leaf`, roughly near ones first; it gives the end of
+/// Offers the leaves whose boxes the ray hits before `t_max` to `leaf`, roughly near ones first; it gives the end of
 /// the ray from then on.
 #[inline(always)]
 pub(super) fn traverse<S: Simd>(

@@ -10,7 +10,7 @@ pub(super) const LANES: usize = 8;
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Block {
-    /// By corner, then axis. NaN in lanes without a triangle.
+    /// Corners, then axes. NaN in lanes without a triangle.
     corners: [[[f32; LANES]; 3]; 3],
     /// Index into the scene's instances; of no meaning in trees of one mesh.
     pub(super) instance: [u32; LANES],
@@ -18,11 +18,11 @@ pub(super) struct Block {
     pub(super) triangle: [u32; LANES],
 }
 
-/// What the lanes of a block found.
+/// The hits of a ray in the lanes of a block.
 pub(super) struct Met {
-    /// Lanes that the ray meets, as bits.
+    /// Lanes that the ray hits, as bits.
     pub(super) lanes: u32,
-    /// Their distances.
+    /// Distances of the hits.
     pub(super) t: [f32; LANES],
     /// Weights of the second corner.
     pub(super) u: [f32; LANES],
@@ -31,7 +31,7 @@ pub(super) struct Met {
 }
 
 impl Block {
-    /// Without triangles.
+    /// A block without triangles.
     pub(super) const EMPTY: Self =
         Self { corners: [[[f32::NAN; LANES]; 3]; 3], instance: [0; LANES], triangle: [0; LANES] };
 
@@ -44,7 +44,7 @@ impl Block {
         self.triangle[lane] = triangle;
     }
 
-    /// The same triangles on their way to where another block has them, after a part of it.
+    /// These triangles moved by a part of the way to where another block has them.
     #[inline(always)]
     pub(super) fn towards(&self, to: &Self, part: f32) -> Self {
         let mut now = self.clone();
@@ -64,7 +64,7 @@ impl Block {
         self.corners.map(|p| Vec3::new(p[0][lane], p[1][lane], p[2][lane]))
     }
 
-    /// The triangles that a ray meets before `t_max`.
+    /// The triangles that a ray hits before `t_max`.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, ray: &Shear, t_max: f32) -> Option<Met> {
         let (ax, ay, az) = self.seen(simd, ray, 0);

@@ -10,7 +10,7 @@
 
 use super::batch::LensBatch;
 use super::beam;
-use super::description::{CameraDescription, Shown};
+use super::description::{CameraDescription, EnabledEffects};
 use super::gaussian::{Gaussian, Order};
 use super::mount::Mount;
 use super::packet::Request;
@@ -29,8 +29,8 @@ mod warp;
 
 use warp::Warp;
 
-/// How much larger than the picture the film is on which rays may start, at most: for places that a lens with distortion shows
-/// outside of it.
+/// Largest size of the film on which rays may start, as a multiple of the picture's: for places that a lens with distortion shows outside
+/// of it.
 const MOST_BEYOND: f64 = 1.5;
 /// Rays whose mean is a chief ray.
 const RAYS: usize = 32;
@@ -38,9 +38,9 @@ const RAYS: usize = 32;
 const MIDDLE: [f32; 2] = [0.5, 1e-4];
 /// Nodes of a map across the picture: distortion is smooth.
 const NODES: usize = 49;
-/// Of the small difference between two wavelengths.
+/// Nodes of a map of the small difference between two wavelengths.
 const COLOUR_NODES: usize = 17;
-/// What infinity is where something is to be seen at a distance, mm.
+/// The distance that stands for infinity, mm.
 const FAR_MM: f64 = 1e9;
 
 /// The camera.
@@ -48,15 +48,15 @@ pub struct Adapted {
     maker: Maker,
     mount: Mount,
     spectrum: FilmSpectrum,
-    /// The maker has one wavelength for all of the film's.
+    /// True if the maker has one wavelength for all of the film's.
     is_grey: bool,
-    /// Everything is seen through the middle of the pupil.
+    /// True if everything is seen through the middle of the pupil.
     is_sharp: bool,
     /// The part of the maker's picture that this one is, in width and height.
     part: f32,
-    /// Where the maker sees what a place is to see; `None`: there.
+    /// The map from each place to the place at which the maker sees what is to be seen there; `None`: the identity.
     warp: Option<Warp>,
-    /// By wavelength of the film: the same again, seen from there. Empty where all colours take one way.
+    /// The maps to the place of each wavelength of the film, applied after `warp`. Empty where all colours take one way.
     by_colour: Vec<Warp>,
 }
 
@@ -66,10 +66,10 @@ enum Maker {
 }
 
 impl Adapted {
-    /// For a description of which `shown` is not all.
+    /// The camera of a description of which `shown` is not all.
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Result<Self, CameraError> {
         let shown = d.shown;
-        let plain = CameraDescription { shown: Shown::default(), ..d.clone() };
+        let plain = CameraDescription { shown: EnabledEffects::default(), ..d.clone() };
         let (mount, system) = Mount::new(&plain, axes, width, height)?;
         let spectrum = film_spectrum(&plain, &system);
         // Both ways in which colours part, or neither, are the lens's own way with its own wavelengths.
@@ -107,7 +107,7 @@ impl Adapted {
         Ok(Self { maker, mount, spectrum, is_grey, is_sharp, part: (1.0 / beyond) as f32, warp, by_colour })
     }
 
-    /// What the lens does in this camera.
+    /// Data of the lens in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info
     }
@@ -152,12 +152,12 @@ impl Adapted {
         }));
     }
 
-    /// What chooses the point of the pupil.
+    /// The numbers that choose the point of the pupil.
     fn aim(&self, u_lens: [f32; 2]) -> [f32; 2] {
         if self.is_sharp { MIDDLE } else { u_lens }
     }
 
-    /// Where in the maker's picture the ray of a place starts.
+    /// The place in the maker's picture where the ray of a place starts.
     fn place(&self, p: Vec2, u_wavelength: f32) -> Option<Vec2> {
         let mut place = p;
         if let Some(warp) = &self.warp {
@@ -169,7 +169,7 @@ impl Adapted {
         Some(place * self.part)
     }
 
-    /// With what the film makes of its wavelength, where its maker knows of none.
+    /// The ray with the film's response at its wavelength, if its maker has none.
     fn coloured(&self, ray: CameraRay, u_wavelength: f32) -> CameraRay {
         if !self.is_grey {
             return ray;
@@ -179,12 +179,12 @@ impl Adapted {
     }
 }
 
-/// What places see through a lens: directions from the middle of the entrance pupil, at the distance of the focus.
+/// The directions that places see through a lens, from the middle of the entrance pupil, at the distance of the focus.
 struct Sight {
     mount: Mount,
     system: System,
     map: PupilMap,
-    /// How much larger its film is than the picture; places are those of the picture.
+    /// The size of the film as a multiple of the picture's; places are those of the picture.
     beyond: f64,
     pupil: DVec3,
     distance_mm: f64,
@@ -215,7 +215,7 @@ impl Sight {
         (ray.origin + ray.direction * self.distance_mm - self.pupil).normalize_or(ray.direction)
     }
 
-    /// What places see by exact rays of one wavelength; `None` where no light arrives.
+    /// The directions that places see by exact rays of one wavelength; `None` where no light arrives.
     fn exact(&self, places: &[Vec2], tracer: &Tracer) -> Vec<Option<DVec3>> {
         let mut bundle = tracer.bundle(Travel::FromFilm);
         for &place in places {
@@ -230,14 +230,14 @@ impl Sight {
         (0..places.len()).map(mean).collect()
     }
 
-    /// The same by Gaussian optics.
+    /// The direction that a place sees by Gaussian optics.
     fn gaussian(&self, place: Vec2, lens: &GaussianLens) -> Option<DVec3> {
         let film = self.film_at(place);
         Some(self.seen(&lens.into_scene(film, lens.slopes(film, DVec2::ZERO))))
     }
 
-    /// What each place is to see, and where the maker of the rays sees it; `None` where that is the same place.
-    fn warp(&self, shown: Shown, line_nm: f64) -> Option<Warp> {
+    /// The map from each place to the place at which the maker of the rays sees what is to be seen there; `None` if both are the same.
+    fn warp(&self, shown: EnabledEffects, line_nm: f64) -> Option<Warp> {
         // What makes the rays has distortion itself, or none.
         if shown.distortion == shown.aberration {
             return None;
@@ -251,9 +251,9 @@ impl Sight {
         })
     }
 
-    /// From a place that shows something at the line of the focus to that where the maker of the rays shows it at the
+    /// The map from a place at the wavelength of the focus to the place at which the maker of the rays shows the same subject at the
     /// wavelength `nm`, as far as colours are to part; if `is_grey`, the maker has the line of the focus alone.
-    fn colour_warp(&self, shown: Shown, is_grey: bool, line_nm: f64, nm: f64) -> Warp {
+    fn colour_warp(&self, shown: EnabledEffects, is_grey: bool, line_nm: f64, nm: f64) -> Warp {
         let [line, here] = [line_nm, nm].map(|nm| self.system.at_wavelength(nm));
         let [line_g, here_g] = [line_nm, nm].map(|nm| GaussianLens::new(&self.system, nm));
         let wanted = if shown.lateral_colour { &here } else { &line };

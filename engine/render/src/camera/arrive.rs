@@ -1,11 +1,11 @@
 //! The wavelengths of a packet at a flat film, all at once in single precision.
 //!
-//! Those that do not lead come from rays of single precision: their places are good to some 1e-6 of the lens's size,
-//! far less than a pixel, and so are their densities.
+//! The wavelengths that do not lead come from rays of single precision: their places are good to some 1e-6 of the
+//! lens's size, far less than a pixel, and so are their densities.
 
 use super::mount::Mount;
-use super::packet::{Led, Request, Splats};
-use super::real_lens::{Lead, Line, RealLens};
+use super::packet::{HeroSample, Request, Splats};
+use super::real_lens::{LensSample, Line, RealLens};
 use crate::sampler::raster::Raster;
 use glam::DVec3;
 use petzval_optics::trace::{LINES, Leaving};
@@ -14,7 +14,7 @@ use wide::f32x8;
 // A register for a packet.
 const _: () = assert!(LINES == 8);
 
-/// What rays that leave the lens need to know of the film, and of their lines.
+/// The film and its lines, in single precision, for rays that leave the lens.
 pub(super) struct ShortFilm {
     /// Right, up, and away from the scene, with where the picture's middle lies along them, mm from the last vertex.
     axes: [([f32; 3], f32); 3],
@@ -22,11 +22,11 @@ pub(super) struct ShortFilm {
     per_mm: [f32; 2],
     /// The last vertex, lens space.
     vertex_z_mm: f32,
-    /// By set.
+    /// The sets of lines.
     sets: Vec<Set>,
 }
 
-/// What is different between the lines of a set.
+/// The data of each line of a set.
 struct Set {
     /// One over the index squared of the medium before the film.
     per_etendue: [f32; LINES],
@@ -36,7 +36,7 @@ struct Set {
 }
 
 impl ShortFilm {
-    /// `None` for a film that is curved.
+    /// The film of a mount and the data of its lines; `None` if the film is curved.
     pub(super) fn new(mount: &Mount, vertex_z_mm: f64, lines: &[Line], sets: usize, size: usize) -> Option<Self> {
         let (axes, middle) = mount.frame.flat()?;
         let from_vertex = middle - DVec3::new(0.0, 0.0, vertex_z_mm);
@@ -76,16 +76,16 @@ fn dot(axis: &[f32; 3], [x, y, z]: [f32x8; 3]) -> f32x8 {
 }
 
 impl RealLens {
-    /// What becomes of a ray that one wavelength led to, when all of its set have left the lens on their way back; as
-    /// [`Self::joined`] has it.
+    /// The result of a ray that one wavelength led to, when all wavelengths of its set have left the lens on their way
+    /// back; as [`Self::joined`] has it.
     pub(super) fn joined_in_short(
         &self,
         film: &ShortFilm,
         request: &Request,
-        lead: &Lead,
+        lead: &LensSample,
         leaving: &Leaving<'_, f32>,
         raster: &Raster,
-    ) -> Led {
+    ) -> HeroSample {
         let (set, leader) = self.leader(request.u_wavelength);
         let lines = &film.sets[set];
         let [x, y, z, dx, dy, dz] = leaving.numbers;
@@ -137,6 +137,6 @@ impl RealLens {
             splats.push_at(pixel, set + i * sets, weights[i]);
             lit &= lit - 1;
         }
-        Led { ray: self.mount.to_render(&lead.out), splats, set, density: f64::from(density) }
+        HeroSample { ray: self.mount.to_render(&lead.out), splats, set, density: f64::from(density) }
     }
 }

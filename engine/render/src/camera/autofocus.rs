@@ -14,8 +14,8 @@ use petzval_optics::trace::{Ray as LensRay, Tracer};
 
 /// Rays whose mean is what a picture point looks along.
 const RAYS: u32 = 256;
-/// How often is looked again from the film that was found. Then the subject stays, lest the look jump between two things
-/// at an edge.
+/// Number of times that the subject is looked up again from the film that was found. Then it stays, lest it jump between two things at an
+/// edge.
 const LOOKS: usize = 4;
 /// Steps for the film to settle.
 const MOST_STEPS: usize = 100;
@@ -29,7 +29,7 @@ const FAR_MM: f64 = 1e12;
 /// A focus that was found: the settings that say the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focused {
-    /// From the last vertex to the film's middle, before it is shifted.
+    /// Distance from the last vertex to the film's middle, before it is shifted, mm.
     pub film_distance_mm: f64,
     /// The focus distance that puts the film there, counted as the camera does; `None` is infinity. A film nearer to
     /// the lens than its focal plane has a negative one.
@@ -38,11 +38,11 @@ pub struct Focused {
     pub tilt_rad: f64,
     /// Turn of the film about its vertical axis.
     pub swing_rad: f64,
-    /// Groups inside of the lens have moved, not the film: only the focus distance says so.
+    /// True if groups inside of the lens have moved, not the film: only the focus distance says so.
     pub moves_groups: bool,
     /// Root mean square radius of the spot on the film, the largest of three.
     pub rms_spot_mm: f64,
-    /// What is sharp; `None` if it is infinitely far.
+    /// The sharp point, world space; `None` if it is infinitely far.
     pub subject_world: Option<DVec3>,
 }
 
@@ -117,10 +117,10 @@ pub fn on_three_points(
     Err(wrong(SharpPlaneError::Unsettled))
 }
 
-/// What a picture point sees.
+/// The subject at a picture point.
 #[derive(Clone, Copy, Debug)]
 enum Seen {
-    /// Render space.
+    /// A point, render space.
     Point(DVec3),
     /// Nothing, in this direction of lens space.
     Sky(DVec3),
@@ -136,7 +136,7 @@ struct Finder<'a> {
 }
 
 impl<'a> Finder<'a> {
-    /// At infinity.
+    /// A finder of a lens that is focused at infinity.
     fn new(d: &'a CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
         if matches!(d.model, Model::Pinhole | Model::Orthographic | Model::Thin) {
             return Err(d.error("only a lens can be focused so; choose a camera model that is made from a lens file"));
@@ -157,7 +157,7 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// What a picture point sees from the present film, by the mean of its rays.
+    /// The subject that a picture point sees from the present film, by the mean of its rays.
     fn look(
         &self,
         p: Vec2,
@@ -210,7 +210,7 @@ impl<'a> Finder<'a> {
         Ok(FilmPlane { z_mm: z_mm - sag, ..film })
     }
 
-    /// Puts the film, and the lens with it where the film is the anchor; true if it has been there.
+    /// Puts the film, and the lens with it where the film is the anchor; true if it hardly moved.
     fn put(&mut self, film: FilmPlane) -> bool {
         let before = std::mem::replace(&mut self.mount.film, film);
         self.mount.refocus(film, self.d.focusing.origin_z_mm(&self.system, self.line_nm, film.z_mm));

@@ -3,12 +3,12 @@
 
 use super::CameraRay;
 use super::outward::{Outward, OutwardBatch};
-use super::packet::{Led, Request, backwards};
-use super::real_lens::{Lead, RealLens};
+use super::packet::{HeroSample, Request, backwards};
+use super::real_lens::{LensSample, RealLens};
 use crate::sampler::raster::Raster;
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};
 
-/// The way out in the numbers that were chosen for it.
+/// The way out of the lens, in the numbers that were chosen for it.
 pub(super) enum Out {
     Single(Outward<f32>),
     Double(Outward<f64>),
@@ -37,7 +37,7 @@ macro_rules! on_the_way_out {
 }
 
 impl RealLens {
-    /// For batches of this lens.
+    /// Memory for batches of this lens.
     pub fn batch(&self) -> LensBatch {
         let out = match &self.out {
             Out::Single(out) => OutBatch::Single(out.batch()),
@@ -60,7 +60,7 @@ impl RealLens {
         requests: &[Request],
         raster: &Raster,
         batch: &mut LensBatch,
-        led: &mut Vec<Option<Led>>,
+        led: &mut Vec<Option<HeroSample>>,
     ) {
         on_the_way_out!(self, &mut batch.out, |out, memory| out.trace(self, requests, memory));
         batch.back.clear();
@@ -87,8 +87,8 @@ impl RealLens {
         }));
     }
 
-    /// What becomes of one request at the wavelength that it chooses.
-    pub(super) fn lead(&self, request: &Request) -> Option<Lead> {
+    /// The ray of one request at the wavelength that it chooses.
+    pub(super) fn lead(&self, request: &Request) -> Option<LensSample> {
         let mut batch = self.batch();
         on_the_way_out!(self, &mut batch.out, |out, memory| out.trace(self, std::slice::from_ref(request), memory));
         batch.lead(0)
@@ -96,9 +96,9 @@ impl RealLens {
 }
 
 impl LensBatch {
-    /// What became of request `i`.
+    /// The ray of request `i`.
     #[inline]
-    fn lead(&self, i: usize) -> Option<Lead> {
+    fn lead(&self, i: usize) -> Option<LensSample> {
         match &self.out {
             OutBatch::Single(out) => out.lead(i),
             OutBatch::Double(out) => out.lead(i),

@@ -12,7 +12,7 @@ pub(super) fn push(bundle: &mut Bundle, map: &PupilMap, film: DVec3, rays: u32) 
     }
 }
 
-/// So many rays from a film point, those that get through, before the lens.
+/// Rays of a film point before the lens: those of `rays` that get through.
 pub(super) fn through(tracer: &Tracer, map: &PupilMap, film: DVec3, rays: u32) -> Vec<Ray> {
     let mut bundle = tracer.bundle(Travel::FromFilm);
     push(&mut bundle, map, film, rays);

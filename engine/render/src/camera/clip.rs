@@ -1,4 +1,4 @@
-//! What of the scene camera rays see, by its depth: Blender's clipping.
+//! Clipping of camera rays by depth, as in Blender.
 
 use super::{Camera, CameraDescription};
 use crate::accel::Ray;
@@ -7,26 +7,27 @@ use glam::{DVec3, Vec3A};
 /// Two planes at right angles to a camera's axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Clip {
-    /// Along the axis, render space, unit.
+    /// Direction along the axis, render space, unit.
     forward: Vec3A,
     near: f32,
     far: f32,
 }
 
 impl Clip {
-    /// Of a camera whose place is render space's origin; `None` if it leaves nothing out.
+    /// The clip planes of a camera whose place is render space's origin; `None` if they leave nothing out.
     pub fn new(d: &CameraDescription, camera: &Camera) -> Option<Self> {
         Self::along(d, camera.axes().z_axis)
     }
 
-    /// The same of a camera that is not made yet; `backwards` is its axis from the scene to the film, render space.
+    /// The clip planes of a camera that is not made yet; `None` if they leave nothing out. `backwards` is its axis from
+    /// the scene to the film, render space.
     pub fn along(d: &CameraDescription, backwards: DVec3) -> Option<Self> {
         let [near, far] = d.clip;
         let leaves_out = near > 0.0 || far < f64::INFINITY;
         leaves_out.then_some(Self { forward: -backwards.as_vec3a(), near: near as f32, far: far as f32 })
     }
 
-    /// What of a camera ray lies between the planes.
+    /// The part of a camera ray between the planes.
     #[inline]
     pub fn cut(&self, ray: Ray) -> Ray {
         let (along, depth) = (self.forward.dot(ray.direction), self.forward.dot(ray.origin));
@@ -39,8 +40,8 @@ impl Clip {
         Ray { origin: ray.origin + ray.direction * begin, t_max: (end - begin).max(0.0), ..ray }
     }
 
-    /// The same for light that goes to the camera: how far of its way things may stand in it; `None` if it comes from
-    /// beyond.
+    /// The distance along a ray of light towards the camera up to which surfaces may occlude it; `None` if the light
+    /// comes from beyond the clip planes.
     pub fn way_to_camera(&self, ray: &Ray) -> Option<f32> {
         let (along, depth) = (-self.forward.dot(ray.direction), self.forward.dot(ray.origin));
         if along <= 1e-6 {

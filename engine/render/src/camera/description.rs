@@ -12,19 +12,19 @@ use petzval_optics::focus::Focusing;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Which model photographs.
+/// A camera model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
     /// Every ray traced through the prescription.
     #[default]
     Lens,
-    /// A point.
+    /// A pinhole.
     Pinhole,
     /// A plane that bends light without aberration.
     Thin,
     /// The lens's principal planes and pupils at one wavelength.
     Thick,
-    /// The same at every wavelength.
+    /// The lens's principal planes and pupils at every wavelength.
     Paraxial,
     /// A table of the lens's rays at one wavelength.
     ImageBased,
@@ -32,7 +32,7 @@ pub enum Model {
     Orthographic,
 }
 
-/// Into what the film parts the light.
+/// The wavelengths into which the film divides the light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spectrum {
     /// All visible wavelengths.
@@ -45,7 +45,7 @@ pub enum Spectrum {
 }
 
 impl Spectrum {
-    /// How many wavelengths that is.
+    /// Number of wavelengths.
     pub fn count(self) -> usize {
         match self {
             Self::Visible => SPECTRAL_COUNT,
@@ -55,24 +55,24 @@ impl Spectrum {
     }
 }
 
-/// What of a lens that is traced is to be seen in the picture; all of it, but where somebody takes something out.
+/// The effects of a traced lens that the picture shows; by default all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shown {
-    /// Blur of what is out of focus; else everything is seen through the middle of the pupil.
+pub struct EnabledEffects {
+    /// Blur of what is out of focus; if false, everything is seen through the middle of the pupil.
     pub defocus: bool,
-    /// Aberrations; else Gaussian optics make the image, with all else of the lens.
+    /// Aberrations; if false, Gaussian optics make the image, with all else of the lens.
     pub aberration: bool,
-    /// Distortion; else straight lines are straight.
+    /// Distortion; if false, straight lines are straight.
     pub distortion: bool,
-    /// Vignetting; else the picture is as bright everywhere as in its middle. Blur keeps its shapes.
+    /// Vignetting; if false, the picture is as bright everywhere as in its middle. Blur keeps its shapes.
     pub vignetting: bool,
-    /// Colours of different size.
+    /// Lateral colour: the size of the image depends on the wavelength.
     pub lateral_colour: bool,
-    /// Colours of different focus.
+    /// Axial colour: the focus depends on the wavelength.
     pub axial_colour: bool,
 }
 
-impl Default for Shown {
+impl Default for EnabledEffects {
     fn default() -> Self {
         Self {
             defocus: true,
@@ -85,8 +85,8 @@ impl Default for Shown {
     }
 }
 
-impl Shown {
-    /// Rays are those of the lens.
+impl EnabledEffects {
+    /// True if the rays are those of the lens: all effects but vignetting are shown.
     pub fn is_traced_plainly(&self) -> bool {
         self.defocus && self.aberration && self.distortion && self.lateral_colour && self.axial_colour
     }
@@ -95,9 +95,9 @@ impl Shown {
 /// A camera as it arrives. Angles in radians; `None` leaves the lens's own value.
 #[derive(Clone, Debug)]
 pub struct CameraDescription {
-    /// For messages.
+    /// The camera's object, for messages.
     pub object_name: String,
-    /// Which model.
+    /// The camera model.
     pub model: Model,
     /// Camera space (x right, y up, looking along -z) to world space; its scale does not count.
     pub matrix_world: DMat4,
@@ -113,7 +113,7 @@ pub struct CameraDescription {
     pub lens_path: PathBuf,
     /// Focal length to scale the lens to, mm.
     pub focal_length_mm: Option<f64>,
-    /// Or its scale.
+    /// Factor by which to scale the lens, instead of [`Self::focal_length_mm`].
     pub focal_scale: Option<f64>,
     /// Stop; `None` is wide open.
     pub f_number: Option<f64>,
@@ -123,57 +123,58 @@ pub struct CameraDescription {
     pub blades: u32,
     /// Turn of the diaphragm.
     pub blade_rotation_rad: f64,
-    /// How far the blades are curved: 0 straight, 1 round.
+    /// Curvature of the blades: 0 straight, 1 round.
     pub blade_curvature: f64,
     /// The opening's shape instead of blades; turned like them.
     pub aperture_mask: Option<Arc<ApertureMask>>,
-    /// Along the axis from what `focusing` says, Blender units; `None` is infinity.
+    /// Focus distance along the axis from the reference point of `focusing`, Blender units; `None` is infinity.
     pub focus_distance: Option<f64>,
-    /// What the focus distance is counted from, and what of a lens stands at the camera's origin.
+    /// The reference point of the focus distance, and the part of the lens that stands at the camera's origin.
     pub focusing: Focusing,
     /// A point whose depth is focused on, world space; wins over the distance.
     pub focus_point_world: Option<DVec3>,
-    /// From the last vertex to the film's middle, mm; wins over both.
+    /// Distance from the last vertex to the film's middle, mm; wins over distance and point.
     pub film_distance_mm: Option<f64>,
-    /// Film.
+    /// Width of the film, mm.
     pub film_width_mm: f64,
-    /// Film.
+    /// Height of the film, mm.
     pub film_height_mm: f64,
     /// Turn of the film about its horizontal axis.
     pub tilt_rad: f64,
     /// Turn of the film about its vertical axis.
     pub swing_rad: f64,
-    /// How far the lens is moved right and up against the film: the picture moves the same way over the scene.
+    /// Shift of the lens to the right and up against the film: the picture moves the same way over the scene.
     pub shift_mm: [f64; 2],
     /// Millimetres in the lens's space for a Blender unit along the camera's axes.
     pub scale_mm_per_unit: DVec3,
     /// One wavelength, nm; `None` is all that `spectrum` says.
     pub wavelength_nm: Option<f64>,
-    /// For lenses that treat wavelengths differently.
+    /// The wavelengths of the film, for lenses that treat wavelengths differently.
     pub spectrum: Spectrum,
-    /// What of the real lens is left out.
-    pub shown: Shown,
-    /// How the lens scatters.
+    /// The effects of the real lens that are shown.
+    pub shown: EnabledEffects,
+    /// Scattering in the lens.
     pub scattering: Scattering,
     /// Thin films wherever glass meets air; `None`: as the lens file has them.
     pub coating: Option<Coating>,
-    /// What surfaces and glasses take of the light is taken.
+    /// True if light is lost by reflection and absorption at surfaces and in glasses.
     pub transmission: bool,
-    /// What they take makes the picture darker; else it is exposed by the T-number, its middle as bright as if nothing were lost.
+    /// True if the losses of `transmission` make the picture darker; else it is exposed by the T-number, its middle as bright as if nothing
+    /// were lost.
     pub exposes_by_f_number: bool,
-    /// Of the numbers in which rays are traced from the film through the lens.
+    /// Precision of the numbers in which rays are traced from the film through the lens.
     pub precision: Precision,
-    /// `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
+    /// Exposure by physical settings; `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
     pub exposure: Option<PhysicalExposure>,
     /// Width of an orthographic picture, Blender units.
     pub orthographic_width: f64,
-    /// What is nearer along the camera's axis than the first, or farther than the second, is not seen by camera rays, Blender
-    /// units.
+    /// Clipping range, Blender units: camera rays do not see what is nearer along the camera's axis than the first or farther than the
+    /// second.
     pub clip: [f64; 2],
 }
 
 impl Default for CameraDescription {
-    /// At the world's origin, before full-frame film; everything is seen. A lens is still to be named.
+    /// A camera at the world's origin, before full-frame film; everything is seen. A lens is still to be named.
     fn default() -> Self {
         Self {
             object_name: "Camera".into(),
@@ -204,7 +205,7 @@ impl Default for CameraDescription {
             scale_mm_per_unit: DVec3::splat(1000.0),
             wavelength_nm: None,
             spectrum: Spectrum::default(),
-            shown: Shown::default(),
+            shown: EnabledEffects::default(),
             scattering: Scattering::default(),
             coating: None,
             transmission: false,

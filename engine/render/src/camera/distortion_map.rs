@@ -2,7 +2,7 @@
 //! distortion out of a picture, or to put it in.
 //!
 //! A picture point of the lens stands for the mean of the rays from its film point through all of the clear pupil, at one
-//! wavelength. Where it meets the plane that is sharp, the pinhole sees the same thing; a lens focused at infinity is
+//! wavelength. Where it hits the plane that is sharp, the pinhole sees the same thing; a lens focused at infinity is
 //! compared by direction. The pinhole is that of [`LensInfo::viewport_focal_length_mm`](super::setup::LensInfo).
 
 use super::beam;
@@ -28,7 +28,7 @@ const FOUND: f64 = 1e-9;
 /// Slopes are taken over this part of a cell.
 const DIFFERENCE: f64 = 1e-2;
 
-/// Which picture is made of which.
+/// The direction of a distortion map: the picture that is made, and the one it is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// The lens's, of a pinhole's.
@@ -37,7 +37,8 @@ pub enum Direction {
     Undistort,
 }
 
-/// Where the pinhole has what the lens shows, over the lens's picture. Picture points as everywhere: from the middle, -1/2 to 1/2.
+/// The map, over the lens's picture, from each point to the point at which the pinhole shows what the lens shows there. Picture points as
+/// everywhere: from the middle, -1/2 to 1/2.
 pub struct DistortionMap {
     mount: Mount,
     pinhole: Pinhole,
@@ -46,12 +47,12 @@ pub struct DistortionMap {
     /// Lens space, mm; `None`: at infinity.
     sharp_z_mm: Option<f64>,
     cells: [usize; 2],
-    /// By row, then column.
+    /// The nodes, by row, then column.
     nodes: Vec<Option<DVec2>>,
 }
 
 impl DistortionMap {
-    /// For pictures of that many pixels, by light of that wavelength; the lens stays focused as the camera has it.
+    /// The map for pictures of that many pixels, by light of that wavelength; the lens stays focused as the camera has it.
     ///
     /// # Errors
     /// [`CameraError`].
@@ -97,7 +98,7 @@ impl DistortionMap {
         DVec2::new(at(column, self.cells[0]), at(row, self.cells[1]))
     }
 
-    /// Where the pinhole has what the lens shows at a picture point, by rays; `None` where no light comes, or from behind.
+    /// The place in the pinhole's picture of what the lens shows at a picture point, by rays; `None` where no light comes, or from behind.
     pub fn look(&self, place: DVec2) -> Option<DVec2> {
         let film = &self.mount.film;
         let (u, v) = (-place.x * self.mount.info.picture_width_mm, -place.y * self.mount.info.picture_height_mm);
@@ -118,7 +119,8 @@ impl DistortionMap {
         self.pinhole.place(seen).filter(|p| p.is_finite())
     }
 
-    /// The same between the rays that were traced before, by cubics; where some of these are lost, by rays.
+    /// The place in the pinhole's picture of what the lens shows at a picture point, by cubics between the rays of the nodes; where some of
+    /// these are lost, by [`Self::look`]. `None` where no light comes, or from behind.
     pub fn at(&self, place: DVec2) -> Option<DVec2> {
         let within = |p: f64, cells: usize| {
             let at = (p + 0.5) * cells as f64 + BEYOND as f64;
@@ -143,7 +145,8 @@ impl DistortionMap {
         Some(sum)
     }
 
-    /// Where the lens shows what the pinhole has at a picture point; `None` where it does not, or far outside of its picture.
+    /// The place in the lens's picture of what the pinhole shows at a picture point; `None` where the lens does not show it, or far outside
+    /// of its picture.
     pub fn back(&self, wanted: DVec2) -> Option<DVec2> {
         // From the middle outwards: the far side of a fold would be found else.
         let mut place = DVec2::ZERO;

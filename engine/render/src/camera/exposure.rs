@@ -5,15 +5,15 @@ use petzval_optics::pupil_map::{on_axis_throughput, unobstructed_part};
 use petzval_optics::system::System;
 use petzval_optics::trace::Tracer;
 
-/// What a digital camera's saturation is rated by, lux seconds times ISO: ISO 12232:2019, saturation-based speed.
+/// Saturation exposure of a digital camera, lux seconds times ISO: ISO 12232:2019, saturation-based speed.
 const SATURATION_LX_S: f64 = 78.0;
 
 /// A shutter and a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhysicalExposure {
-    /// How long it is open.
+    /// Exposure time.
     pub shutter_s: f64,
-    /// Speed.
+    /// Film speed.
     pub iso: f64,
     /// Luminous flux of one watt of the scene's white light, lm/W. Blender's own exchange formats count 683.
     pub lumens_per_watt: f64,
@@ -34,8 +34,8 @@ impl CameraDescription {
         self.exposure.map_or(1.0, |exposure| exposure.value(throughput))
     }
 
-    /// The same through a lens that may have something in its middle: by the T-number that is made up for as what glass takes, by the
-    /// f-number it makes the picture darker.
+    /// The picture's value for radiance one in the middle of a film behind a lens that may have a central obstruction. Exposure by the
+    /// T-number makes up for the obstruction as for the absorption of glass; by the f-number the obstruction makes the picture darker.
     pub(super) fn brightness_through(&self, tracer: &Tracer, system: &System, film_z_mm: f64) -> f64 {
         let throughput = on_axis_throughput(tracer, system, film_z_mm);
         let clear = if self.exposes_by_f_number { 1.0 } else { unobstructed_part(tracer, system, film_z_mm) };

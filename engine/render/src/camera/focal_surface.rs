@@ -1,9 +1,9 @@
 //! The surface of the scene that is sharp, as a map from the picture: where rays are aimed at that start in the scene.
 //!
-//! It serves to choose rays, so it need not be where the lens is sharpest; it must cover what the picture sees, no place
-//! twice, and its density must be known exactly. A film point is projected through the exit pupil onto an upright film;
-//! the chief rays say at what angle from the axis the lens sees a point there, by its distance from the axis; and in that
-//! direction the surface lies at the distance that is focused on: a plane, far off the axis a ball.
+//! The surface serves to choose rays, so it need not be where the lens is sharpest; it must cover what the picture sees, no place twice,
+//! and its density must be known exactly. A film point is projected through the exit pupil onto an upright film; the chief rays say at what
+//! angle from the axis the lens sees a point there, by its distance from the axis; and in that direction the surface lies at the distance
+//! that is focused on: a plane, far off the axis a ball.
 
 use super::beam;
 use super::mount::Mount;
@@ -18,34 +18,34 @@ use petzval_optics::trace::Tracer;
 const NODES: usize = 96;
 /// Rays whose mean is a chief ray.
 const RAYS: u32 = 48;
-/// How far beyond the picture the map is known, as a part of its half diagonal.
+/// Radius of the map, as a multiple of the picture's half diagonal.
 const BEYOND: f64 = 1.4;
-/// Where a lens is focused at infinity, the surface lies this many focal lengths away.
+/// Distance of the surface of a lens that is focused at infinity, focal lengths.
 const FAR: f64 = 1e4;
 /// The plane ends where the cosine of the angle from the axis falls below this.
 const PLANE_ENDS: f64 = 0.3;
 
-/// The map.
+/// The map of the surface that is in focus.
 pub(super) struct FocalSurface {
     /// Directions are counted from here: the entrance pupil's middle.
     middle: DVec3,
     /// The exit pupil's middle; `None` if it is at infinity.
     exit: Option<DVec3>,
     film_z: f64,
-    /// What the film's x is multiplied by, so that the lens sees all azimuths alike: not 1 for anamorphic lenses.
+    /// Factor of the film's x, so that the lens sees all azimuths alike: not 1 for anamorphic lenses.
     squeeze: f64,
     /// Distance between the nodes, mm on the film.
     step: f64,
     /// Angle from the axis by node, rad, counted to the side on which the film point lies; and its slope, rad per mm.
     angles: Vec<[f64; 2]>,
-    /// Of the plane from the middle, mm.
+    /// Distance of the plane from the middle, mm.
     distance: f64,
 }
 
 /// A point of the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FocalPoint {
-    /// Lens space, mm.
+    /// The point, lens space, mm.
     pub(super) point: DVec3,
     /// Element of the surface for one of the film, as a vector along its normal.
     pub(super) area_per_film_area: DVec3,

@@ -4,7 +4,7 @@
 use super::setup::Setup;
 use super::{CameraDescription, CameraError, Model};
 
-/// What may be changed for it.
+/// The settings that may be changed to frame like Blender's camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Framed {
     /// The lens is scaled, a zoom lens zoomed; the film becomes Blender's sensor.
@@ -13,21 +13,21 @@ pub enum Framed {
     ByFilm,
 }
 
-/// The settings that frame so.
+/// The settings that frame like Blender's camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Framing {
-    /// `None`: as it was.
+    /// Focal length, mm; `None`: as it was.
     pub focal_length_mm: Option<f64>,
-    /// The picture's.
+    /// Width of the picture, mm.
     pub film_width_mm: f64,
-    /// As before.
+    /// Height of the picture, mm.
     pub film_height_mm: f64,
-    /// Of the lens against the film.
+    /// Shift of the lens against the film, mm.
     pub shift_mm: [f64; 2],
     /// Angle along the larger side.
     pub angle_rad: f64,
-    /// The rays through the middle of the exit pupil reach the film's edges there; where they do not, the picture is dim or dark
-    /// towards them.
+    /// True if the rays through the middle of the exit pupil reach the film's edges; where they do not, the picture is dim or dark towards
+    /// them.
     pub reaches_edges: bool,
 }
 
@@ -36,7 +36,7 @@ const WIDER: f64 = 1.25;
 const FARTHEST: f64 = 1e3;
 /// Halvings of the bracket: to rounding.
 const HALVINGS: usize = 60;
-/// Of an angle, rad: what lies this near to the end of a zoom is its end.
+/// Tolerance of an angle, rad: a value this near to the end of a zoom is its end.
 const SAME: f64 = 1e-6;
 
 impl CameraDescription {
@@ -104,7 +104,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What it frames then; infinite where no ray of the picture's edge comes through the surfaces, or the film is too large to be.
+    /// The angle that is framed with this value; infinite where no ray of the picture's edge comes through the surfaces, or the film is too
+    /// large to be.
     fn angle(&self, value: f64) -> Result<f64, CameraError> {
         let [width, height] = self.size;
         let d = self.described(value);
@@ -120,7 +121,7 @@ impl<'a> Search<'a> {
         Ok(setup.angle_without_rims(&d, edge.map(|x| -x), edge).unwrap_or(f64::INFINITY))
     }
 
-    /// Over the range of a zoom.
+    /// Finds the focal length within the range of a zoom.
     fn within(&self, short: f64, long: f64) -> Result<f64, CameraError> {
         let (widest, narrowest) = (self.angle(short)?, self.angle(long)?);
         if self.wanted_rad > widest + SAME || self.wanted_rad < narrowest - SAME {
@@ -132,7 +133,7 @@ impl<'a> Search<'a> {
         self.between(short, long)
     }
 
-    /// Of a lens that may be scaled, or a film, to whatever size.
+    /// Finds the size of a lens that may be scaled without limit, or of a film.
     fn anywhere(&self) -> Result<f64, CameraError> {
         // Larger lenses see less, larger films more.
         let factor = if self.by == Framed::ByFocalLength { WIDER } else { WIDER.recip() };
@@ -154,7 +155,7 @@ impl<'a> Search<'a> {
         self.between(wide, narrow)
     }
 
-    /// Between a value that sees as much or more and one that sees less.
+    /// Bisects between a value that sees as much or more and one that sees less.
     fn between(&self, mut wide: f64, mut narrow: f64) -> Result<f64, CameraError> {
         for _ in 0..HALVINGS {
             let middle = (wide * narrow).sqrt();

@@ -4,28 +4,28 @@
 //! ray. One sample of the camera and one light path belong to each pixel; their densities are those of a single one,
 //! with the pixel left to chance, so that both can be compared.
 
-use super::packet::{Led, Splats};
+use super::packet::{HeroSample, Splats};
 use super::real_lens::RealLens;
 use crate::sampler::raster::Raster;
 use glam::Vec3A;
 use petzval_optics::trace::Ray as LensRay;
 
-/// What a ray from the scene adds to the picture.
+/// The contribution of a ray from the scene to the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Landed {
-    /// What radiance along the ray adds to which pixels, for each unit of etendue, when each pixel has one light path.
+    /// Contributions of radiance along the ray to pixels, for each unit of etendue, when each pixel has one light path.
     pub splats: Splats,
     /// The density, per unit of etendue, with which the camera leads to this ray.
     pub density: f64,
 }
 
 impl RealLens {
-    /// Whether light paths can end in this lens: world and lens space are alike in shape.
+    /// True if light paths can end in this lens: world and lens space are similar.
     pub fn takes_light_paths(&self) -> bool {
         self.mount.scale().is_some()
     }
 
-    /// What every light path needs, made ahead.
+    /// Prepares the data that every light path needs.
     pub fn prepare_for_light_paths(&self) {
         self.entrance();
     }
@@ -42,13 +42,13 @@ impl RealLens {
         self.entrance().pdf(place, self.mount.direction_to_lens(direction.as_dvec3())) as f32
     }
 
-    /// How many sets of wavelengths there are to choose from.
+    /// Number of sets of wavelengths to choose from.
     pub fn sets(&self) -> usize {
         self.spectrum.sets()
     }
 
-    /// How far a ray that was aimed at the lens goes until it is there, Blender units: to the plane of the first vertex,
-    /// or to where it passes it by.
+    /// The distance from `from` to the lens of a ray that was aimed at it, Blender units: to the plane of the first vertex, or to the point
+    /// where the ray passes it by.
     pub fn distance_from(&self, from: Vec3A, direction: Vec3A) -> f32 {
         let place = self.mount.to_lens(from.as_dvec3());
         let along = self.mount.direction_to_lens(direction.as_dvec3());
@@ -81,12 +81,12 @@ impl RealLens {
     }
 
     /// The density per unit of etendue of a ray that a wavelength of its set led to.
-    pub fn led_density(&self, led: &Led) -> f64 {
+    pub fn led_density(&self, led: &HeroSample) -> f64 {
         led.density * self.per_etendue()
     }
 
-    /// From what is counted in mm² sr, for each pixel and the sum of a set's wavelengths, to render space, for the whole
-    /// picture and their mean.
+    /// Factor from densities per mm² sr, for each pixel and the sum of a set's wavelengths, to those of render space, for the whole picture
+    /// and the mean of the wavelengths.
     fn per_etendue(&self) -> f64 {
         let scale = self.mount.scale().unwrap_or(1.0);
         let picture_mm2 = self.mount.info.picture_width_mm * self.mount.info.picture_height_mm;

@@ -17,12 +17,12 @@ use petzval_optics::gaussian::GaussianLens;
 use petzval_optics::glass::line_nm;
 use petzval_optics::transmission::Passages;
 
-/// How much a model keeps of a lens.
+/// The part of a lens that a model keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Order {
     /// Principal planes and pupils at the d line (Kolb, Mitchell and Hanrahan 1995, §3.4).
     Thick,
-    /// Those of every wavelength.
+    /// Principal planes and pupils at every wavelength.
     Paraxial,
 }
 
@@ -31,7 +31,7 @@ pub struct Gaussian {
     mount: Mount,
     spectrum: FilmSpectrum,
     diaphragm: Diaphragm,
-    /// By wavelength of the film.
+    /// The lens and its gain at each wavelength of the film.
     lines: Vec<(GaussianLens, f64)>,
 }
 
@@ -76,7 +76,7 @@ impl Gaussian {
         self.mount.axes()
     }
 
-    /// What the lens does in this camera.
+    /// Data of the lens in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info
     }

@@ -28,7 +28,7 @@ pub struct ImageBased {
     table: RayTable,
     /// One over the exposure of the film's middle.
     gain: f64,
-    /// What becomes of a scene colour on the axis.
+    /// The lens's transform of a scene colour on the axis.
     tint: Mat3,
 }
 
@@ -60,7 +60,7 @@ impl ImageBased {
         self.mount.axes()
     }
 
-    /// What the lens does in this camera.
+    /// Data of the lens in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info
     }

@@ -1,7 +1,7 @@
 //! A camera seen from the scene: where in the picture it shows a point, looked at through a given point of its pupil.
 //!
-//! For how things move over the picture: a camera that stands, looks and is focused as it will be a frame later, and of
-//! which no rays are asked, so that nothing has to be prepared for choosing them well.
+//! It serves to find motion over the picture: a camera that stands, looks and is focused as it will be a frame later,
+//! and of which no rays are asked, so that nothing has to be prepared for choosing them well.
 
 use super::gaussian::Order;
 use super::mount::Mount;
@@ -19,17 +19,17 @@ use petzval_optics::gaussian::GaussianLens;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::trace::{Ray as LensRay, Tracer};
 
-/// What a camera looks at.
+/// A subject of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seen {
     /// A point, render space.
     Point(DVec3),
-    /// What lies infinitely far in a direction.
+    /// A subject infinitely far in a direction.
     Direction(DVec3),
 }
 
 impl Seen {
-    /// What lies a part of the way from this to another of its kind.
+    /// The subject a part of the way from this one to another of its kind.
     pub fn towards(self, other: Self, part: f64) -> Self {
         match (self, other) {
             (Self::Point(a), Self::Point(b)) => Self::Point(a.lerp(b, part)),
@@ -62,21 +62,21 @@ enum Eye {
 struct LensEye {
     mount: Mount,
     spectrum: FilmSpectrum,
-    /// By wavelength of the film.
+    /// The lens at each wavelength of the film.
     lines: Vec<Line>,
     /// The entrance pupil's middle near the axis and its radius, lens space, mm.
     pupil_middle: DVec3,
     pupil_radius: f64,
-    /// How the pupil moves with the direction, where rays are traced.
+    /// The pupil by direction, where rays are traced.
     entrance: Option<EntranceMap>,
 }
 
 /// The entrance pupil as something sees it: a fisheye's turns and comes to meet it.
 struct Pupil {
     middle: DVec3,
-    /// To what sees it.
+    /// Direction to the point that sees it.
     towards: DVec3,
-    /// From the axis' direction there, the shortest way.
+    /// Shortest turn from the axis' direction there.
     turn: DQuat,
 }
 

@@ -11,14 +11,14 @@ const _: () = assert!(SET_SIZE == LINES);
 pub(super) struct FilmLines {
     /// A group of lines for each set.
     pub(super) back: SpectralTracer,
-    /// The same for whole batches: a wavelength that did not lead lands within some 1e-6 of the lens's size of its place,
-    /// far less than a pixel, in a third of the time.
+    /// [`Self::back`] in single precision, for whole batches: a wavelength that did not lead lands within some 1e-6 of the lens's size of
+    /// its place, far less than a pixel, in a third of the time.
     pub(super) back_in_short: SpectralTracer<f32>,
     /// Wavelengths of a set.
     pub(super) size: usize,
-    /// How many sets there are.
+    /// Number of sets.
     pub(super) sets: usize,
-    /// By wavelength of the film: columns of what it makes of a scene colour, the fourth number of each 0.
+    /// Columns of the response to a scene colour, by wavelength of the film; the fourth number of each is 0.
     pub(super) responses: Vec<[Vec4; 3]>,
 }
 

@@ -1,4 +1,4 @@
-//! From a point of the picture to a weighted ray into the scene, by one of several models of a camera.
+//! Cameras: weighted rays into the scene from points of the picture, by one of several models of a camera.
 //!
 //! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
@@ -38,7 +38,7 @@ pub mod survey;
 pub mod thin;
 mod transmission;
 
-pub use description::{CameraDescription, Model, Shown, Spectrum};
+pub use description::{CameraDescription, EnabledEffects, Model, Spectrum};
 
 use crate::Rgb;
 use crate::accel::Ray;
@@ -61,7 +61,7 @@ use setup::LensInfo;
 use std::sync::Arc;
 use thin::Thin;
 
-/// Why a camera cannot photograph.
+/// An error by which a camera cannot photograph.
 #[derive(Debug, thiserror::Error)]
 pub enum CameraError {
     /// The lens file is missing or wrong.
@@ -72,7 +72,7 @@ pub enum CameraError {
     System {
         /// The lens's name.
         lens: String,
-        /// Why.
+        /// The cause.
         source: SystemError,
     },
     /// The lens cannot be focused as asked.
@@ -80,15 +80,15 @@ pub enum CameraError {
     Focus {
         /// The camera's object.
         camera: String,
-        /// Why.
+        /// The cause.
         source: FocusError,
     },
-    /// What is to be sharp cannot be.
+    /// The autofocus point cannot be made sharp.
     #[error("camera '{camera}': the autofocus point: {source}")]
     Autofocus {
         /// The camera's object.
         camera: String,
-        /// Why.
+        /// The cause.
         source: AutofocusError,
     },
     /// Three points cannot be sharp at once.
@@ -96,7 +96,7 @@ pub enum CameraError {
     SharpPlane {
         /// The camera's object.
         camera: String,
-        /// Why.
+        /// The cause.
         source: SharpPlaneError,
     },
     /// A setting out of range.
@@ -104,7 +104,7 @@ pub enum CameraError {
     Setting {
         /// The camera's object.
         camera: String,
-        /// Which, and what to do.
+        /// The setting, and what to do.
         what: String,
     },
 }
@@ -112,14 +112,14 @@ pub enum CameraError {
 /// A ray into the scene and what its radiance adds to the picture's colour.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRay {
-    /// Render space.
+    /// The ray, render space.
     pub ray: Ray,
     /// Averages to the picture's brightness: to the identity in the middle of the film.
     pub weight: Mat3,
 }
 
 impl CameraRay {
-    /// What a white world of radiance one adds.
+    /// The light of a white world of radiance one.
     pub fn white(&self) -> Rgb {
         self.weight * Rgb::ONE
     }
@@ -128,19 +128,19 @@ impl CameraRay {
 /// A camera ready to photograph. A clone shares its tables.
 #[derive(Clone)]
 pub enum Camera {
-    /// A point.
+    /// A pinhole.
     Pinhole(Pinhole),
     /// A thin lens.
     Thin(Thin),
-    /// A real one.
+    /// A real lens.
     Lens(Arc<RealLens>),
-    /// A real one to first order.
+    /// A real lens to first order.
     Gaussian(Arc<Gaussian>),
     /// A real one as a table.
     ImageBased(Arc<ImageBased>),
     /// A real one of which something is taken out.
     Adapted(Arc<Adapted>),
-    /// None.
+    /// No lens: parallel rays.
     Orthographic(Orthographic),
 }
 
@@ -220,7 +220,7 @@ impl Camera {
         }
     }
 
-    /// What it is called in reports.
+    /// Name of the camera model in reports.
     pub fn name(&self) -> &str {
         match self {
             Self::Pinhole(_) => "pinhole",
@@ -234,7 +234,7 @@ impl Camera {
     }
 }
 
-/// What a real lens does in this camera, without preparing to render; quick enough for a panel.
+/// Data of a real lens in this camera, without preparing to render; quick enough for a panel.
 ///
 /// # Errors
 /// As [`Camera::new`].

@@ -17,12 +17,12 @@ pub(super) struct Mount {
     axes: DMat3,
     origin_z_mm: f64,
     per_unit: DVec3,
-    /// Of vectors: lens space to render space, with its scale.
+    /// The matrix of vectors from lens space to render space, with its scale.
     vectors: DMat3,
 }
 
 impl Mount {
-    /// With the lens that was set up for it.
+    /// The mount of a camera, and the lens that was set up for it.
     pub(super) fn new(
         d: &CameraDescription,
         axes: DMat3,
@@ -56,7 +56,7 @@ impl Mount {
         self.frame.at(-p.x as f64 * self.info.picture_width_mm, -p.y as f64 * self.info.picture_height_mm)
     }
 
-    /// The picture point where a ray from the lens meets the film.
+    /// The picture point where a ray from the lens hits the film.
     #[inline]
     pub(super) fn picture_point(&self, ray: &LensRay) -> Option<Vec2> {
         let [u, v] = self.frame.meet(ray)?;
@@ -75,7 +75,7 @@ impl Mount {
         (self.axes.transpose() * d).normalize()
     }
 
-    /// The same, back.
+    /// A direction of lens space, where all axes have one scale, in render space.
     pub(super) fn direction_to_render(&self, d: DVec3) -> DVec3 {
         (self.axes * d).normalize()
     }

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3, Mat3, Vec2};
 #[derive(Clone)]
 pub struct Orthographic {
     axes: DMat3,
-    /// Blender units.
+    /// Width and height of the view, Blender units.
     size: DVec2,
     /// The picture's middle from the axis, Blender units.
     middle: DVec2,

@@ -60,7 +60,7 @@ impl CameraDescription {
         script.written()
     }
 
-    /// Says what of the lens cannot be written.
+    /// Checks that the lens can be written; the error says what cannot.
     fn refuse(&self, setup: &Setup) -> Result<(), CameraError> {
         let system = &setup.system;
         for (i, s) in system.surfaces().iter().enumerate() {
@@ -100,9 +100,9 @@ struct Script<'a> {
 /// Boxes about the pupil, and the light in the middle of the film.
 struct Tables {
     bounds: Vec<f64>,
-    /// As if nothing stood in the middle of the lens, over the square of the opening.
+    /// The light in the middle of the film without the central obstruction, over the square of the opening.
     light: Vec<f64>,
-    /// What stands there takes as much from every opening; by wavelength.
+    /// The light that the central obstruction takes, equal for all openings; by wavelength.
     hidden: Vec<f64>,
     cells_per_mm: f64,
 }
@@ -305,7 +305,7 @@ impl Script<'_> {
         text
     }
 
-    /// Which surfaces are aspheres, with their terms, and how their crossings are found.
+    /// The text of the surfaces that are aspheres, with their terms, and of the search for their crossings.
     fn aspheres(&self) -> (String, String) {
         let surfaces = self.setup.system.surfaces();
         let terms = |i: usize| match &surfaces[i].shape {
@@ -401,7 +401,7 @@ fn list(values: impl Iterator<Item = f64>) -> String {
     join(values.map(number))
 }
 
-/// In lines of some entries.
+/// The values in lines of some entries.
 fn join(values: impl Iterator<Item = String>) -> String {
     let values: Vec<String> = values.collect();
     let lines: Vec<String> = values.chunks(8).map(|line| line.join(", ")).collect();

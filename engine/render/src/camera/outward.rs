@@ -6,7 +6,7 @@
 use super::CameraRay;
 use super::mount::Mount;
 use super::packet::Request;
-use super::real_lens::{Lead, Line, RealLens};
+use super::real_lens::{LensSample, Line, RealLens};
 use crate::accel::Ray;
 use crate::spectrum::FilmSpectrum;
 use glam::{DMat3, DVec3, Mat3, Vec3A};
@@ -17,11 +17,11 @@ use wide::f32x8;
 /// The way out, ready for rays.
 pub(super) struct Outward<R: Traced> {
     tracer: SpectralTracer<R>,
-    /// `None` for a film that is curved.
+    /// The film; `None` if it is curved.
     film: Option<FlatFilm<R>>,
-    /// `None` where the axes of the world have different scales.
+    /// The world; `None` if its axes have different scales.
     world: Option<World<R>>,
-    /// By wavelength of the film: what its light counts in the picture's colours, and the gain.
+    /// The film's response at each wavelength in the picture's colours, and the gain.
     responses: Vec<Mat3>,
     gains: Vec<R>,
 }
@@ -29,9 +29,9 @@ pub(super) struct Outward<R: Traced> {
 /// Memory for batches on the way out.
 pub(super) struct OutwardBatch<R: Traced> {
     rays: SpectralBundle<R>,
-    /// By request: the density of its choice.
+    /// Density of the choice of each request.
     densities: Vec<R>,
-    /// By request: what the lens lets through along it; empty where nothing is lost.
+    /// The part of the light that the lens lets through along each request's ray; empty where nothing is lost.
     parts: Vec<f32>,
 }
 
@@ -47,7 +47,7 @@ struct FlatFilm<R> {
     vertex_z: R,
 }
 
-/// From the vertex of the first surface to render space.
+/// The transform from the vertex of the first surface to render space.
 struct World<R> {
     /// Rows, of points and of directions.
     points: [[R; 3]; 3],
@@ -79,7 +79,7 @@ impl<R: Real> FlatFilm<R> {
     }
 
     /// Chooses a ray for each of at most as many requests as fill a register: where it crosses the plane of the pupil's map,
-    /// its direction, and the density of the choice as [`Lead`] has it.
+    /// its direction, and the density of the choice as [`LensSample`] has it.
     #[inline]
     fn aim(&self, lens: &RealLens, requests: &[Request]) -> ([[R; LINES]; 5], [R; LINES]) {
         let mut places = [[0.0f32; LINES]; 2];
@@ -118,7 +118,7 @@ impl<R: Real> FlatFilm<R> {
 }
 
 impl<R: Real> World<R> {
-    /// To render space: x, y and z of origins, then of directions.
+    /// Transforms rays to render space: x, y and z of origins, then of directions.
     ///
     /// A call, not inlined: with arrays in memory the compiler works on whole registers.
     #[inline(never)]
@@ -143,14 +143,14 @@ impl<R: Real> World<R> {
     }
 }
 
-/// Row times column.
+/// The product of a row and a column.
 #[inline(always)]
 fn dot<R: Real>(row: &[R; 3], x: R, y: R, z: R) -> R {
     row[0] * x + row[1] * y + row[2] * z
 }
 
 impl<R: Traced> Outward<R> {
-    /// Of the film's wavelengths.
+    /// The lens on the way out, at the film's wavelengths.
     pub(super) fn new(
         mount: &Mount,
         vertex_z_mm: f64,
@@ -167,7 +167,7 @@ impl<R: Traced> Outward<R> {
         }
     }
 
-    /// An empty one.
+    /// An empty batch.
     pub(super) fn batch(&self) -> OutwardBatch<R> {
         OutwardBatch { rays: self.tracer.bundle(Travel::FromFilm, 1), densities: Vec::new(), parts: Vec::new() }
     }
@@ -247,10 +247,10 @@ impl<R: Traced> Outward<R> {
 }
 
 impl<R: Traced> OutwardBatch<R> {
-    /// What became of request `i`.
+    /// The ray of request `i`.
     #[inline]
-    pub(super) fn lead(&self, i: usize) -> Option<Lead> {
-        self.rays.result(i).ok().map(|out| Lead {
+    pub(super) fn lead(&self, i: usize) -> Option<LensSample> {
+        self.rays.result(i).ok().map(|out| LensSample {
             out,
             density: self.densities[i].to_f64(),
             part: self.parts.get(i).copied().unwrap_or(1.0),

@@ -4,7 +4,7 @@
 //! counted in it, divided by the area of a pixel, so that a ray which one wavelength chose can be used by all
 //! (Veach 1995, the balance heuristic over which of them could have led to it).
 
-use super::real_lens::{Lead, RealLens};
+use super::real_lens::{LensSample, RealLens};
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::sampler::raster::{Raster, turned};
@@ -12,14 +12,14 @@ use crate::spectrum::SET_SIZE;
 use glam::{Mat3, Vec2, Vec4};
 use petzval_optics::trace::{LINES, Lost, Ray as LensRay};
 
-/// Where a ray arrives at one wavelength.
+/// The arrival of a ray at one wavelength.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
     /// Column of the pixel that gets its light.
     pub x: u32,
-    /// Row.
+    /// Row of the pixel.
     pub y: u32,
-    /// What radiance along the ray adds to the pixel, for each unit of etendue and pixel area, before the film's response.
+    /// Contribution of radiance along the ray to the pixel, for each unit of etendue and pixel area, before the film's response.
     pub importance: f32,
     /// The density with which film-first samples, one for each pixel and all at this wavelength, choose the ray.
     pub density: f64,
@@ -28,20 +28,20 @@ pub struct Arrival {
 /// A ray's arrivals at the wavelengths of one set; `None` where it is lost or misses the picture.
 pub type Arrivals = [Option<Arrival>; SET_SIZE];
 
-/// What radiance adds to a pixel at one wavelength.
+/// The contribution of radiance to a pixel at one wavelength.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Splat {
     /// Column of the pixel.
     pub x: u32,
-    /// Row.
+    /// Row of the pixel.
     pub y: u32,
     /// Number of the film's wavelength, for [`RealLens::response`].
     pub wavelength: u32,
-    /// Of the radiance, before the film's response.
+    /// Factor of the radiance, before the film's response.
     pub weight: f32,
 }
 
-/// At most one splat for each wavelength of a set.
+/// The splats of a ray: at most one for each wavelength of a set.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Splats {
     list: [Splat; SET_SIZE],
@@ -49,14 +49,14 @@ pub struct Splats {
 }
 
 impl Splats {
-    /// One.
+    /// A list of one splat.
     pub fn one(splat: Splat) -> Self {
         let mut all = Self::default();
         all.push(splat);
         all
     }
 
-    /// Those of `arrivals` at the wavelengths of `set`, their importance times `scale`.
+    /// The splats of `arrivals` at the wavelengths of `set`, their importance times `scale`.
     #[inline]
     pub(super) fn new(arrivals: &Arrivals, set: usize, sets: usize, scale: f32) -> Self {
         let mut all = Self::default();
@@ -80,7 +80,7 @@ impl Splats {
         self.count += 1;
     }
 
-    /// All of them.
+    /// All splats.
     #[inline]
     pub fn as_slice(&self) -> &[Splat] {
         &self.list[..self.count as usize]
@@ -88,12 +88,12 @@ impl Splats {
 }
 
 impl RealLens {
-    /// How many wavelengths a packet carries.
+    /// Number of wavelengths in a packet.
     pub fn packet_size(&self) -> usize {
         self.film_lines.size
     }
 
-    /// What the film makes of a scene colour at its wavelength of that number.
+    /// The film's response to a scene colour at its wavelength of that number.
     #[inline]
     pub fn response(&self, wavelength: u32) -> Mat3 {
         self.spectrum.wavelengths()[wavelength as usize].response
@@ -120,7 +120,7 @@ impl RealLens {
         add(x, y, sum);
     }
 
-    /// Which wavelength leads, chosen by `u`: its set and its place in the set.
+    /// The wavelength that leads, chosen by `u`: its set and its place in the set.
     #[inline]
     pub(super) fn leader(&self, u: f32) -> (usize, usize) {
         // Division of short numbers is quicker.
@@ -134,7 +134,7 @@ impl RealLens {
         self.arrived(set, |i| rays[i], raster, u)
     }
 
-    /// Where the rays that left the lens at the wavelengths of a set arrive.
+    /// The arrivals of the rays that left the lens at the wavelengths of a set.
     #[inline]
     pub(super) fn arrived(
         &self,
@@ -158,8 +158,8 @@ impl RealLens {
         arrivals
     }
 
-    /// What arrives at a picture point at the film's wavelength number `index`, where film-first samples of that point
-    /// have the density `lead_density`.
+    /// The arrival at a picture point at the film's wavelength number `index`, where film-first samples of that point have the density
+    /// `lead_density`.
     #[inline]
     pub(super) fn arrival(
         &self,
@@ -179,14 +179,14 @@ impl RealLens {
 
 /// A ray that one wavelength led to, and what its radiance adds to which pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Led {
-    /// Render space.
+pub struct HeroSample {
+    /// The ray, render space.
     pub ray: Ray,
-    /// What its radiance adds.
+    /// The contributions of the ray's radiance to pixels.
     pub splats: Splats,
     /// The number of the set.
     pub set: usize,
-    /// The sum of the densities with which each wavelength would have led to it.
+    /// The sum of the densities with which each wavelength would have led to this ray.
     pub density: f64,
 }
 
@@ -203,24 +203,30 @@ pub struct Request {
     pub u_wavelength: f32,
     /// Choose the pixels of the wavelengths that arrive elsewhere.
     pub u_pixels: [f32; 2],
-    /// What chose the place in the pixel.
+    /// The numbers that chose the place in the pixel.
     pub u_place: [f32; 2],
-    /// Of rays that start in the scene: whether to look beyond the picture.
+    /// For rays that start in the scene: the number that chooses whether to look beyond the picture.
     pub u_beyond: f32,
 }
 
 impl RealLens {
     /// A ray as [`Self::sample`] has it, with what all wavelengths of its set make of it.
-    pub fn lead_all(&self, request: &Request, raster: &Raster) -> Option<Led> {
+    pub fn lead_all(&self, request: &Request, raster: &Raster) -> Option<HeroSample> {
         let (set, _) = self.leader(request.u_wavelength);
         let lead = self.lead(request)?;
         let arrivals = self.arrivals(set, backwards(&lead), raster, request.u_pixels);
         Some(self.joined(request, &lead, arrivals, raster))
     }
 
-    /// What becomes of a ray that one wavelength led to, when all others of its set have arrived.
+    /// The result of a ray that one wavelength led to, when all others of its set have arrived.
     #[inline]
-    pub(super) fn joined(&self, request: &Request, lead: &Lead, mut arrivals: Arrivals, raster: &Raster) -> Led {
+    pub(super) fn joined(
+        &self,
+        request: &Request,
+        lead: &LensSample,
+        mut arrivals: Arrivals,
+        raster: &Raster,
+    ) -> HeroSample {
         let (set, leader) = self.leader(request.u_wavelength);
         let sets = self.spectrum.sets();
         // The leader's own place and density are known without the rounding of the way back.
@@ -229,12 +235,12 @@ impl RealLens {
         arrivals[leader] = own.map(|a| Arrival { x, y, importance: a.importance * lead.part, ..a });
         let density: f64 = arrivals.iter().flatten().map(|a| a.density).sum();
         let splats = Splats::new(&arrivals, set, sets, density.recip() as f32);
-        Led { ray: self.mount.to_render(&lead.out), splats, set, density }
+        HeroSample { ray: self.mount.to_render(&lead.out), splats, set, density }
     }
 }
 
 /// The ray of a lead as light takes it.
 #[inline]
-pub(super) fn backwards(lead: &Lead) -> LensRay {
+pub(super) fn backwards(lead: &LensSample) -> LensRay {
     LensRay { origin: lead.out.origin, direction: -lead.out.direction }
 }

@@ -1,5 +1,5 @@
-//! In numbers of which size the rays of a camera leave through its lens: the shorter ones, with twice as many in a register,
-//! where nobody can see the difference; decided for each camera by measuring.
+//! The precision of the rays of a camera that leave through its lens: single, with twice as many in a register, where the difference is
+//! invisible; decided for each camera by measuring.
 //!
 //! The ray that single precision finds is taken back through the lens in double precision, without rims: it is exactly the
 //! ray of a film point somewhat aside, and how far aside, in pixels of this picture, is the error. It holds whatever the
@@ -12,10 +12,10 @@ use crate::sampler::evenly::Evenly;
 use glam::{DVec2, Vec2};
 use petzval_optics::trace::{Traced, Tracer};
 
-/// Which numbers are asked for.
+/// The precision that is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Single where its error is below [`TOLERANCE_PX`].
+    /// Single where the error of single precision is below [`TOLERANCE_PX`].
     #[default]
     Auto,
     /// f32.
@@ -25,7 +25,7 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// As it is asked for.
+    /// The name by which it is asked for.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -35,15 +35,15 @@ impl Precision {
     }
 }
 
-/// Which numbers a camera has, and why.
+/// The precision of a camera, and its reason.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen {
-    /// What was asked for.
+    /// The precision that was asked for.
     pub asked: Precision,
-    /// f32, or else f64.
+    /// True for f32, false for f64.
     pub is_single: bool,
-    /// By how many pixels single precision moves a ray, at most; infinite where it loses rays that double precision has,
-    /// finds some that it has not, or cannot hold what they count.
+    /// Largest displacement of a ray by single precision, pixels; infinite where it loses rays that double precision has, finds some that
+    /// it has not, or cannot hold what they count.
     pub error_px: f64,
 }
 
@@ -57,12 +57,12 @@ const RAYS: u32 = 2048;
 const EDGE: f32 = 1e-4;
 
 impl Chosen {
-    /// Before single precision was tried.
+    /// Double precision, before single precision was tried.
     pub(super) fn double(asked: Precision) -> Self {
         Self { asked, is_single: false, error_px: f64::INFINITY }
     }
 
-    /// For a lens as it is in this camera, of whose picture the size is given in pixels.
+    /// The precision for a lens as it is in this camera, of whose picture the size is given in pixels.
     pub(super) fn measure(asked: Precision, lens: &RealLens, single: &Outward<f32>, size: [u32; 2]) -> Self {
         let points = Evenly::default();
         let error_px = MARGIN * worst_px(lens, single, &lens.outward(), size, |i| fan(&points, i));
@@ -92,7 +92,7 @@ fn fan(points: &Evenly<5>, i: u32) -> Request {
     Request { place: Vec2::new(x - 0.5, y - 0.5), u_lens: [azimuth, radius], u_wavelength, ..Request::default() }
 }
 
-/// Of [`RAYS`] requests, the largest error in pixels.
+/// The largest error of [`RAYS`] requests in pixels.
 fn worst_px(
     lens: &RealLens,
     single: &Outward<f32>,

@@ -35,7 +35,7 @@ pub(super) fn film_spectrum(d: &CameraDescription, system: &System) -> FilmSpect
     }
 }
 
-/// Why no light at all arrives.
+/// The error of a lens through which no light arrives.
 pub(super) fn dark(d: &CameraDescription, lens_name: &str) -> CameraError {
     d.error(format!(
         "no light gets through '{lens_name}' to the middle of the film; open the diaphragm or change the focus"
@@ -46,19 +46,19 @@ pub(super) fn dark(d: &CameraDescription, lens_name: &str) -> CameraError {
 pub struct RealLens {
     pub(super) mount: Mount,
     pub(super) spectrum: FilmSpectrum,
-    /// By wavelength of the film.
+    /// The lens at each wavelength of the film.
     pub(super) lines: Vec<Line>,
     pub(super) map: PupilMap,
     map_seconds: f64,
     pub(super) film_lines: FilmLines,
     pub(super) out: Out,
     precision: Chosen,
-    /// For packets, if there are any and the film is flat.
+    /// The film for packets, if there are any and the film is flat.
     pub(super) short_film: Option<ShortFilm>,
-    /// `None`: nothing is lost.
+    /// The transmission of the lens; `None`: nothing is lost.
     pub(super) transmission: Option<Transmission>,
     pub(super) system: System,
-    /// Made when rays first start in the scene.
+    /// The surface that is sharp, made when rays first start in the scene.
     focal: OnceLock<FocalSurface>,
     entrance: OnceLock<EntranceMap>,
 }
@@ -73,12 +73,12 @@ pub(super) struct Line {
 }
 
 /// A ray from the film into the scene, at one wavelength.
-pub(super) struct Lead {
-    /// In front of the lens, lens space.
+pub(super) struct LensSample {
+    /// The ray in front of the lens, lens space.
     pub(super) out: LensRay,
-    /// The density of its choice, for each mm² sr of projected solid angle at the film point.
+    /// The density of the choice of the ray, for each mm² sr of projected solid angle at the film point.
     pub(super) density: f64,
-    /// What the lens lets through along it.
+    /// The part of the light that the lens lets through along it.
     pub(super) part: f32,
 }
 
@@ -146,17 +146,17 @@ impl RealLens {
         Ok(lens)
     }
 
-    /// What the lens does in this camera.
+    /// Data of the lens in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info
     }
 
-    /// Its way out in numbers of some kind.
+    /// The lens on the way out, in numbers of some kind.
     pub(super) fn outward<R: Traced>(&self) -> Outward<R> {
         outward(&self.mount, &self.system, &self.spectrum, &self.lines)
     }
 
-    /// In which numbers rays leave through the lens, and why.
+    /// The precision of rays that leave through the lens, and its reason.
     pub fn precision(&self) -> &Chosen {
         &self.precision
     }
@@ -179,19 +179,19 @@ impl RealLens {
         ray.pop().flatten()
     }
 
-    /// What a ray at the film's wavelength number `index` counts.
+    /// The camera ray of a lead at the film's wavelength number `index`, with its weight.
     #[inline]
-    pub(super) fn weighted(&self, index: usize, lead: &Lead) -> CameraRay {
+    pub(super) fn weighted(&self, index: usize, lead: &LensSample) -> CameraRay {
         CameraRay { ray: self.mount.to_render(&lead.out), weight: self.weight(index, lead.density) * lead.part }
     }
 
-    /// By what radiance at the film's wavelength number `index` counts along a ray that was chosen with this density.
+    /// Factor of radiance at the film's wavelength number `index` along a ray that was chosen with this density.
     #[inline]
     pub(super) fn weight(&self, index: usize, density: f64) -> Mat3 {
         self.spectrum.wavelengths()[index].response * (self.lines[index].gain / density) as f32
     }
 
-    /// A ray from a picture point to the lens, lens space, and the density of its choice as [`Lead`] has it.
+    /// A ray from a picture point to the lens, lens space, and the density of its choice as [`LensSample`] has it.
     #[inline]
     pub(super) fn aim_out(&self, p: Vec2, u_lens: [f32; 2]) -> (LensRay, f64) {
         let film = self.mount.film_at(p);
@@ -214,7 +214,7 @@ impl RealLens {
         self.map.pdf(film.point, target) * to_plane * to_plane / cosines
     }
 
-    /// For rays that start in the scene.
+    /// The surface that is sharp, for rays that start in the scene.
     pub(super) fn focal_surface(&self) -> &FocalSurface {
         self.focal.get_or_init(|| {
             let middle = &self.lines[self.lines.len() / 2].tracer;
@@ -222,7 +222,7 @@ impl RealLens {
         })
     }
 
-    /// Where to aim at from the scene, for all wavelengths; made when first asked for.
+    /// The entrance pupil at which rays from the scene aim, for all wavelengths; made when first asked for.
     pub(super) fn entrance(&self) -> &EntranceMap {
         self.entrance.get_or_init(|| {
             let middle = self.lines.len() / 2;

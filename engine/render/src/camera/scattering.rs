@@ -1,13 +1,13 @@
-//! How much a lens scatters, as a camera's description has it; [`crate::stray::glare`] says what comes of it.
+//! Scattering in a lens, as a camera's description has it; [`crate::stray::glare`] computes the glare.
 
-/// How a lens scatters.
+/// The amount of scattering in a lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scattering {
-    /// Of every surface, root mean square, nm.
+    /// Roughness of every surface, root mean square, nm.
     pub roughness_nm: f64,
-    /// Of every surface that air touches: level of IEST-STD-CC1246; 0 is without dust.
+    /// Cleanliness of every surface that air touches: level of IEST-STD-CC1246; 0 is without dust.
     pub cleanliness: f64,
-    /// Of barrel and film: the part of an even world's light that is laid evenly over the picture.
+    /// Veiling glare index of barrel and film: the part of an even world's light that is laid evenly over the picture.
     pub veiling_index: f64,
 }
 
@@ -19,10 +19,10 @@ impl Default for Scattering {
 }
 
 impl Scattering {
-    /// Nothing is scattered.
+    /// No scattering.
     pub const NONE: Self = Self { roughness_nm: 0.0, cleanliness: 0.0, veiling_index: 0.0 };
 
-    /// What is wrong with it, and what to do.
+    /// Checks the numbers; the error says what is wrong and what to do.
     pub(super) fn check(&self) -> Result<(), String> {
         let within = |value: f64, most: f64, name: &str| {
             let is_good = (0.0..=most).contains(&value);

@@ -1,7 +1,7 @@
 //! Rays that are chosen in the scene: from a point that is sharp to a point of the entrance pupil (Wu et al. 2011, section
 //! 5.3 and figure 6), and on through the lens to the film.
 
-use super::packet::{Led, Request, Splats};
+use super::packet::{HeroSample, Request, Splats};
 use super::real_lens::RealLens;
 use crate::sampler::raster::Raster;
 use glam::Vec2;
@@ -9,24 +9,23 @@ use petzval_optics::trace::Ray as LensRay;
 
 /// Part of the samples that is spread over more than the picture, for light that the lens throws into it from beyond.
 const DEFENSIVE_SHARE: f32 = 0.05;
-/// How much more, as a part of each side.
+/// The margin of that area about the picture, as a part of each side.
 const BEYOND: f32 = 0.15;
 
-/// A ray from the scene that is asked for is one of those that are spread over more than the picture: it has nothing to
-/// do with its pixel.
+/// True if the ray from the scene is one of those that are spread over more than the picture: it has nothing to do with its pixel.
 pub fn is_astray(request: &Request) -> bool {
     request.u_beyond < DEFENSIVE_SHARE
 }
 
 impl RealLens {
-    /// What every ray from the scene needs, made ahead, once for all threads.
+    /// Prepares the data that every ray from the scene needs, once for all threads.
     pub fn prepare_for_scene_first(&self) {
         self.focal_surface();
     }
 
     /// A ray for a pixel that is chosen in the scene, with what all wavelengths of a set make of it; `None` where it is lost
     /// at all of them.
-    pub fn lead_from_scene(&self, request: &Request, raster: &Raster) -> Option<Led> {
+    pub fn lead_from_scene(&self, request: &Request, raster: &Raster) -> Option<HeroSample> {
         let place =
             if is_astray(request) { (Vec2::from(request.u_place) - 0.5) * (1.0 + 2.0 * BEYOND) } else { request.place };
         let is_near = place.abs().max_element() <= 0.5 + BEYOND;
@@ -49,6 +48,6 @@ impl RealLens {
         }
         let splats = Splats::new(&arrivals, set, self.spectrum.sets(), share as f32);
         let out = LensRay { origin: start, direction: -aim.direction };
-        Some(Led { ray: self.mount.to_render(&out), splats, set, density: density * self.packet_size() as f64 })
+        Some(HeroSample { ray: self.mount.to_render(&out), splats, set, density: density * self.packet_size() as f64 })
     }
 }

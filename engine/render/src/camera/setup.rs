@@ -14,29 +14,29 @@ use petzval_optics::trace::{Ray as LensRay, Tracer};
 /// Yellow helium line, where lenses are focused and measured, nm.
 pub const D_LINE_NM: f64 = 587.5618;
 
-/// What a lens does in a camera: for panels, reports, and a viewport that frames the same picture.
+/// Data of a lens in a camera: for panels, reports, and a viewport that frames the same picture.
 #[derive(Clone, Debug)]
 pub struct LensInfo {
-    /// From the lens file.
+    /// The lens's name in its file.
     pub lens_name: String,
     /// Surfaces, the diaphragm among them.
     pub surfaces: usize,
-    /// At the d line, mm; `None` for an afocal lens.
+    /// Focal length at the d line, mm; `None` for an afocal lens.
     pub efl_mm: Option<f64>,
     /// Last vertex to image focal point, mm.
     pub bfd_mm: Option<f64>,
-    /// In force.
+    /// The f-number after clamping.
     pub f_number: f64,
-    /// What the clear apertures allow.
+    /// The f-number that the clear apertures allow.
     pub widest_f_number: f64,
-    /// The f-number asked for is wider than that.
+    /// True if the f-number asked for is wider than [`Self::widest_f_number`].
     pub f_number_was_clamped: bool,
     /// The f-number of a lens that loses nothing and is as bright: for white light in the film's middle, by reflection and absorption;
     /// `None` where that is dark.
     pub t_number: Option<f64>,
     /// The names of the coatings on its surfaces in air, each once.
     pub coatings: Vec<String>,
-    /// Nothing is known of some coating: one was assumed.
+    /// True if nothing is known of some coating, so that one was assumed.
     pub coating_is_assumed: bool,
     /// Glasses whose absorption is not known and that count as clear.
     pub unknown_absorption: Vec<String>,
@@ -44,33 +44,33 @@ pub struct LensInfo {
     pub film_z_mm: f64,
     /// Film's middle from the last vertex, mm.
     pub film_distance_mm: f64,
-    /// From the entrance pupil to what is sharp, mm; `None` is infinity.
+    /// Distance from the entrance pupil to the sharp plane, mm; `None` is infinity.
     pub focus_distance_mm: Option<f64>,
-    /// The same as the camera counts it: the focus distance that it would have to be set to.
+    /// The sharp distance as the camera counts it: the focus distance that it would have to be set to, mm; `None` is infinity.
     pub focus_scale_mm: Option<f64>,
     /// Image over object height; negative is upside down on the film.
     pub magnification: f64,
-    /// Whole angles that the picture sees, by exact rays; `None` where they are lost.
+    /// Whole horizontal angle that the picture sees, by exact rays; `None` where they are lost.
     pub fov_horizontal_rad: Option<f64>,
-    /// As before.
+    /// Whole vertical angle that the picture sees, by exact rays; `None` where they are lost.
     pub fov_vertical_rad: Option<f64>,
-    /// As before.
+    /// Whole diagonal angle that the picture sees, by exact rays; `None` where they are lost.
     pub fov_diagonal_rad: Option<f64>,
-    /// The part of the film that the picture takes, mm.
+    /// Width of the part of the film that the picture takes, mm.
     pub picture_width_mm: f64,
-    /// As before.
+    /// Height of the part of the film that the picture takes, mm.
     pub picture_height_mm: f64,
     /// A pinhole of this focal length over that width frames the same picture, mm.
     pub viewport_focal_length_mm: f64,
     /// Blender's shift of that pinhole, in units of the picture's larger side.
     pub viewport_shift: [f64; 2],
-    /// mm.
+    /// Diameter of the entrance pupil, mm.
     pub entrance_pupil_diameter_mm: Option<f64>,
     /// Focal lengths that a zoom lens is made for, mm.
     pub zoom_range_mm: Option<[f64; 2]>,
-    /// Groups inside of the lens move to focus it, not the film.
+    /// True if groups inside of the lens move to focus it, not the film.
     pub focuses_inside: bool,
-    /// What its file says that could not be used, line by line.
+    /// Remarks on parts of its file that could not be used, line by line.
     pub remarks: Vec<String>,
     /// Glasses whose index is not known for all of the light: of the camera's wavelength, or if it has none, all visible.
     pub beyond_range: Vec<String>,
@@ -220,7 +220,7 @@ fn focused(
     Ok((system, film_z_mm))
 }
 
-/// Where the film's middle is to stand, lens space.
+/// The z of the film's middle, lens space, mm.
 fn film_z(d: &CameraDescription, system: &System, line_nm: f64) -> Result<f64, CameraError> {
     let wrong = |source: FocusError| CameraError::Focus { camera: d.object_name.clone(), source };
     if let Some(distance) = d.film_distance_mm {
@@ -234,7 +234,7 @@ fn film_z(d: &CameraDescription, system: &System, line_nm: f64) -> Result<f64, C
 }
 
 impl CameraDescription {
-    /// What distance is to be sharp, mm, and how it is meant.
+    /// The distance that is to be sharp, mm, and the meaning of that distance.
     fn focus_request(&self) -> Result<(Focusing, f64), CameraError> {
         let distance_mm = self.focus_depth()?.map_or(f64::INFINITY, |units| units * self.scale_mm_per_unit.z);
         // A point of the world is to be sharp, whichever relation numbers follow.

@@ -1,10 +1,10 @@
-//! How bright each pixel is to be beside what a camera makes of it: vignetting taken out of a picture, or put into the picture
-//! of a camera that makes its rays otherwise than the lens.
+//! Factors of the brightness of each pixel of a camera: vignetting taken out of a picture, or put into the picture of a camera that makes
+//! its rays otherwise than the lens.
 //!
-//! Both brightnesses are measured alike, for a uniform world: by the weights of rays. So brightness is right, whatever makes
-//! the rays; only the noise stays as it was.
+//! Both brightnesses are measured by the weights of rays, for a uniform world. So brightness is right, whatever makes the rays; only the
+//! noise stays as it was.
 
-use super::description::{CameraDescription, Shown};
+use super::description::{CameraDescription, EnabledEffects};
 use super::packet::Request;
 use super::{Camera, CameraError};
 use crate::luminance;
@@ -17,8 +17,8 @@ const GRID: [usize; 2] = [33, 25];
 /// Rays for each, an error of some 0.2 %.
 const RAYS: u32 = 1024;
 
-/// By what each pixel's light is multiplied, rows from below; `None` where everything stays as it is. `camera` is the one that
-/// the description makes.
+/// The factor of each pixel's light, rows from below; `None` where everything stays as it is. `camera` is the one that the description
+/// makes.
 ///
 /// # Errors
 /// As [`Camera::new`].
@@ -26,7 +26,7 @@ pub fn gains(d: &CameraDescription, camera: &Camera, width: u32, height: u32) ->
     if d.shown.vignetting && d.shown.is_traced_plainly() {
         return Ok(None);
     }
-    let whole = Camera::new(&CameraDescription { shown: Shown::default(), ..d.clone() }, width, height)?;
+    let whole = Camera::new(&CameraDescription { shown: EnabledEffects::default(), ..d.clone() }, width, height)?;
     let middle = brightness(&whole, Vec2::ZERO);
     let gain = |i: usize| {
         let place =
@@ -51,7 +51,7 @@ pub fn gains(d: &CameraDescription, camera: &Camera, width: u32, height: u32) ->
     Ok(Some((0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect()))
 }
 
-/// What a uniform world of radiance one makes of a place.
+/// The brightness of a place in a uniform world of radiance one.
 fn brightness(camera: &Camera, place: Vec2) -> f64 {
     let points = Evenly::<3>::default();
     let request = |i: u32| {

@@ -1,9 +1,9 @@
-//! Where a camera is sharp: over the picture, the distance at which the light of a film point comes together in the scene, and from
+//! The sharp distances of a camera: over the picture, the distance at which the light of a film point comes together in the scene, and from
 //! where to where it stays within a circle of confusion.
 //!
-//! By the rays themselves: those of a film point through all of the pupil, followed into the scene. Across their mean ray each is a
-//! straight line, so their spread there is a quadratic in the distance, and the distance of its least, and those at which it comes to
-//! a given size on the film, are known without a search.
+//! The distances follow from rays: those of a film point through all of the pupil, followed into the scene. Across their mean ray each is a
+//! straight line, so their spread there is a quadratic in the distance, and the distance of its least, and those at which it comes to a
+//! given size on the film, are known without a search.
 
 use super::beam;
 use super::mount::Mount;
@@ -16,30 +16,30 @@ use petzval_optics::trace::{Ray, Tracer};
 
 /// Rays of a film point.
 const RAYS: u32 = 192;
-/// Rays of its neighbours, for the scale of the picture.
+/// Rays of a place's neighbours, for the scale of the picture.
 const NEIGHBOUR_RAYS: u32 = 48;
-/// How far the neighbours are, parts of the picture's diagonal.
+/// Distance of the neighbours, parts of the picture's diagonal.
 const BESIDE: f64 = 1e-3;
 
-/// What a point of the picture looks at. World space, Blender units.
+/// The sharp range along the mean ray of a picture point. World space, Blender units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SharpPoint {
-    /// Of the picture, from -0.5 to 0.5, x to the right and y up.
+    /// Place in the picture, from -0.5 to 0.5, x to the right and y up.
     pub place: Vec2,
-    /// Where its mean ray leaves the lens.
+    /// The point where the mean ray leaves the lens.
     pub from: DVec3,
-    /// Unit, of that ray.
+    /// Direction of the mean ray, unit.
     pub towards: DVec3,
-    /// Where it is sharpest, from there; `None` is infinity.
+    /// The sharpest distance along the mean ray; `None` is infinity.
     pub sharp: Option<f64>,
-    /// From where on it is sharp enough: its blur on the film, squared, is no more than that of the circle of confusion and of where
-    /// it is sharpest together. `None` where all of that lies behind the camera.
+    /// Distance along the mean ray from which on it is sharp enough: its blur on the film, squared, is at most the sum of the squares of
+    /// the circle of confusion and of the blur at the sharpest distance. `None` where all of that lies behind the camera.
     pub near: Option<f64>,
-    /// To where; infinite where all behind is.
+    /// Distance along the mean ray up to which it is sharp enough; infinite if everything behind is.
     pub far: Option<f64>,
 }
 
-/// All of it.
+/// The zone of sharpness of a picture, by points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sharpness {
     /// Diameter of the circle of confusion, mm on the film.
@@ -48,11 +48,11 @@ pub struct Sharpness {
     pub points: Vec<Option<SharpPoint>>,
     /// The middle of the entrance pupil on the axis, world space.
     pub pupil: Option<DVec3>,
-    /// Its radii across and up, Blender units.
+    /// Radii of the entrance pupil across and up, Blender units.
     pub pupil_radii: [f64; 2],
 }
 
-/// Over a grid of so many columns and rows, the outer ones at the picture's edges; both two or more.
+/// The sharp distances over a grid of so many columns and rows, the outer ones at the picture's edges; both two or more.
 ///
 /// # Errors
 /// [`CameraError`], also for cameras without a lens.
@@ -93,12 +93,12 @@ struct Look<'a> {
     mount: &'a Mount,
     tracer: &'a Tracer,
     map: &'a PupilMap,
-    /// Between neighbours on the film, mm.
+    /// Distance between neighbours on the film, mm.
     step: f64,
     confusion_mm: f64,
 }
 
-/// Lens space, mm.
+/// The sharp distances of a place in the picture, lens space, mm.
 struct Found {
     place: Vec2,
     mean: Ray,
@@ -149,7 +149,7 @@ impl Look<'_> {
     }
 }
 
-/// Where the spread is least, and where it begins and ends to be below the limit: distances along the mean ray; a far end that is
+/// The distances along the mean ray at which the spread is least, and at which it begins and ends to be below the limit; a far end that is
 /// infinite is infinity, and what lies behind the camera is beyond infinity.
 fn distances(spread: Quadratic, limit: Quadratic) -> [Option<f64>; 3] {
     let least = spread.least();
@@ -182,7 +182,7 @@ impl Across {
         Self { origin: mean.origin, along: mean.direction, axes: [x, y] }
     }
 
-    /// Where a ray meets them: at distance 0, and how that changes with the distance.
+    /// The point of a ray on these axes at distance 0, and its derivative by the distance.
     fn line(&self, ray: &Ray) -> (DVec2, DVec2) {
         let flat = |v: DVec3| DVec2::new(v.dot(self.axes[0]), v.dot(self.axes[1]));
         let from = ray.origin - self.origin;
@@ -224,7 +224,7 @@ impl Quadratic {
         (self.a > 0.0).then(|| -0.5 * self.b / self.a).filter(|t| t.is_finite())
     }
 
-    /// Where it is 0, rising; without cancellation. `None` where it nowhere is.
+    /// The roots, in ascending order, without cancellation. `None` where there are none.
     fn roots(self) -> Option<[f64; 2]> {
         let q = -0.5 * (self.b + (self.b * self.b - 4.0 * self.a * self.c).sqrt().copysign(self.b));
         let roots = [q / self.a, self.c / q];
@@ -266,9 +266,9 @@ mod tests {
         }
     }
 
-    /// On the axis a lens that is stopped down is what photographers' formulas say: with the hyperfocal distance H = f^2 / (N c) + f,
-    /// sharp from s (H - f) / (H + s - 2f) to s (H - f) / (H - s) (e.g. Ray, Applied Photographic Optics, 3rd edition, ch. 22;
-    /// distances from the entrance pupil, which in a symmetrical lens is hardly beside the principal plane).
+    /// The sharp range of a lens that is stopped down, on the axis, is that of photographers' formulas: with the hyperfocal distance H =
+    /// f^2 / (N c) + f, sharp from s (H - f) / (H + s - 2f) to s (H - f) / (H - s) (e.g. Ray, Applied Photographic Optics, 3rd edition, ch.
+    /// 22; distances from the entrance pupil, which in a symmetrical lens is hardly beside the principal plane).
     #[test]
     fn limits_of_sharpness_are_those_of_the_formulas() {
         let (f, n, c, s) = (100.0, 8.0, 36.0_f64.hypot(24.0) / 1500.0, 3000.0);
@@ -322,7 +322,7 @@ mod tests {
         assert!((0.2..0.8).contains(&upright), "{upright}");
     }
 
-    /// Where no part of a camera is a number, or a lens: the error says so.
+    /// Cameras without a traced lens are refused with an error that says so.
     #[test]
     fn cameras_without_a_lens_are_refused() {
         let d = CameraDescription { model: Model::Pinhole, ..CameraDescription::default() };

@@ -1,4 +1,4 @@
-//! How what is seen moves with the place of the picture, ready to be turned round: from a way in the scene to places.
+//! Derivatives of the seen point by the place in the picture, and their inverse: from a displacement in the scene to places.
 
 use glam::{DMat2, DVec2, DVec3};
 
@@ -10,7 +10,7 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// What is seen moves by `across` for the picture's width, by `up` for its height; `None` if these lie along each other.
+    /// The derivatives of a seen point: `across` for the picture's width, `up` for its height; `None` if these are parallel.
     pub(super) fn new(across: DVec3, up: DVec3) -> Option<Self> {
         let mixed = across.dot(up);
         let squares =
@@ -18,7 +18,7 @@ impl Steps {
         Some(Self { across, up, inverse: inverse(squares)? })
     }
 
-    /// By how much of the picture's width and height a way in the scene is aside: least squares.
+    /// The displacement in the picture, in parts of its width and height, of a displacement in the scene: by least squares.
     pub(super) fn place(&self, way: DVec3) -> DVec2 {
         self.inverse * DVec2::new(self.across.dot(way), self.up.dot(way))
     }

@@ -12,7 +12,7 @@ use petzval_optics::pupil_map::on_axis_throughput;
 use petzval_optics::system::System;
 use petzval_optics::transmission::Passages;
 
-/// Between the colours that are seen best, nm.
+/// A wavelength between the colours that are seen best, nm.
 const GREEN_NM: f64 = 550.0;
 /// The radius of the smallest ghost that is told apart from a point, pixels.
 const LEAST_PX: f64 = 2.0;
@@ -20,9 +20,9 @@ const LEAST_PX: f64 = 2.0;
 /// A part of the spectrum that takes one way.
 #[derive(Clone, Copy, Debug)]
 pub struct Band {
-    /// Its middle, nm.
+    /// The middle of the band, nm.
     pub nm: f64,
-    /// What light of a scene colour adds to the picture's, its part of all light included: the bands' responses add up to the
+    /// The contribution of light of a scene colour to the picture, its part of all light included: the bands' responses add up to the
     /// identity.
     pub response: Mat3,
 }
@@ -34,7 +34,7 @@ pub struct StrayLens {
     spectrum: FilmSpectrum,
     /// The picture's value for the irradiance that radiance one makes.
     gain: f64,
-    /// The same for radiance one in the middle of the film.
+    /// The picture's value for radiance one in the middle of the film.
     brightness: f64,
     size_px: DVec2,
     /// The width of the entrance pupil as a part of the front glass's.
@@ -42,7 +42,7 @@ pub struct StrayLens {
 }
 
 impl StrayLens {
-    /// For a picture of that many pixels.
+    /// The lens for a picture of that many pixels.
     ///
     /// # Errors
     /// As [`super::Camera::new`].
@@ -94,15 +94,15 @@ impl StrayLens {
         self.brightness
     }
 
-    /// How bright the brightest ghost of a far source on the axis is, to first order, as a radiance, where the irradiance of its
-    /// light before the lens is one.
+    /// The radiance of the brightest ghost of a far source on the axis, to first order, for an irradiance of its light before the lens of
+    /// one.
     pub fn brightest_ghost(&self) -> f64 {
         let least_mm = LEAST_PX / self.px2_per_mm2().sqrt();
         let ghosts = ghosts::all(&self.system, GREEN_NM, self.mount.film.z_mm, least_mm);
         ghosts.first().map_or(0.0, |ghost| ghost.irradiance * self.gain / self.brightness)
     }
 
-    /// Columns and rows.
+    /// Width and height of the picture, pixels.
     pub fn size_px(&self) -> DVec2 {
         self.size_px
     }
@@ -122,7 +122,7 @@ impl StrayLens {
         self.pupil_part
     }
 
-    /// Where a point (u, v) of the film, mm, lies in the picture: pixels from its lower left corner.
+    /// The place in the picture of a point (u, v) of the film, mm: pixels from its lower left corner.
     #[inline]
     pub fn pixel(&self, film: DVec2) -> DVec2 {
         film * self.per_mm() + 0.5 * self.size_px
@@ -133,7 +133,7 @@ impl StrayLens {
         self.mount.vectors() * DVec3::new(0.0, 0.0, -self.mount.origin_z_mm())
     }
 
-    /// Along the camera's axis to the scene, render space.
+    /// Direction along the camera's axis to the scene, render space.
     pub fn forwards(&self) -> DVec3 {
         -self.mount.axes().z_axis
     }

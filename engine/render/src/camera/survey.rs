@@ -1,10 +1,10 @@
-//! What each effect of a lens does in a picture, measured by exact rays: by how many pixels it moves light, by how many
-//! stops it takes some away.
+//! The effects of a lens in a picture, measured by exact rays: the pixels by which each moves light, the stops of light that each takes
+//! away.
 //!
-//! From places all over the picture fans of rays leave through the lens. What one place sees of the scene, a ray of the
-//! fan sees somewhat aside: how far, in pixels of this picture, is found by how the same rays move over the scene when the
-//! place moves a little. By reciprocity a point of the scene is spread as far over the picture. Beside each exact fan
-//! goes that of Gaussian optics, which has defocus and nothing else: what is left between the two are the aberrations.
+//! Fans of rays leave through the lens from places all over the picture. What one place sees of the scene, a ray of the fan sees somewhat
+//! aside: how far, in pixels of this picture, is found by how the same rays move over the scene when the place moves a little. By
+//! reciprocity a point of the scene is spread as far over the picture. Beside each exact fan goes that of Gaussian optics, which has
+//! defocus and nothing else: what is left between the two are the aberrations.
 
 use super::CameraError;
 use super::description::CameraDescription;
@@ -45,15 +45,15 @@ const BRIGHTNESS_RAYS: u32 = 256;
 /// Ghosts that are smaller, as a part of the picture's diagonal, count as if they filled a disc of this radius: sources are
 /// no points, and a dot is seen less than a disc.
 const GHOST_PATCH: f64 = 0.01;
-/// From farther outside of the field, as a part of it, hoods and barrels keep light away.
+/// Largest angle, as a part of the field's, from which light reaches the lens: hoods and barrels keep that from farther outside away.
 const BEYOND_FIELD: f64 = 1.25;
-/// Where diffraction is measured, nm.
+/// The wavelength at which diffraction is measured, nm.
 const GREEN_NM: f64 = 550.0;
 
 /// The largest value over the picture, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worst {
-    /// Pixels or stops.
+    /// The value, pixels or stops.
     pub value: f64,
     /// Fractions of the picture's width and height from its centre.
     pub place: Vec2,
@@ -67,7 +67,7 @@ impl Worst {
     }
 }
 
-/// What the effects of a lens do in one picture.
+/// The effects of a lens in one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct LensMeasures {
     /// Radius of the blur disc that Gaussian optics give what is farthest out of focus, px: the largest distance on the film
@@ -83,15 +83,15 @@ pub struct LensMeasures {
     pub lateral_colour: Worst,
     /// The largest difference between a ray's distance from its chief ray at one wavelength and at another, px.
     pub axial_colour: Worst,
-    /// What the darkest place of the picture gets less than its middle of a uniform world, stops.
+    /// The light of a uniform world at the darkest place of the picture below that at its middle, stops.
     pub vignetting: Worst,
-    /// By how much rims narrow a blur disc, px.
+    /// Width by which rims narrow a blur disc, px.
     pub cats_eye: Worst,
-    /// How far the opening's edge is from that of a round one of its area, as a part of the radius.
+    /// Largest distance between the opening's edge and that of a round one of its area, as a part of the radius.
     pub diaphragm_part: f64,
     /// Radius of the first dark ring of a point, 1.22 λ N at 550 nm for the light cone in the film's middle, px.
     pub airy_px: f64,
-    /// What surfaces and glasses take, stops: by how much a channel of a white world differs, somewhere in the picture, from the
+    /// Losses at surfaces and in glasses, stops: the largest difference of a channel of a white world, anywhere in the picture, from the
     /// middle's brightness, or from one where the camera is exposed by its f-number.
     pub transmission: Worst,
     /// The part of white light that arrives in the middle.
@@ -100,12 +100,12 @@ pub struct LensMeasures {
     pub dark_part: f64,
 }
 
-/// How much there is of a lens to trace.
+/// Counts of a lens's surfaces, for the cost of tracing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LensShape {
     /// Planes, spheres and conics.
     pub plain: usize,
-    /// Surfaces that take several steps to meet.
+    /// Surfaces that take several steps to hit.
     pub aspheres: usize,
 }
 
@@ -116,9 +116,9 @@ pub struct Survey {
     map: PupilMap,
     tracer: Tracer,
     gaussian: GaussianLens,
-    /// Its middle by Gaussian optics; `None` at infinity.
+    /// The middle of the entrance pupil by Gaussian optics; `None` at infinity.
     entrance_pupil: Option<DVec3>,
-    /// Of the ends of the spectrum and between; empty where the film has one wavelength.
+    /// The lens at the ends of the spectrum and between; empty where the film has one wavelength.
     colours: Vec<Tracer>,
     size_px: DVec2,
     /// Irradiance in the film's middle for a uniform world of radiance one.
@@ -127,7 +127,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// For a picture of that many pixels.
+    /// The survey of a lens, for a picture of that many pixels.
     ///
     /// # Errors
     /// As [`super::Camera::new`].
@@ -162,19 +162,19 @@ impl Survey {
         })
     }
 
-    /// What the lens does in this camera.
+    /// Data of the lens in this camera.
     pub fn info(&self) -> &LensInfo {
         &self.mount.info
     }
 
-    /// How much there is of it to trace.
+    /// Counts of the lens's surfaces, for the cost of tracing.
     pub fn shape(&self) -> LensShape {
         let surfaces = self.system.surfaces();
         let aspheres = surfaces.iter().filter(|surface| !matches!(surface.shape, Shape::Conic(_))).count();
         LensShape { plain: surfaces.len() - aspheres, aspheres }
     }
 
-    /// Whether colours take different ways.
+    /// True if the wavelengths take different ways.
     pub fn has_colours(&self) -> bool {
         !self.colours.is_empty()
     }
@@ -185,8 +185,8 @@ impl Survey {
         self.system.f_number() * diaphragm.radius_mm() / (diaphragm.area_mm2() / PI).sqrt()
     }
 
-    /// The film stands upright and is flat, the lens shows both directions alike, and the world has one scale: a pinhole can
-    /// frame the same picture.
+    /// True if a pinhole can frame the same picture: the film stands upright and is flat, the lens shows both directions alike, and the
+    /// world has one scale.
     pub fn is_upright(&self) -> bool {
         !self.mount.film.is_uneven() && self.system.is_rotationally_symmetric() && self.mount.scale().is_some()
     }
@@ -202,8 +202,8 @@ impl Survey {
         [info.picture_width_mm / self.size_px.x, info.picture_height_mm / self.size_px.y]
     }
 
-    /// The clear pupil as a place of the picture sees it, in direction cosines to the right and up the film; its edge is held to `tolerance`. `None`
-    /// where no light arrives.
+    /// The clear pupil as a place of the picture sees it, in direction cosines to the right and up the film; its edge is held to
+    /// `tolerance`. `None` where no light arrives.
     pub(crate) fn outline(&self, place: Vec2, tolerance: f64) -> Option<Outline> {
         let info = &self.mount.info;
         let film =
@@ -217,8 +217,8 @@ impl Survey {
         scatter::scatterers(&self.system, self.tracer.wavelength_nm(), self.mount.film.z_mm)
     }
 
-    /// How bright the brightest disc of light that is reflected twice would be in the picture, uncoated, for a far source whose
-    /// light has the irradiance one before the lens; 0 where nothing reflects twice.
+    /// The value in the picture of the brightest disc of light that is reflected twice, uncoated, for a far source whose light has the
+    /// irradiance one before the lens; 0 where nothing reflects twice.
     pub fn ghost_value(&self) -> f64 {
         let patch_mm = GHOST_PATCH * self.mount.info.picture_width_mm.hypot(self.mount.info.picture_height_mm);
         let ghosts = ghosts::all(&self.system, self.tracer.wavelength_nm(), self.mount.film.z_mm, patch_mm);
@@ -284,12 +284,12 @@ pub struct Fans<'a> {
 }
 
 impl Fans<'_> {
-    /// What each place looks along, render space; `None` where no light arrives.
+    /// The mean ray of each place, render space; `None` where no light arrives.
     pub fn rays(&self) -> Vec<Option<Ray>> {
         self.fans.iter().map(|fan| fan.mean().map(|ray| self.survey.mount.to_render(&ray))).collect()
     }
 
-    /// How the lens as it is at another time differs, with the same things before it, px.
+    /// The difference of the lens at another time, with the same scene before it, px.
     pub fn moved(&self, other: &Fans<'_>, seen: &[Option<DVec3>]) -> Worst {
         let mut worst = Worst::NONE;
         for i in Self::coarse() {
@@ -312,7 +312,7 @@ impl Fans<'_> {
         seen.map_or(Subject::Far, |point| Subject::At(self.survey.mount.to_lens(point)))
     }
 
-    /// Where in the picture a direction of render space is seen, to about a place of the grid; `None` outside.
+    /// The place in the picture at which a direction of render space is seen, to about a place of the grid; `None` outside.
     pub fn place_of(&self, towards: DVec3) -> Option<Vec2> {
         let direction = |i: usize| Some(self.survey.mount.to_render(&self.fans[i].mean()?).direction.as_dvec3());
         let seen = (0..self.fans.len()).filter_map(|i| Some((i, direction(i)?.angle_between(towards))));
@@ -323,7 +323,7 @@ impl Fans<'_> {
         (angle <= step).then(|| self.fans[nearest].place)
     }
 
-    /// Whether light from a direction of render space comes near enough to the picture's field to be reflected into it.
+    /// True if light from a direction of render space comes near enough to the picture's field to be reflected into it.
     pub fn nearly_sees(&self, towards: DVec3) -> bool {
         let axis = -self.survey.backwards();
         let angle = |d: DVec3| d.angle_between(axis);
@@ -332,7 +332,7 @@ impl Fans<'_> {
         angle(towards) < BEYOND_FIELD * widest
     }
 
-    /// What the effects do to what each place sees: a point of render space, or nothing.
+    /// The effects on the subject of each place: a point of render space, or nothing.
     pub fn measure(&self, seen: &[Option<DVec3>]) -> LensMeasures {
         let s = self.survey;
         let subjects: Vec<Subject> =
@@ -455,7 +455,7 @@ impl Fans<'_> {
     }
 }
 
-/// How far an opening's edge is from the round one of its area, as a part of that one's radius.
+/// Largest distance between an opening's edge and the round one of its area, as a part of that one's radius.
 fn diaphragm_part(system: &System) -> f64 {
     let diaphragm = system.diaphragm();
     if diaphragm.is_masked() {

@@ -118,8 +118,9 @@ fn a_mask_shapes_the_beam_of_every_model() {
     }
 }
 
-/// In the middle of the film a uniform white world is 1, for every third shipped lens, open and with curved blades;
-/// `make test-all` has all lenses and other openings, and `tests/test_white_world.py` has all lenses in every run. This tests the pupil map, its densities, and the measure of the axis together.
+/// A uniform white world is 1 in the middle of the film, for every third shipped lens, open and with curved blades; `make test-all` has all
+/// lenses and other openings, and `tests/test_white_world.py` has all lenses in every run. This tests the pupil map, its densities, and the
+/// measure of the axis together.
 #[test]
 fn a_white_world_is_one_on_axis() {
     let mut seen = 0;
@@ -157,7 +158,7 @@ fn a_white_world_is_one_on_axis() {
     assert!(seen > if petzval_testkit::is_thorough() { 60 } else { 25 }, "{seen}");
 }
 
-/// The same through the whole spectrum, in every channel.
+/// A uniform white world is 1 in the middle of the film in every channel through the whole spectrum.
 #[test]
 fn a_white_world_is_white() {
     let camera = Camera::new(&CameraDescription { wavelength_nm: None, ..description(Model::Lens) }, 300, 200).unwrap();
@@ -191,8 +192,8 @@ fn the_lens_looks_where_the_picture_says() {
     assert!((viewport - paraxial).abs() < 1e-9);
 }
 
-/// What is at the focus distance from the camera's origin is sharp, whatever of the lens stands there; and a pinhole there
-/// frames it as the viewport is told.
+/// Objects at the focus distance from the camera's origin are sharp, whichever point of the lens stands there; and a pinhole there frames
+/// it as the viewport is told.
 #[test]
 fn what_is_at_the_distance_is_sharp_from_each_anchor() {
     use petzval_optics::focus::{Anchor, Relation};

@@ -1,5 +1,5 @@
-//! What a lens takes of the light along each ray, ready for rays by the million: surfaces and glasses as they are
-//! ([`petzval_optics::transmission`]), fitted once for a camera.
+//! Transmission of a lens along each ray, fast enough for millions of rays: exact surfaces and glasses ([`petzval_optics::transmission`]),
+//! fitted once for a camera.
 //!
 //! Light that passes depends smoothly on the ray: on where it crosses the plane at the last vertex and on its direction there, whatever
 //! the film's place, turn and curvature. A lens that is symmetric about its axis knows only three numbers of both. A polynomial
@@ -24,26 +24,26 @@ use wide::f32x8;
 /// Rays by which the polynomial is found, and others by which it is judged.
 const RAYS: usize = 420;
 const JUDGES: usize = 120;
-/// Wavelengths at which it is fitted, at most.
+/// Wavelengths at which the transmission is fitted, at most.
 const NODES: usize = 7;
 /// A quarter of the rays start at the edge of the picture, and rays reach so far beyond it.
 const BEYOND: f32 = 1.04;
 /// Wavelengths by which white light is known where the film has but one.
 const BANDS: usize = 24;
 
-/// What the lens makes of white light in the film's middle.
+/// The lens's transmission of white light in the film's middle.
 #[derive(Clone, Debug)]
 pub(super) struct Middle {
     /// The part that passes, by the film's wavelength.
     pub(super) parts: Vec<f64>,
-    /// What a scene colour becomes in the picture, before exposure.
+    /// The transform of a scene colour in the picture, before exposure.
     pub(super) colour: Mat3,
-    /// By what the picture is multiplied, so that it is exposed as it should be.
+    /// Factor of the picture, so that it is exposed as it should be.
     pub(super) gain: f64,
 }
 
 impl Middle {
-    /// `None` where no light arrives at all.
+    /// The transmission in the middle of the film; `None` if no light arrives there at all.
     pub(super) fn new(
         d: &CameraDescription,
         passages: &Passages<'_>,
@@ -62,12 +62,12 @@ impl Middle {
         (passed > 0.0).then_some(Self { parts, colour, gain })
     }
 
-    /// What a scene colour becomes in the middle of the picture, where the film has one wavelength: what it does at all of them.
+    /// The transform of a scene colour in the middle of the picture, where the film has one wavelength: that of all wavelengths together.
     pub(super) fn tint(&self) -> Mat3 {
         self.colour * self.gain as f32
     }
 
-    /// By what the light of the film's wavelength of that number is multiplied, where the film has several.
+    /// Factor of the light of the film's wavelength of that number, where the film has several.
     pub(super) fn gain_at(&self, index: usize) -> f64 {
         self.parts[index] * self.gain
     }
@@ -84,30 +84,30 @@ fn lines(spectrum: &FilmSpectrum) -> Vec<f64> {
     spectrum.wavelengths().iter().map(|w| w.nm).collect()
 }
 
-/// What becomes of a scene colour whose light passes in these parts.
+/// The transform of a scene colour whose light passes in these parts.
 pub(super) fn colour(spectrum: &FilmSpectrum, parts: impl Fn(&[f64]) -> Option<Vec<f64>>) -> Option<Mat3> {
     let parts = parts(&lines(spectrum))?;
     let sum = spectrum.wavelengths().iter().zip(&parts).fold(Mat3::ZERO, |sum, (w, p)| sum + w.response * *p as f32);
     Some(sum * (parts.len() as f32).recip())
 }
 
-/// What the lens lets through, for rays.
+/// The transmission of the lens along rays.
 pub(super) struct Transmission {
     pub(super) middle: Middle,
-    /// Where rays cross, lens space.
+    /// The plane whose crossing points describe rays, lens space.
     plane_z_mm: f64,
     shape: Polynomial,
-    /// By the film's wavelength, then by term: what is to be multiplied, the middle's part and the exposure included. Where the film has
-    /// one wavelength the middle's colour is not: that is [`Middle::tint`].
+    /// Coefficients by the film's wavelength, then by term, the middle's part and the exposure included. The middle's colour, where the
+    /// film has one wavelength, is not: that is [`Middle::tint`].
     lines: Vec<Vec<f32>>,
-    /// The same by set of wavelengths, then by term: a register for the set.
+    /// The coefficients of [`Self::lines`] by set of wavelengths, then by term: a register for the set.
     sets: Vec<Vec<f32x8>>,
     /// The largest error on rays that it was not fitted to, stops.
     error_stops: f64,
 }
 
 impl Transmission {
-    /// `None` where the middle of the film is dark.
+    /// The transmission over the picture; `None` if the middle of the film is dark.
     pub(super) fn new(
         d: &CameraDescription,
         mount: &Mount,
@@ -152,14 +152,14 @@ impl Transmission {
         self.error_stops
     }
 
-    /// What the light of the film's wavelength of that number counts that comes along a ray, which may go either way.
+    /// The weight of light of the film's wavelength of that number along a ray, which may go either way.
     #[inline]
     pub(super) fn at(&self, index: usize, ray: &LensRay) -> f32 {
         let numbers = crossing(ray, self.plane_z_mm).map(|n| f32x8::splat(n as f32));
         self.shape.values(numbers, |term| f32x8::splat(self.lines[index][term])).to_array()[0]
     }
 
-    /// The same for as many rays as fill a register, by where they cross the plane and by their direction, each at a wavelength of its
+    /// [`Self::at`] for as many rays as fill a register, by where they cross the plane and by their direction, each at a wavelength of its
     /// own.
     #[inline]
     pub(super) fn at_each(&self, rays: [f32x8; 4], index: impl Fn(usize) -> usize) -> f32x8 {
@@ -168,7 +168,7 @@ impl Transmission {
         self.shape.values(rays, |term| f32x8::new(lines.map(|line| line[term])))
     }
 
-    /// The same at the wavelengths of a set.
+    /// [`Self::at_each`] at the wavelengths of a set.
     #[inline]
     pub(super) fn at_set(&self, set: usize, rays: [f32x8; 4]) -> f32x8 {
         let terms = &self.sets[set];
@@ -176,7 +176,7 @@ impl Transmission {
     }
 }
 
-/// Where a ray crosses a plane across the axis, mm, and the cosines of its direction towards the scene.
+/// The point at which a ray crosses a plane across the axis, mm, and the cosines of its direction towards the scene.
 fn crossing(ray: &LensRay, plane_z_mm: f64) -> [f64; 4] {
     let (p, d) = (ray.origin, ray.direction);
     let at = p + d * ((plane_z_mm - p.z) / d.z);
@@ -203,7 +203,7 @@ fn rays(mount: &Mount, map: &PupilMap, passages: &Passages<'_>) -> Vec<(LensRay,
     (0..4 * (RAYS + JUDGES) as u32).filter_map(ray).take(RAYS + JUDGES).collect()
 }
 
-/// What a uniform white world of radiance one becomes at a place of the picture, over its brightness there: by some rays of its beam.
+/// The colour of a uniform white world of radiance one at a place of the picture, over its brightness there: by some rays of its beam.
 pub(super) fn colour_at(mount: &Mount, map: &PupilMap, passages: &Passages<'_>, place: DVec2) -> Option<Rgb> {
     const BEAM: u32 = 16;
     let film = mount.film_at(place.as_vec2());

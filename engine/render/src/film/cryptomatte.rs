@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 /// Names kept for a pixel beyond those that are asked for: where there are more still, the weakest are forgotten, and
 /// one that comes back begins anew.
 const SPARE: usize = 10;
-/// What Blender calls the material of an empty slot.
+/// Blender's name for the material of an empty slot.
 const NO_MATERIAL: &str = "default_surface";
 
-/// What a matte tells apart.
+/// The kind of name that a matte tells apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatteLayer {
     /// Objects by name.
@@ -25,11 +25,11 @@ pub enum MatteLayer {
     Asset,
     /// Objects by their pass index, of which a pixel has one: [`super::Film::most_seen`].
     ObjectIndex,
-    /// Materials likewise.
+    /// Materials by their pass index, of which a pixel has one: [`super::Film::most_seen`].
     MaterialIndex,
 }
 
-/// Which mattes are kept.
+/// The mattes that are kept.
 #[derive(Clone, Debug, Default)]
 pub struct Mattes {
     layers: Vec<(MatteLayer, Table)>,
@@ -39,13 +39,13 @@ pub struct Mattes {
 /// The ids of one layer.
 #[derive(Clone, Debug)]
 struct Table {
-    /// By instance or material.
+    /// The ids, by instance or material.
     ids: Vec<u32>,
     names: BTreeMap<String, u32>,
 }
 
 impl Mattes {
-    /// Those of a scene, each with the `levels` names that cover most of a pixel.
+    /// The mattes of a scene, each with the `levels` names that cover most of a pixel.
     pub fn new(scene: &Scene, layers: &[MatteLayer], levels: u32) -> Self {
         let owners = if layers.is_empty() { Vec::new() } else { scene.owners() };
         let indices = |layer: &MatteLayer| -> Option<Vec<u32>> {
@@ -79,7 +79,7 @@ impl Mattes {
         Self { layers: layers.iter().map(table).collect(), levels: levels as usize }
     }
 
-    /// None at all.
+    /// True if no mattes are kept.
     pub fn is_empty(&self) -> bool {
         self.layers.is_empty()
     }
@@ -120,12 +120,12 @@ fn murmur3(bytes: &[u8]) -> u32 {
     h ^ h >> 16
 }
 
-/// What the rays of a part of the picture met, while one thread notes it.
+/// The first hits of the rays of a part of the picture, while one thread notes them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MatteNotes {
     /// Rays that got through the lens, by pixel.
     rays: Vec<u32>,
-    /// Pixel, instance, material of those that met something.
+    /// Pixel, instance and material of the rays that hit a surface.
     met: Vec<[u32; 3]>,
 }
 
@@ -134,7 +134,7 @@ impl MatteNotes {
         Self { rays: vec![0; pixels], met: Vec::new() }
     }
 
-    /// Notes a ray of a pixel, with the instance and the material that it met.
+    /// Notes a ray of a pixel, with the instance and the material that it hit.
     #[inline]
     pub(super) fn add(&mut self, pixel: usize, met: Option<[u32; 2]>) {
         self.rays[pixel] += 1;
@@ -144,7 +144,7 @@ impl MatteNotes {
     }
 }
 
-/// How many rays of a pixel met a name.
+/// Number of rays of a pixel that hit a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Count {
     pixel: u32,
@@ -156,7 +156,7 @@ struct Count {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct MatteSums {
     rays: Vec<u32>,
-    /// By layer; in the order of pixels, in a pixel in that of ids.
+    /// Counts by layer; in the order of pixels, in a pixel in that of ids.
     counts: Vec<Vec<Count>>,
 }
 
@@ -183,7 +183,7 @@ impl MatteSums {
         }
     }
 
-    /// The id that most of a pixel's rays met; what met nothing counts as 0.
+    /// The id that most of a pixel's rays hit; what hit nothing counts as 0.
     pub(super) fn most_seen(&self, mattes: &Mattes, layer: MatteLayer, pixel: usize) -> u32 {
         let Some((at, _)) = mattes.table(layer) else { return 0 };
         let (Some(counts), Some(&rays)) = (self.counts.get(at), self.rays.get(pixel)) else { return 0 };
@@ -208,7 +208,7 @@ impl MatteSums {
     }
 }
 
-/// Keeps at most so many names of a pixel: those that most rays met.
+/// Keeps at most so many names of a pixel: those that most rays hit.
 fn forget_the_weakest(counts: &mut Vec<Count>, most: usize) {
     if counts.chunk_by(|a, b| a.pixel == b.pixel).all(|of_pixel| of_pixel.len() <= most) {
         return;
@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(of_pixel(&mattes, &sums, 1), [(1007, 0.375), (1002, 0.25), (1005, 0.125), (0, 0.0)]);
     }
 
-    /// The index that most rays met; what met nothing, or what has index 0, counts as 0.
+    /// The index that most rays hit; what hit nothing, or what has index 0, counts as 0.
     #[test]
     fn an_index_is_that_of_most_rays() {
         let table = Table { ids: vec![0, 7, 300], names: BTreeMap::new() };
@@ -306,7 +306,7 @@ mod tests {
         assert_eq!([0, 1].map(|pixel| sums.most_seen(&mattes, MatteLayer::ObjectIndex, pixel)), [7, 0]);
     }
 
-    /// More names than fit: memory stays bounded, and those that cover most are still right.
+    /// If there are more names than fit, memory stays bounded, and those that cover most are still right.
     #[test]
     fn the_weakest_are_forgotten() {
         let mattes = mattes(500, 2);

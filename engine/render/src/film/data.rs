@@ -1,9 +1,9 @@
-//! What the first surfaces are that a pixel sees through the lens: where they lie, how far, how they are turned.
+//! The first surfaces that a pixel sees through the lens: position, depth and normal.
 //!
-//! Through a lens a pixel sees many places. Each ray that gets through the lens counts alike, with the first surface that
-//! it does not pass; the pass is their mean. In focus that is the surface; out of focus it is blurred as the picture is,
-//! with the same rays, so that a compositor's masks fit the picture. By hero the ray is that of the wavelength that leads;
-//! scene-first, the ray that the pixel started. Where less than half of the rays meet anything the pixel is background.
+//! A pixel sees many places through a lens. Each ray that gets through the lens counts alike, with the first surface that it does not pass;
+//! the pass is their mean. In focus that is the surface; out of focus it is blurred as the picture is, with the same rays, so that a
+//! compositor's masks fit the picture. By hero the ray is that of the wavelength that leads; scene-first, the ray that the pixel started.
+//! If less than half of the rays hit anything, the pixel is background.
 
 use crate::integrator::path::FirstSurface;
 use glam::{Vec3, Vec4};
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub struct DataSums {
     /// Rays that got through the lens.
     pub rays: f32,
-    /// Of these, those that met something.
+    /// Rays that hit a surface.
     pub hits: f32,
     /// Sum of positions, render space.
     pub position: Vec3,
@@ -23,7 +23,7 @@ pub struct DataSums {
 }
 
 impl DataSums {
-    /// Adds a ray.
+    /// Adds the surface that a ray found.
     #[inline]
     pub fn add(&mut self, found: Option<FirstSurface>) {
         self.rays += 1.0;
@@ -56,7 +56,7 @@ pub struct VectorSums {
 }
 
 impl VectorSums {
-    /// Adds a ray's.
+    /// Adds the motion vector of a ray.
     #[inline]
     pub fn add(&mut self, vector: [f32; 4]) {
         self.rays += 1.0;
@@ -79,18 +79,18 @@ impl VectorSums {
 pub enum DataPass {
     /// Distance from the camera along its axis, Blender units; 1e10 for the background, as Cycles has it. One channel.
     Depth,
-    /// World space; 0 for the background. Three channels.
+    /// Position in world space; 0 for the background. Three channels.
     Position,
-    /// World space, towards the camera; 0 for the background. Three channels.
+    /// Normal in world space, towards the camera; 0 for the background. Three channels.
     Normal,
-    /// From the picture's place of what a pixel sees to where it was a frame before, and from where it will be a frame
-    /// after; pixels, right and up. Four channels.
+    /// Motion vectors: from the place in the picture of the surface that a pixel sees to its place a frame before, and from its place a
+    /// frame after to here; pixels, right and up. Four channels.
     Vector,
-    /// Samples that the pixel has. One channel.
+    /// Number of samples of the pixel. One channel.
     Samples,
 }
 
-/// What stands for the background's depth.
+/// The depth of the background.
 pub const FARTHEST: f32 = 1e10;
 
 #[cfg(test)]

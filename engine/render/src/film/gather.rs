@@ -1,4 +1,4 @@
-//! From sums to pixels: the light of the tiles in and about a part of the picture, each divided by its own counts.
+//! Pixels from sums: the light of the tiles in and about a part of the picture, each divided by its own counts.
 
 use super::{Film, TILE_SIZE, TilePixels, TileRect, cut};
 use std::collections::HashSet;
@@ -6,9 +6,9 @@ use std::collections::HashSet;
 /// Light that is kept neither by tile nor divided yet, where counts differ.
 #[derive(Default)]
 struct Scattered {
-    /// By pixel of the picture, if there is any.
+    /// The light by pixel of the picture, if there is any.
     far: Vec<[f32; 3]>,
-    /// What each half's sums of light from anywhere are to be multiplied by.
+    /// Factor of each half's sums of light from anywhere.
     scales: [f64; 2],
 }
 
@@ -49,7 +49,7 @@ impl Film {
         out
     }
 
-    /// What no tile keeps, where counts differ.
+    /// The light that no tile keeps, where sample counts differ.
     fn scattered(&self) -> Scattered {
         let mut out = Scattered::default();
         if !self.keep.halves {
@@ -82,8 +82,8 @@ impl Film {
         sums.iter().map(|sum| sum.map(|s| (s / samples) as f32)).collect()
     }
 
-    /// The same in sums, and by what they are to be divided: the samples of the tile where all that give light to it have as
-    /// many, so that nothing is rounded before; else one.
+    /// The pixels of a part of the picture as sums, and their divisor: the sample count of the tile where all tiles that give light to it
+    /// have the same count, so that nothing is rounded before the division; else one.
     fn sums(&self, rect: TileRect, scattered: &Scattered) -> (Vec<[f64; 4]>, f64) {
         let mut out = vec![[0.0f64; 4]; (rect.width * rect.height) as usize];
         let columns = self.width.div_ceil(self.tile_size);
@@ -138,10 +138,9 @@ impl Film {
         (out, divisor)
     }
 
-    /// What the picture's numbers leave out of the sums of its samples: rows from below, by pixel what one and then a second
-    /// number of single precision can say of it for each channel. With c the picture's number, n the samples and r, s these two,
-    /// the sum is c n + r + s, exactly; so ranges of samples that are joined ([`Film::picture`] of each) make the whole to the
-    /// last bit. Nothing where counts differ.
+    /// The rounding of the picture's numbers: the rest of the sums of its samples, rows from below, by pixel as two numbers of single
+    /// precision for each channel. With c the picture's number, n the samples and r, s these two, the sum is c n + r + s, exactly; so
+    /// ranges of samples that are joined ([`Film::picture`] of each) make the whole to the last bit. Nothing where counts differ.
     pub fn remainders(&self) -> Vec<[[f32; 4]; 2]> {
         let mut out = vec![[[0.0; 4]; 2]; self.width as usize * self.height as usize];
         if self.keep.halves {

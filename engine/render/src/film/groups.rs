@@ -1,11 +1,11 @@
 //! Light by groups of emitters, and parts of it: a film for each, whose samples are those of the whole.
 
-use super::{Film, Keep, Patch};
+use super::{Film, FilmChannels, TileAccumulator};
 
 impl Film {
     /// The films of the groups and parts that are kept.
-    pub(super) fn of_groups(width: u32, height: u32, spreads: bool, keep: &Keep) -> Vec<Self> {
-        let of_light = Keep { halves: keep.halves, ..Keep::default() };
+    pub(super) fn of_groups(width: u32, height: u32, spreads: bool, keep: &FilmChannels) -> Vec<Self> {
+        let of_light = FilmChannels { halves: keep.halves, ..FilmChannels::default() };
         (0..usize::from(keep.groups) + keep.parts)
             .map(|_| Self::keeping(width, height, spreads, of_light.clone()))
             .collect()
@@ -22,13 +22,13 @@ impl Film {
     }
 }
 
-/// What of samples, with how many they are, is the light of group number `place` + 1; parts come after groups.
-pub(super) fn of_group(part: Option<(&Patch, u32)>, place: usize) -> Option<(&Patch, u32)> {
+/// The light of group number `place` + 1 in a patch, with the patch's number of samples; parts come after groups.
+pub(super) fn of_group(part: Option<(&TileAccumulator, u32)>, place: usize) -> Option<(&TileAccumulator, u32)> {
     part.map(|(light, samples)| (&light.groups[place], samples))
 }
 
-impl Patch {
-    /// How many groups' light is kept for itself, and parts.
+impl TileAccumulator {
+    /// Number of groups and parts whose light is kept.
     pub fn group_count(&self) -> usize {
         self.groups.len()
     }

@@ -1,9 +1,9 @@
 //! Pixels with different counts of samples: a tile's pixels in two halves, as the squares of a chessboard, each with a
 //! count of its own.
 //!
-//! How many samples a half gets is decided by what the other half found, never by its own light: so each of its pixels
-//! is the mean of a number of samples that does not depend on them, and true in the mean. For the other half's word,
-//! samples may be needed beyond a half's own count: they are seen, for the error, but not counted in the picture.
+//! The number of samples of a half is decided by the other half's light, never by its own: so each of its pixels is the mean of a number of
+//! samples that does not depend on them, and true in the mean. For the other half's word, samples may be needed beyond a half's own count:
+//! they are seen, for the error, but not counted in the picture.
 //!
 //! The error is that of the means of batches. Of K batches with N samples a pixel in all, S_k their sums, Q = Σ |S_k|² / n_k
 //! over the channels and S = Σ S_k, a pixel's squared error is v = 3 (Q - |S|² / N) / (N (K - 1)): that of the sum of the
@@ -13,13 +13,13 @@
 //! this half, divided by how many of them start it. Light that lands farther from its tile than is kept by pixel counts
 //! by its squares alone, relative to the mean of the half.
 
-use super::{Patch, TileRect};
+use super::{TileAccumulator, TileRect};
 use serde::{Deserialize, Serialize};
 
 /// Pixels on a side of the tiles whose counts are decided together: small enough to follow an edge that is unsharp, large
 /// enough to know their error from few samples.
 pub(super) const BLOCK_SIZE: u32 = 8;
-/// How far beyond its edge a block keeps its light pixel by pixel.
+/// Distance beyond its edge, in pixels, within which a block keeps its light pixel by pixel.
 pub(super) const BLOCK_SPREAD: u32 = 2;
 /// Brightness, sum of channels, below which nothing needs to be truer: a third of it is the step of eight bits near white.
 const DARK: f32 = 0.003;
@@ -30,12 +30,12 @@ pub fn half_of(x: u32, y: u32) -> usize {
     ((x + y) & 1) as usize
 }
 
-/// What a half has gathered.
+/// The sums of a half.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Half {
     /// Pixels that start samples.
     pub pixels: u32,
-    /// As a patch's.
+    /// The sums of radiance and alpha, as in a patch.
     pub sums: Vec<[f32; 4]>,
     /// Colours beyond the patch by number of the pixel in the picture, in rising order.
     pub far: Vec<(u32, [f32; 3])>,
@@ -68,7 +68,7 @@ impl Half {
         }
     }
 
-    /// Whether it is of the same tile and film.
+    /// True if both are of the same tile and film.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         self.pixels == other.pixels
             && self.sums.len() == other.sums.len()
@@ -77,7 +77,12 @@ impl Half {
 
     /// Adds a batch: samples for the picture, and others behind them for the error alone, each with how many a pixel. The
     /// error is of the batch as a whole, so that it does not depend on where the count ends. `width` is the picture's.
-    pub(super) fn add(&mut self, counted: Option<(&Patch, u32)>, beyond: Option<(&Patch, u32)>, width: u32) {
+    pub(super) fn add(
+        &mut self,
+        counted: Option<(&TileAccumulator, u32)>,
+        beyond: Option<(&TileAccumulator, u32)>,
+        width: u32,
+    ) {
         let error = &mut self.error;
         let batch: u32 = counted.iter().chain(&beyond).map(|(_, samples)| samples).sum();
         for (i, square) in error.squares.iter_mut().enumerate() {
@@ -103,7 +108,7 @@ impl Half {
         }
     }
 
-    fn add_far(&mut self, patch: &Patch, width: u32) {
+    fn add_far(&mut self, patch: &TileAccumulator, width: u32) {
         if patch.far.is_empty() {
             return;
         }
@@ -154,14 +159,14 @@ fn add(sums: &mut [[f32; 4]], more: &[[f64; 4]]) {
     }
 }
 
-/// What a squared error is relative to.
+/// The reference of a relative squared error at a brightness.
 fn weight(brightness: f32) -> f32 {
     brightness.max(brightness * brightness).max(DARK)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Film, Keep};
+    use super::super::{Film, FilmChannels};
     use crate::Rgb;
     use crate::sampler::mix;
 
@@ -174,7 +179,7 @@ mod tests {
     #[test]
     fn the_error_is_that_of_the_mean() {
         for (scatters, bright) in [(false, 0.5), (false, 3.0), (true, 0.5)] {
-            let film = Film::keeping(64, 64, scatters, Keep { halves: true, ..Keep::default() });
+            let film = Film::keeping(64, 64, scatters, FilmChannels { halves: true, ..FilmChannels::default() });
             let (mut sum, mut blocks) = (0.0, 0);
             for tile in 0..film.tile_count() {
                 let r = film.rect(tile);

@@ -21,13 +21,13 @@ struct OwnState {
     anywhere: [SplatState; 2],
 }
 
-/// What was kept is of a film of another size, or one that keeps other things.
+/// The kept sums are those of a film of another size, or of one that keeps other things.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it is of another film")]
 pub struct NotThisFilm;
 
 impl Film {
-    /// The state of the film now, while nobody adds to it.
+    /// The present state of the film; no other thread may add to it meanwhile.
     pub fn state(&self) -> FilmState {
         FilmState { own: self.own_state(), groups: self.groups.iter().map(Self::own_state).collect() }
     }
@@ -74,7 +74,7 @@ impl Film {
 }
 
 impl TileSums {
-    /// Whether both are of the same tile, and keep the same things of it.
+    /// True if both are of the same tile, and keep the same things of it.
     fn is_like(&self, other: &Self) -> bool {
         let (here, there) = (&self.light, &other.light);
         let halves = match (&self.halves, &other.halves) {

@@ -1,4 +1,4 @@
-//! What has reached the film: sums by pixel, in tiles that are filled by one thread at a time.
+//! The light that has reached the film: sums by pixel, in tiles that are filled by one thread at a time.
 //!
 //! A tile keeps the light of its own samples, also what fell beyond its edge: each pixel is the sum of what the tiles
 //! about it gave, each divided by its own count of samples. So the picture is right at any moment, however far the
@@ -28,20 +28,20 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Side of a tile in pixels. Larger tiles leave threads idle at the end of a pass; smaller ones cost messages.
 pub const TILE_SIZE: u32 = 32;
-/// How far beyond its edge, in pixels, a tile keeps its own light, where light spreads at all: more costs memory, less
-/// sends more to the sums by pixel, which are slower. Less than a tile.
+/// Distance beyond its edge, in pixels, within which a tile keeps its own light, where light spreads at all: a larger one costs memory, a
+/// smaller one sends more to the sums by pixel, which are slower. Less than a tile.
 pub const SPREAD: u32 = 8;
 
 /// A part of the picture: lower left corner and size, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileRect {
-    /// Left edge.
+    /// Column of the left edge.
     pub x: u32,
-    /// Lower edge.
+    /// Row of the lower edge.
     pub y: u32,
-    /// Columns.
+    /// Width, pixels.
     pub width: u32,
-    /// Rows.
+    /// Height, pixels.
     pub height: u32,
 }
 
@@ -54,19 +54,19 @@ impl TileRect {
         Self { x, y, width: right - x, height: top - y }
     }
 
-    /// Those of its pixels that belong to a half.
+    /// The pixels of the rectangle that belong to a half.
     pub fn pixels_of(self, half: usize) -> impl Iterator<Item = (u32, u32)> {
         let pixels =
             (self.y..self.y + self.height).flat_map(move |y| (self.x..self.x + self.width).map(move |x| (x, y)));
         pixels.filter(move |&(x, y)| half_of(x, y) == half)
     }
 
-    /// How many these are.
+    /// Number of pixels of a half.
     pub fn count_of(self, half: usize) -> u64 {
         self.pixels_of(half).count() as u64
     }
 
-    /// Where a pixel lies in a list of the rows from below; `None` outside.
+    /// The index of a pixel in a list of the rows from below; `None` outside.
     #[inline]
     fn index(&self, x: u32, y: u32) -> Option<usize> {
         // A pixel to the left is far to the right of everything.
@@ -75,16 +75,16 @@ impl TileRect {
     }
 }
 
-/// What a film keeps beside light.
+/// The data that a film keeps beside light.
 #[derive(Clone, Debug, Default)]
-pub struct Keep {
-    /// What surfaces the pixels see.
+pub struct FilmChannels {
+    /// True to keep the surfaces that the pixels see.
     pub surfaces: bool,
-    /// How these move over the picture.
+    /// True to keep motion vectors of these surfaces over the picture.
     pub vectors: bool,
-    /// Which objects or materials they are.
+    /// The objects or materials of these surfaces.
     pub mattes: Mattes,
-    /// Counts of samples that differ, in [`halves`].
+    /// True to keep counts of samples that differ, in [`halves`].
     pub halves: bool,
     /// Groups of emitters whose light is kept for itself as well.
     pub groups: u16,
@@ -106,28 +106,28 @@ pub fn bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, halves: bool, 
 
 /// Light on a part of the picture, while one thread gathers it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Patch {
+pub struct TileAccumulator {
     rect: TileRect,
     /// Radiance and alpha by pixel, rows from below. In double precision sums of samples are exact, but for ranges of brightness
     /// beyond 2^29 in one pixel: so they do not depend on how the samples are parted.
     sums: Vec<[f64; 4]>,
-    /// What fell outside.
+    /// Light that fell outside.
     far: Vec<(u32, u32, Rgb)>,
-    /// What may fall anywhere, wherever it was started, if that is kept for itself.
+    /// Light that may fall anywhere, independent of the pixel that started it, if it is kept apart.
     anywhere: Option<Vec<(u32, u32, Rgb)>>,
-    /// By pixel, as the sums; empty if nobody asked.
+    /// Data of the surfaces by pixel; empty if not asked for.
     data: Vec<DataSums>,
-    /// The same.
+    /// Motion vectors by pixel; empty if not asked for.
     vectors: Vec<VectorSums>,
     #[serde(skip)]
     mattes: Option<Box<MatteNotes>>,
     /// The light of each group of emitters, while it is gathered; each group's sums are a film of their own.
     #[serde(skip)]
-    groups: Vec<Patch>,
+    groups: Vec<TileAccumulator>,
 }
 
-impl Patch {
-    fn new(rect: TileRect, keep: &Keep) -> Self {
+impl TileAccumulator {
+    fn new(rect: TileRect, keep: &FilmChannels) -> Self {
         let pixels = (rect.width * rect.height) as usize;
         Self {
             rect,
@@ -166,7 +166,7 @@ impl Patch {
         self.add_wide(x, y, radiance.extend(0.0));
     }
 
-    /// The same for radiance with a 0 behind it.
+    /// Adds radiance, with a 0 as the fourth number, to a pixel of the picture.
     #[inline]
     pub fn add_wide(&mut self, x: u32, y: u32, radiance: Vec4) {
         match self.rect.index(x, y) {
@@ -198,7 +198,7 @@ impl Patch {
 /// Sums of one tile.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TileSums {
-    light: Patch,
+    light: TileAccumulator,
     mattes: MatteSums,
     /// The light instead, if counts of samples differ.
     halves: Option<Box<[Half; 2]>>,
@@ -212,7 +212,7 @@ pub struct TileSums {
 /// A finished part of the picture.
 #[derive(Clone, Debug)]
 pub struct TilePixels {
-    /// Where.
+    /// The rectangle of the pixels.
     pub rect: TileRect,
     /// Scene-linear RGBA, rows from below.
     pub pixels: Vec<[f32; 4]>,
@@ -223,17 +223,17 @@ pub struct Film {
     width: u32,
     height: u32,
     tile_size: u32,
-    /// By distance from the centre.
+    /// The tiles, by distance from the centre.
     tiles: Vec<(TileRect, Mutex<TileSums>)>,
     /// The tiles in rows from below.
     places: Vec<usize>,
     far: SplatSums,
-    /// Of each half's samples.
+    /// Light from anywhere, of each half's samples.
     anywhere: [SplatSums; 2],
-    keep: Keep,
-    /// What the light is multiplied by when it is asked for.
+    keep: FilmChannels,
+    /// Factor of the light when it is read.
     exposure: f32,
-    /// By pixel, rows from below, what it is multiplied by, too; empty where that is one.
+    /// A further factor for each pixel, rows from below; empty where that is one.
     gains: Arc<[f32]>,
     groups: Vec<Film>,
 }
@@ -243,11 +243,12 @@ impl Film {
     /// give light to other pixels than their own.
     /// `with_data` if it shall also keep what surfaces the pixels see.
     pub fn new(width: u32, height: u32, spreads: bool, with_data: bool) -> Self {
-        Self::keeping(width, height, spreads, Keep { surfaces: with_data, ..Keep::default() })
+        Self::keeping(width, height, spreads, FilmChannels { surfaces: with_data, ..FilmChannels::default() })
     }
 
-    /// The same, with all that it shall keep.
-    pub fn keeping(width: u32, height: u32, spreads: bool, keep: Keep) -> Self {
+    /// An empty film that keeps what `keep` names; tiles in order of their distance from the centre. `spreads` if samples give light to
+    /// other pixels than their own.
+    pub fn keeping(width: u32, height: u32, spreads: bool, keep: FilmChannels) -> Self {
         let tile_size = if keep.halves { BLOCK_SIZE } else { TILE_SIZE };
         let rects = cut(width, height, tile_size);
         let from_centre = |i: &usize| {
@@ -266,7 +267,7 @@ impl Film {
             (true, true) => BLOCK_SPREAD,
         };
         let tile = |&place: &usize| {
-            let mut light = Patch::new(rects[place].grown(margin, width, height), &keep);
+            let mut light = TileAccumulator::new(rects[place].grown(margin, width, height), &keep);
             let halves = keep.halves.then(|| {
                 let pixels = std::mem::take(&mut light.sums).len();
                 Box::new([0, 1].map(|half| Half::new(rects[place].count_of(half) as u32, pixels)))
@@ -282,32 +283,32 @@ impl Film {
         Self { width, height, tile_size, tiles, places, far, anywhere, keep, exposure, gains, groups }
     }
 
-    /// The same, with all its light multiplied by a factor, that of groups too.
+    /// This film with all its light multiplied by a factor, that of groups too.
     #[must_use]
     pub fn exposed(self, exposure: f32) -> Self {
         let groups = self.groups.into_iter().map(|group| group.exposed(exposure)).collect();
         Self { exposure, groups, ..self }
     }
 
-    /// The same, with each pixel's light multiplied by a factor of its own, rows from below, that of groups too; with none, by
-    /// one.
+    /// This film with each pixel's light multiplied by a factor of its own, rows from below, that of groups too; an empty list multiplies
+    /// by one.
     #[must_use]
     pub fn shaded(self, gains: Arc<[f32]>) -> Self {
         let groups = self.groups.into_iter().map(|group| group.shaded(gains.clone())).collect();
         Self { gains, groups, ..self }
     }
 
-    /// By what its light is multiplied: all of it, and by pixel as well; without these, by one.
+    /// Factors of the film's light: of all of it, and by pixel as well; without these, one.
     pub fn scales(&self) -> (f32, &[f32]) {
         (self.exposure, &self.gains)
     }
 
-    /// Columns and rows.
+    /// Width and height of the picture, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// How many tiles there are.
+    /// Number of tiles.
     pub fn tile_count(&self) -> usize {
         self.tiles.len()
     }
@@ -327,15 +328,15 @@ impl Film {
         if near.is_empty() { vec![0] } else { near }
     }
 
-    /// Where a tile lies.
+    /// The rectangle of a tile.
     pub fn rect(&self, tile: usize) -> TileRect {
         self.tiles[tile].0
     }
 
     /// An empty patch for the samples of a tile.
-    pub fn patch(&self, tile: usize) -> Patch {
-        let patch = Patch::new(self.tile(tile).light.rect, &self.keep);
-        Patch { groups: self.groups.iter().map(|group| group.patch(tile)).collect(), ..patch }
+    pub fn patch(&self, tile: usize) -> TileAccumulator {
+        let patch = TileAccumulator::new(self.tile(tile).light.rect, &self.keep);
+        TileAccumulator { groups: self.groups.iter().map(|group| group.patch(tile)).collect(), ..patch }
     }
 
     /// A tile's sums, for as long as the guard lives.
@@ -345,7 +346,13 @@ impl Film {
     }
 
     /// Adds pass number `pass` of a tile, of `samples` a pixel, if the passes before it are there; else gives it back.
-    pub fn add_pass(&self, tile: usize, pass: u32, light: Patch, samples: u32) -> Result<(), Box<Patch>> {
+    pub fn add_pass(
+        &self,
+        tile: usize,
+        pass: u32,
+        light: TileAccumulator,
+        samples: u32,
+    ) -> Result<(), Box<TileAccumulator>> {
         let mut sums = self.tile(tile);
         if sums.passes != pass {
             return Err(Box::new(light));
@@ -358,7 +365,7 @@ impl Film {
         Ok(())
     }
 
-    fn join(&self, sums: &mut TileSums, light: &Patch, samples: u32) {
+    fn join(&self, sums: &mut TileSums, light: &TileAccumulator, samples: u32) {
         for (sum, add) in sums.light.sums.iter_mut().zip(&light.sums) {
             for (s, a) in sum.iter_mut().zip(add) {
                 *s += a;
@@ -375,7 +382,13 @@ impl Film {
 
     /// Adds a batch for each pixel of a half of a tile: samples for the picture, and others behind them for the error alone,
     /// each with how many. Batches of a tile must come in their order.
-    pub fn add_batch(&self, tile: usize, half: usize, counted: Option<(&Patch, u32)>, beyond: Option<(&Patch, u32)>) {
+    pub fn add_batch(
+        &self,
+        tile: usize,
+        half: usize,
+        counted: Option<(&TileAccumulator, u32)>,
+        beyond: Option<(&TileAccumulator, u32)>,
+    ) {
         let mut sums = self.tile(tile);
         let Some(halves) = &mut sums.halves else { return };
         halves[half].add(counted, beyond, self.width);
@@ -403,7 +416,7 @@ impl Film {
         sums.halves.as_ref().and_then(|halves| halves[half].squared_error(half, self.rect(tile), sums.light.rect))
     }
 
-    /// How many samples each pixel has, rows from below.
+    /// Number of samples of each pixel, rows from below.
     pub fn sample_counts(&self) -> Vec<u32> {
         let mut out = vec![0; self.width as usize * self.height as usize];
         for (i, &(rect, _)) in self.tiles.iter().enumerate() {
@@ -421,7 +434,7 @@ impl Film {
         (0..self.tiles.len()).map(|i| self.tile(i).samples).min().unwrap_or(0)
     }
 
-    /// What each pixel sees, rows from below; nothing if the film was not to keep it.
+    /// The data of the surfaces that each pixel sees, rows from below; zeros if the film was not to keep them.
     pub fn data(&self) -> Vec<DataSums> {
         let mut out = vec![DataSums::default(); self.width as usize * self.height as usize];
         self.each_pixel(|tile, at, pixel| {
@@ -432,7 +445,7 @@ impl Film {
         out
     }
 
-    /// How what each pixel sees moves over the picture, rows from below.
+    /// The motion vectors of each pixel, rows from below; zeros if the film was not to keep them.
     pub fn vectors(&self) -> Vec<VectorSums> {
         let mut out = vec![VectorSums::default(); self.width as usize * self.height as usize];
         self.each_pixel(|tile, at, pixel| {
@@ -458,7 +471,7 @@ impl Film {
         out
     }
 
-    /// The pass index that most of each pixel's rays met, rows from below.
+    /// The pass index that most of each pixel's rays hit, rows from below.
     pub fn most_seen(&self, layer: MatteLayer) -> Vec<f32> {
         let mut out = vec![0.0; self.width as usize * self.height as usize];
         self.each_pixel(|tile, at, pixel| {
@@ -481,7 +494,7 @@ impl Film {
 }
 
 impl TileSums {
-    fn join_data(&mut self, keep: &Keep, from: &Patch) {
+    fn join_data(&mut self, keep: &FilmChannels, from: &TileAccumulator) {
         for (sums, add) in self.light.data.iter_mut().zip(&from.data) {
             sums.join(add);
         }

@@ -13,13 +13,13 @@ const FINE: f64 = (1u64 << 36) as f64;
 const COARSE: f64 = (1u64 << 12) as f64;
 /// Values are large from here on: 2^17 of them overflow no sum, and a coarse quantum is at most 2^-22 of them.
 const LARGE: f64 = 1024.0;
-/// What a brighter value counts as: a million of these overflow no sum.
+/// The value that brighter ones are clamped to: a million of these overflow no sum.
 const BRIGHTEST: f64 = (1u64 << 31) as f64;
 
 /// Sums of colours by pixel.
 #[derive(Default)]
 pub struct SplatSums {
-    /// Made when first light arrives: three numbers a pixel.
+    /// The sums, three numbers a pixel; made when light first arrives.
     fine: OnceLock<Box<[AtomicI64]>>,
     coarse: OnceLock<Box<[AtomicI64]>>,
     pixels: usize,
@@ -33,7 +33,7 @@ pub struct SplatState {
 }
 
 impl SplatSums {
-    /// Nothing yet.
+    /// Sums of zero for so many pixels.
     pub fn new(pixels: usize) -> Self {
         Self { pixels, ..Self::default() }
     }
@@ -48,7 +48,7 @@ impl SplatSums {
         }
     }
 
-    /// What is there now, while nobody adds.
+    /// The present sums; no other thread may add meanwhile.
     pub fn state(&self) -> SplatState {
         let read = |sums: &OnceLock<Box<[AtomicI64]>>| {
             sums.get().map(|sums| sums.iter().map(|sum| sum.load(Ordering::Relaxed)).collect())

@@ -10,7 +10,7 @@ mod light;
 mod vertex;
 mod weights;
 
-use super::Stage;
+use super::PreparedScene;
 use super::path::{Limits, PathResult};
 use crate::Rgb;
 use crate::accel::Ray;
@@ -20,10 +20,10 @@ use crate::sampler::{PathSampler, raster::Raster};
 use glam::Affine3A;
 use vertex::Vertex;
 
-/// Which ways of making a path are used.
+/// The techniques by which paths are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Techniques {
-    /// All of them.
+    /// All techniques.
     All,
     /// Light that ends in the lens after at least one scattering, and nothing else.
     LightAlone,
@@ -33,25 +33,25 @@ pub enum Techniques {
 pub struct CameraEnd<'a> {
     /// The lens.
     pub lens: &'a RealLens,
-    /// Render space; as long as the camera sees.
+    /// The ray in render space; as long as the camera sees.
     pub ray: Ray,
-    /// Of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
+    /// Density of the ray's choice, per unit of etendue ([`crate::camera::from_scene`]).
     pub density: f64,
-    /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
+    /// The transform from the lens's place in the middle of the exposure to its present place; `None`: it stands still.
     pub way: Option<Affine3A>,
 }
 
-/// Where light paths end.
+/// The lens and film that light paths are connected to.
 pub struct FilmEnd<'a> {
-    /// The lens that they aim at.
+    /// The lens that light paths aim at.
     pub lens: &'a RealLens,
-    /// The picture behind it.
+    /// The picture behind the lens.
     pub raster: &'a Raster,
-    /// What of the scene it sees.
+    /// The clip planes of the camera; `None` if it has none.
     pub clip: Option<Clip>,
-    /// What else makes the same paths.
+    /// The techniques that are in use.
     pub techniques: Techniques,
-    /// From where the lens is in the middle of the exposure to where it is now; `None`: it stands still.
+    /// The transform from the lens's place in the middle of the exposure to its present place; `None`: it stands still.
     pub way: Option<Affine3A>,
 }
 
@@ -63,25 +63,25 @@ pub struct LightPath {
 }
 
 impl LightPath {
-    /// Says when the next ones go, as in [`Ray::moment`].
+    /// Sets the moment of the path's rays, as in [`Ray::moment`].
     pub fn set_moment(&mut self, moment: u16) {
         self.moment = moment;
     }
 
-    /// When this one goes.
+    /// The moment of the light path.
     pub fn moment(&self) -> u16 {
         self.moment
     }
 
     /// Follows light from a source. Gives the rays traced.
-    pub fn trace(&mut self, stage: &Stage, limits: &Limits, sampler: PathSampler) -> u32 {
+    pub fn trace(&mut self, stage: &PreparedScene, limits: &Limits, sampler: PathSampler) -> u32 {
         light::trace(stage, limits, sampler, self.moment, &mut self.places)
     }
 
     /// Gives what the film gets of it to `add`, pixel by pixel, for one light path a pixel. Gives the rays traced.
     pub fn splat(
         &self,
-        stage: &Stage,
+        stage: &PreparedScene,
         film: &FilmEnd<'_>,
         limits: &Limits,
         sampler: PathSampler,
@@ -91,12 +91,18 @@ impl LightPath {
     }
 
     /// Follows a ray from the camera and joins it to this.
-    pub fn join(&self, stage: &Stage, camera: &CameraEnd<'_>, limits: &Limits, sampler: PathSampler) -> PathResult {
+    pub fn join(
+        &self,
+        stage: &PreparedScene,
+        camera: &CameraEnd<'_>,
+        limits: &Limits,
+        sampler: PathSampler,
+    ) -> PathResult {
         eye::trace(stage, camera, limits, sampler, &self.places)
     }
 }
 
-/// Nothing that could be seen, or nothing that can be added.
+/// True if the light is zero or not finite, so that there is nothing to add.
 fn is_dark(light: Rgb) -> bool {
     light == Rgb::ZERO || !light.is_finite()
 }

@@ -1,7 +1,7 @@
-//! What fills space on the way of light: which media a path is in, how far it comes in them, and what is left of it.
+//! Participating media along rays: the media that a path is in, distances between collisions in them, and transmittance.
 //!
-//! Media that are the same everywhere are crossed by closed forms, a channel chosen for each distance. In the others light
-//! meets tentative particles at a rate that bounds their density cell by cell; those that are none do nothing (null
+//! Media that are spatially constant are crossed by closed forms, a channel chosen for each distance. In the others light
+//! hits tentative particles at a rate that bounds their density cell by cell; those that are none do nothing (null
 //! collisions). Bounds come from samples, so that a medium may be denser than its bound: the weights of Galtier et al. 2013
 //! stay right there, negative for once, and [`Media::denser_than_bound`] counts it.
 
@@ -10,10 +10,10 @@ mod stack;
 
 pub(crate) use stack::{Entry, Stack};
 
-use super::Stage;
+use super::PreparedScene;
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::nodes::volume::Medium;
 use crate::sampler::hashed::HashedNumbers;
 use crate::scene::Scene;
@@ -24,15 +24,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Tentative particles on one stretch of a ray; what is behind so many is taken as it is seen.
 const MOST_STEPS: u32 = 1024;
-/// The same on the way to infinity, which is empty as a rule.
+/// Tentative particles on a ray's way to infinity, which is empty as a rule.
 const MOST_STEPS_OUT: u32 = 256;
-/// Light fainter than this part goes on by chance.
+/// Least part of the light without Russian roulette.
 const FAINT: f32 = 0.02;
 
 /// The media of a scene.
 pub struct Media {
     bounds: HashMap<Entry, Bound>,
-    /// What fills all space.
+    /// The medium that fills all space.
     world: Option<Entry>,
     /// Objects that have media, and the boxes about them.
     objects: Vec<(u32, [Vec3A; 2])>,
@@ -87,7 +87,7 @@ impl Media {
         Self { bounds, world, objects, denser: AtomicU64::new(0) }
     }
 
-    /// Whether there are none.
+    /// True if the scene has no media.
     pub fn is_empty(&self) -> bool {
         self.bounds.is_empty()
     }
@@ -98,7 +98,7 @@ impl Media {
         self.bounds.values_mut().for_each(|bound| bound.loosen(part));
     }
 
-    /// What to say of that after a render, where it is more than a few times.
+    /// A warning after a render in which media were denser than their bounds more than a few times.
     pub fn report(&self) -> Option<String> {
         const FEW: u64 = 10_000;
         let count = self.denser_than_bound();
@@ -108,39 +108,39 @@ impl Media {
         })
     }
 
-    /// How often light came to a place where a medium is denser than what was found of it before the render.
+    /// Number of times that light came to a place where a medium is denser than its bound, which was found before the render.
     pub fn denser_than_bound(&self) -> u64 {
         self.denser.load(Ordering::Relaxed)
     }
 }
 
-/// What happens on a stretch of a ray.
+/// An event on a stretch of a ray.
 pub(super) enum Event {
-    /// Light comes to its end.
+    /// Light comes to the end of the stretch.
     Through,
-    /// It is scattered before that. Its weight is still to be multiplied by what is scattered per unit.
+    /// Light is scattered before the end. Its weight is still to be multiplied by the scattering coefficient.
     Scattered {
-        /// From the ray's start.
+        /// Distance from the ray's start.
         distance: f32,
-        /// What scatters it.
+        /// The medium that scatters it.
         medium: Box<Medium>,
-        /// With which density per unit it was scattered there; 0 where the medium varies and nothing competes.
+        /// Density per unit of the scattering there; 0 where the medium varies and nothing competes.
         density: f32,
     },
-    /// Nothing is left of it.
+    /// The light is absorbed: nothing is left of it.
     Absorbed,
 }
 
 /// A stretch of a ray within media.
 pub(super) struct Stretch<'a> {
-    pub(super) stage: &'a Stage,
+    pub(super) stage: &'a PreparedScene,
     pub(super) stack: &'a Stack,
     pub(super) ray: Ray,
-    pub(super) way: Way,
+    pub(super) way: PathState,
 }
 
 impl Stretch<'_> {
-    /// What is the same all along it, where it is, and scatters.
+    /// The medium of the stretch, if it is spatially constant and scatters.
     pub(super) fn even_medium(&self) -> Option<Medium> {
         if !self.is_even() {
             return None;
@@ -149,8 +149,7 @@ impl Stretch<'_> {
         (medium.scattering != Rgb::ZERO).then_some(medium)
     }
 
-    /// What is left of light that came so far through something even, and the density with which [`Stretch::follow`]
-    /// scatters it there.
+    /// The transmittance of a homogeneous medium over a distance, and the density with which [`Stretch::follow`] scatters it there.
     pub(super) fn even_at(&self, medium: &Medium, throughput: Rgb, distance: f32) -> (Rgb, f32) {
         let left = through(medium.extinction, distance);
         (left, channels(throughput).map_or(0.0, |chances| chances.dot(medium.extinction * left)))
@@ -179,7 +178,7 @@ impl Stretch<'_> {
         }
     }
 
-    /// The part of light that gets through all of it, on average.
+    /// The part of light that gets through all of the stretch, on average.
     pub(super) fn transmittance(&self, numbers: &mut HashedNumbers) -> Rgb {
         if self.is_even() {
             return through(self.medium(self.ray.origin).extinction, self.ray.t_max);
@@ -236,7 +235,7 @@ impl Stretch<'_> {
         Bounded::new(&self.ray, bounds)
     }
 
-    /// Of something even among what varies.
+    /// The rate of tentative particles for a medium that is constant along the ray, among others that vary.
     fn rate_of(&self, medium: &Medium) -> f32 {
         let shines = medium.emission.max_element() > 0.0 && self.ray.t_max.is_finite();
         medium.extinction.max_element().max(if shines { bound::LOOKS / self.ray.t_max } else { 0.0 })
@@ -321,19 +320,19 @@ impl Stretch<'_> {
     }
 }
 
-/// The chances of the channels, by what they carry; `None` where that is nothing.
+/// The probabilities of the channels, by the light that they carry; `None` if there is none.
 fn channels(throughput: Rgb) -> Option<Rgb> {
     let weights = throughput.abs();
     let total = weights.element_sum();
     (total > 0.0 && total.is_finite()).then(|| weights / total)
 }
 
-/// What is left of light after a way through something even; without end where that is infinite.
+/// The transmittance of a homogeneous medium over a distance, which may be infinite.
 fn through(extinction: Rgb, t: f32) -> Rgb {
     extinction.map(|rate| if rate > 0.0 { (-rate * t).exp() } else { 1.0 })
 }
 
-/// How much of an even medium's length its start sees: the integral of [`through`].
+/// The integral of the transmittance ([`through`]) over a length of a homogeneous medium.
 fn length_seen(extinction: Rgb, t: f32) -> Rgb {
     extinction.map(|rate| {
         let depth = rate * t;

@@ -1,4 +1,4 @@
-//! From a camera ray to the radiance along it.
+//! Integrators: the radiance along camera rays.
 
 pub mod bidirectional;
 pub mod media;
@@ -9,8 +9,7 @@ use crate::accel::Accel;
 use crate::lights::{Lights, emission::Emission};
 use crate::nodes;
 use crate::scene::Scene;
-use crate::scene::closure::Closure;
-use crate::scene::material::Input;
+use crate::scene::plain::Plain;
 use crate::shading::{energy, principled::PrincipledTables};
 use media::Media;
 use rayon::prelude::*;
@@ -18,7 +17,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// How light is looked for.
+/// A light transport algorithm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
     /// [`path`]: from the camera.
@@ -29,7 +28,7 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// What it is called in reports and on the command line.
+    /// Name of the integrator in reports and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Path => "path",
@@ -40,29 +39,29 @@ impl Integrator {
 
 /// A scene with everything that is worked out once before light is followed through it. Cameras and settings
 /// change without it.
-pub struct Stage {
-    /// What there is.
+pub struct PreparedScene {
+    /// The scene.
     pub scene: Scene,
-    /// Its trees.
+    /// The scene's BVHs.
     pub accel: Accel,
-    /// Its emitters.
+    /// The scene's lights.
     pub lights: Lights,
-    /// What leaves them.
+    /// Distributions from which light paths start.
     pub emission: Emission,
-    /// What fills space.
+    /// The participating media.
     pub media: Media,
-    /// By material.
-    pub tables: Vec<Arc<PrincipledTables>>,
-    /// What had to be left out.
+    /// Tables of the plain surfaces, by material.
+    pub plain_tables: Vec<Option<Arc<PrincipledTables>>>,
+    /// Warnings on parts of the scene that were left out.
     pub warnings: Vec<String>,
-    /// Wall time that it took, s.
+    /// Wall time that the preparation took, s.
     pub build_seconds: f64,
 }
 
-impl Stage {
-    /// What surfaces may ask of what is around them.
-    pub fn around(&self) -> nodes::Around<'_> {
-        nodes::Around { scene: &self.scene, accel: Some(&self.accel) }
+impl PreparedScene {
+    /// The surroundings that shader graphs of surfaces may query.
+    pub fn around(&self) -> nodes::SceneQueries<'_> {
+        nodes::SceneQueries { scene: &self.scene, accel: Some(&self.accel) }
     }
 
     /// Builds trees and tables, in parallel on the current rayon pool.
@@ -70,7 +69,7 @@ impl Stage {
         Self::after(None, scene)
     }
 
-    /// The same; what is left of the stage of another frame makes it quicker.
+    /// Builds a stage like [`Self::new`]; parts of the stage of another frame that are still valid are reused.
     pub fn after(previous: Option<&Self>, scene: Scene) -> Self {
         Self::with(previous, scene, |scene| match previous {
             Some(previous) => Accel::new_after(&previous.accel, scene),
@@ -78,7 +77,8 @@ impl Stage {
         })
     }
 
-    /// The same for a scene that is edited: what was not is taken from the stage before, at the price of slower rays.
+    /// Builds a stage of a scene that is edited: unedited parts are taken from the stage before, at the price of slower
+    /// rays.
     pub fn edited(previous: Option<&Self>, scene: Scene) -> Self {
         let before = previous.map(|previous| (&previous.accel, &previous.scene));
         Self::with(previous, scene, |scene| Accel::apart(before, scene))
@@ -96,41 +96,31 @@ impl Stage {
         let reflection = energy::reflection().clone();
         indices(&scene).into_par_iter().for_each(energy::prepare);
         // One set of tables for each that differs, made in parallel.
-        let mut representative: HashMap<_, usize> = HashMap::new();
-        for (i, m) in scene.materials.iter().enumerate() {
-            representative.entry(PrincipledTables::key(m)).or_insert(i);
-        }
-        let before: HashMap<_, _> = previous.map_or_else(HashMap::new, |previous| {
-            previous.scene.materials.iter().map(PrincipledTables::key).zip(&previous.tables).collect()
+        let before = previous.map_or_else(HashMap::new, |previous| {
+            let tables = |(key, tables): (_, &Option<Arc<PrincipledTables>>)| Some((key?, tables.clone()?));
+            keys(&previous.scene).zip(&previous.plain_tables).filter_map(tables).collect::<HashMap<_, _>>()
         });
-        let made = |i: usize| Arc::new(PrincipledTables::new(&scene.materials[i], reflection.clone()));
+        let plains = scene.materials.iter().filter_map(|material| material.graph.plain.as_ref());
+        let representative: HashMap<_, &Plain> = plains.map(|plain| (PrincipledTables::key(plain), plain)).collect();
+        let made = |plain: &Plain| Arc::new(PrincipledTables::new(plain, reflection.clone()));
         let known: HashMap<_, _> = representative
             .into_par_iter()
-            .map(|(key, i)| {
-                let tables = before.get(&key).map_or_else(|| made(i), |&tables| tables.clone());
-                (key, tables)
-            })
+            .map(|(key, plain)| (key, before.get(&key).cloned().unwrap_or_else(|| made(plain))))
             .collect();
-        let tables = scene.materials.iter().map(|m| known[&PrincipledTables::key(m)].clone()).collect();
+        let plain_tables = keys(&scene).map(|key| Some(known[&key?].clone())).collect();
         let build_seconds = start.elapsed().as_secs_f64();
-        Self { scene, accel, lights, emission, media, tables, warnings, build_seconds }
+        Self { scene, accel, lights, emission, media, plain_tables, warnings, build_seconds }
     }
 }
 
-/// The indices of refraction of all layers, as far as they stand still.
+/// The keys of the tables of plain surfaces, by material; `None` for other materials.
+fn keys(scene: &Scene) -> impl Iterator<Item = Option<(u32, u32, bool, bool)>> {
+    scene.materials.iter().map(|material| material.graph.plain.as_ref().map(PrincipledTables::key))
+}
+
+/// The indices of refraction that are constant over a surface.
 fn indices(scene: &Scene) -> Vec<f32> {
-    let mut found = Vec::new();
-    for layer in scene.materials.iter().flat_map(|material| &material.layers) {
-        let inputs = match &layer.closure {
-            Closure::Glass { ior, .. } => vec![ior],
-            Closure::Principled(p) => vec![&p.ior, &p.coat_ior],
-            _ => continue,
-        };
-        found.extend(inputs.into_iter().filter_map(|i| if let Input::Constant(v) = i { Some(*v) } else { None }));
-    }
-    found.extend(
-        scene.materials.iter().filter_map(|material| material.graph.as_ref()).flat_map(|graph| graph.indices()),
-    );
+    let mut found: Vec<f32> = scene.materials.iter().flat_map(|material| material.graph.indices()).collect();
     found.sort_by(f32::total_cmp);
     found.dedup();
     found

@@ -1,7 +1,7 @@
 //! Path tracing with next-event estimation: at every surface one light is sampled and one direction, each
 //! weighted by how well the other technique would have found the same light (power heuristic, Veach 1995).
 //!
-//! Many paths go on together: see [`Wave`].
+//! Many paths go on together: see [`Wavefront`].
 
 mod approximations;
 mod by_part;
@@ -13,39 +13,39 @@ mod terminator;
 mod wave;
 
 pub use approximations::{Approximations, FastGi};
-pub use notes::{NoNotes, Noted, Notes};
+pub use notes::{AovBuffers, AovSink, NoAovs};
 pub use pilot::{openness, roulette};
-pub use wave::Wave;
+pub use wave::Wavefront;
 
-use super::Stage;
+use super::PreparedScene;
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::nodes::{self, Around, Layers, Opening, View, Way};
+use crate::nodes::{self, Layers, PathState, SceneQueries, Transparency, View};
 use crate::sampler::PathSampler;
 use crate::scene::Scene;
 use crate::shading::{Caustics, Past, mixture::Mixture};
 use crate::surface::{SurfacePoint, strand, tangent_about_z};
 use glam::Vec3A;
 
-/// Bounces before a path of light may be ended by chance.
+/// Bounces before Russian roulette may end a path of light.
 pub(super) const SURE_BOUNCES: u32 = 3;
 /// Surfaces that a path may pass unbent or scatter at, in all: a bound for stacks of transparent leaves.
 pub(super) const MOST_STEPS: u32 = 512;
 /// The sampler's sets of four numbers that the camera uses before the path begins.
 pub const CAMERA_SETS: u32 = 3;
-/// The last of them: its first number is the time.
+/// The last of the sampler's sets for the camera: its first number is the time.
 pub const TIME_SET: u32 = 2;
 /// Sets used at each surface.
 const SETS_PER_STEP: u32 = 2;
 
-/// What one path found.
+/// The result of one path.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PathResult {
     /// Radiance along the camera ray.
     pub radiance: Rgb,
-    /// The ray reached something other than the world directly behind transparent surfaces.
+    /// True if the ray reached something other than the world directly behind transparent surfaces.
     pub hit: bool,
-    /// How much of what it reached first is a hole.
+    /// The part of the first hit that is a hole.
     pub hole: f32,
     /// Rays traced, shadow rays included.
     pub rays: u32,
@@ -53,10 +53,10 @@ pub struct PathResult {
     pub first: Option<FirstSurface>,
 }
 
-/// A surface that a camera ray met.
+/// A surface that a camera ray hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstSurface {
-    /// Render space.
+    /// Position, render space.
     pub position: Vec3A,
     /// Unit, towards the ray's origin.
     pub normal: Vec3A,
@@ -77,45 +77,45 @@ impl From<&SurfacePoint> for FirstSurface {
     }
 }
 
-/// How light is followed.
+/// Limits and settings of light transport.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Bounces after the first surface.
     pub max_bounces: u32,
-    /// Of those, how many of each kind.
+    /// The most bounces of each kind.
     pub kinds: KindLimits,
     /// Most radiance, in the mean of its channels, that light may add which the camera sees, or which is scattered once: fewer bright
     /// specks for less light. Infinite takes all of it.
     pub clamp_direct: f32,
-    /// The same for light that is scattered more often.
+    /// Most radiance, in the mean of its channels, that light scattered more than once may add. Infinite takes all of it.
     pub clamp_indirect: f32,
-    /// What is given up of indirect light.
+    /// Approximations of indirect light.
     pub approximations: Approximations,
-    /// The world and suns light the scene, but the camera does not see them.
+    /// True if the world and suns light the scene but the camera does not see them.
     pub hide_sky: bool,
     /// The part of the sky that is seen from a surface, on average: see [`openness`]. Only noise depends on it.
     pub openness: f32,
-    /// A path from the camera goes on with a chance of this times its throughput over that of its first scattering, at most 1: see
-    /// [`roulette`].
+    /// Factor of Russian roulette: a path from the camera goes on with a probability of this times its throughput over that of its first
+    /// scattering, at most 1: see [`roulette`].
     pub roulette: f32,
 }
 
-/// How often light may be scattered in each way, and whether sharp reflections of diffuse light are looked for.
+/// The most scatterings of each kind, and the caustics that are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KindLimits {
-    /// Reflected without a peak.
+    /// Reflections without a peak.
     pub diffuse: u32,
-    /// Reflected about a peak, or mirrored.
+    /// Reflections about a peak, or mirrored.
     pub glossy: u32,
-    /// Let through and scattered.
+    /// Transmissions with scattering.
     pub transmission: u32,
-    /// Scattered in volumes.
+    /// Scatterings in volumes.
     pub volume: u32,
-    /// Surfaces passed unbent.
+    /// Surfaces that a path passes unbent.
     pub transparent: u32,
-    /// The same for rays that ask whether light arrives, those of the path before them included.
+    /// Surfaces that a shadow ray may pass unbent, those of the path before it included.
     pub transparent_shadows: u32,
-    /// What paths meet after a diffuse scattering mirrors and bends light.
+    /// The surfaces that reflect and refract light after a diffuse scattering.
     pub caustics: Caustics,
 }
 
@@ -127,15 +127,15 @@ impl Default for KindLimits {
 }
 
 impl Limits {
-    /// Whether a path is scattered by a surface that it meets, and on the way to that.
+    /// True if a path may be scattered by the next surface and by volumes before it.
     #[inline]
-    pub(super) fn scatters(&self, way: Way) -> bool {
+    pub(super) fn scatters(&self, way: PathState) -> bool {
         self.scatters_before_the_sky(way) && self.approximations.fast_gi.last_ray(way).is_none()
     }
 
-    /// Whether a path is scattered on the way to infinity: by volumes.
+    /// True if a path may be scattered by volumes on the way to infinity.
     #[inline]
-    pub(super) fn scatters_before_the_sky(&self, way: Way) -> bool {
+    pub(super) fn scatters_before_the_sky(&self, way: PathState) -> bool {
         let KindLimits { diffuse, glossy, transmission, .. } = self.kinds;
         u32::from(way.depth) <= self.max_bounces
             && u32::from(way.diffuse) <= diffuse
@@ -144,21 +144,21 @@ impl Limits {
             && self.goes_on(way)
     }
 
-    /// Whether a path passes or is scattered by what it meets. As in Cycles, it passes the first surface in any case.
+    /// True if a path may pass or be scattered by the next surface. As in Cycles, it passes the first surface in any case.
     #[inline]
-    pub(super) fn goes_on(&self, way: Way) -> bool {
+    pub(super) fn goes_on(&self, way: PathState) -> bool {
         way.transparent == 0 || u32::from(way.transparent) < self.kinds.transparent
     }
 
     /// Surfaces that a ray from there to a light may pass.
     #[inline]
-    pub(super) fn shadows_pass(&self, way: Way) -> u32 {
+    pub(super) fn shadows_pass(&self, way: PathState) -> u32 {
         self.kinds.transparent_shadows.saturating_sub(u32::from(way.transparent))
     }
 
-    /// What mirrors and bends light where a path came this way.
+    /// The surfaces that reflect and refract light for a path in this state.
     #[inline]
-    pub(super) fn caustics(&self, way: Way) -> Caustics {
+    pub(super) fn caustics(&self, way: PathState) -> Caustics {
         if way.is_diffuse() { self.kinds.caustics } else { Caustics::ALL }
     }
 
@@ -170,7 +170,7 @@ impl Limits {
         if mean > most { light * (most / mean) } else { light }
     }
 
-    /// Light of an emitter that a path met after `bounce` bounces, as far as it counts: a light sample would have found it a bounce
+    /// Light of an emitter that a path hit after `bounce` bounces, as far as it counts: a light sample would have found it a bounce
     /// before.
     #[inline]
     pub(super) fn clamp_met(&self, light: Rgb, bounce: u32) -> Rgb {
@@ -179,7 +179,7 @@ impl Limits {
 }
 
 /// Follows a ray from the camera.
-pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut PathSampler) -> PathResult {
+pub fn trace(stage: &PreparedScene, camera_ray: Ray, limits: &Limits, sampler: &mut PathSampler) -> PathResult {
     let mut found = PathResult::default();
     trace_all(stage, std::iter::once((camera_ray, sampler.clone())), limits, |_, result| found = result);
     found
@@ -187,22 +187,22 @@ pub fn trace(stage: &Stage, camera_ray: Ray, limits: &Limits, sampler: &mut Path
 
 /// Follows rays from the camera together, and tells by their numbers what they found.
 pub fn trace_all(
-    stage: &Stage,
+    stage: &PreparedScene,
     rays: impl Iterator<Item = (Ray, PathSampler)>,
     limits: &Limits,
     found: impl FnMut(usize, PathResult),
 ) {
     if stage.media.is_empty() {
-        Wave::<NoNotes, false>::noting(NoNotes).trace_all(stage, rays, limits, found);
+        Wavefront::<NoAovs, false>::noting(NoAovs).trace_all(stage, rays, limits, found);
     } else {
-        Wave::<NoNotes, true>::noting(NoNotes).trace_all(stage, rays, limits, found);
+        Wavefront::<NoAovs, true>::noting(NoAovs).trace_all(stage, rays, limits, found);
     }
 }
 
-impl<const VOLUMES: bool> Wave<NoNotes, VOLUMES> {
+impl<const VOLUMES: bool> Wavefront<NoAovs, VOLUMES> {
     fn trace_all(
         mut self,
-        stage: &Stage,
+        stage: &PreparedScene,
         rays: impl Iterator<Item = (Ray, PathSampler)>,
         limits: &Limits,
         mut found: impl FnMut(usize, PathResult),
@@ -223,12 +223,12 @@ pub(super) fn leave(point: &SurfacePoint, d: glam::Vec3A) -> glam::Vec3A {
     offset_origin(point.position, if n.dot(d) < 0.0 { -n } else { n }, point.position_error)
 }
 
-/// How a surface lets light through unbent.
+/// The opening of a surface: how it lets light through unbent.
 #[inline]
-pub(super) fn opening<'a>(around: impl Into<Around<'a>>, point: &SurfacePoint, view: &View) -> Opening {
+pub(super) fn opening<'a>(around: impl Into<SceneQueries<'a>>, point: &SurfacePoint, view: &View) -> Transparency {
     let around = around.into();
     let material = &around.scene.materials[point.material as usize];
-    if material.may_be_transparent() { nodes::opening(material, around, point, view) } else { Opening::NONE }
+    if material.may_be_transparent() { nodes::opening(material, around, point, view) } else { Transparency::NONE }
 }
 
 /// Transmittance of a surface for a shadow ray.
@@ -248,7 +248,7 @@ pub(super) fn transmittance(scene: &Scene, hit: &Hit, view: &View) -> Rgb {
 #[inline(never)]
 pub(super) fn mix(
     mixture: &mut Mixture,
-    stage: &Stage,
+    stage: &PreparedScene,
     layers: &Layers,
     point: &SurfacePoint,
     wo: Vec3A,

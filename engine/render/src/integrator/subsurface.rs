@@ -3,7 +3,7 @@
 
 mod walk;
 
-use super::Stage;
+use super::PreparedScene;
 use crate::Rgb;
 use crate::accel::{Ray, offset_origin};
 use crate::sampler::{PathSampler, warp};
@@ -19,9 +19,10 @@ const MOST_PASSED: u32 = 16;
 /// Places that a ray through a disk may find: of more the nearest to its start count.
 const MOST_HITS: usize = 8;
 
-/// Where light that entered at `point` leaves the body, seen from outside, and what is left of it; `None` where it ends within.
+/// The place where light that entered at `point` leaves the body, seen from outside, and the part of the light that is left; `None` where
+/// the light is absorbed within.
 pub(super) fn leave(
-    stage: &Stage,
+    stage: &PreparedScene,
     point: &SurfacePoint,
     entry: &Entry,
     sampler: &mut PathSampler,
@@ -41,7 +42,7 @@ pub(super) fn leave(
 /// A place beside `point` by a profile, and what of the light comes out there. Rays through a disk about the point, along its normal or
 /// at right angles to it, find the places; all three count by the power heuristic, as in Cycles (`subsurface_disk.h`).
 fn beside(
-    stage: &Stage,
+    stage: &PreparedScene,
     point: &SurfacePoint,
     profile: &Profile,
     [u_distance, u_turn]: [f32; 2],
@@ -88,8 +89,8 @@ fn beside(
     Some((*exit, *light * (sum / light.element_sum())))
 }
 
-/// Where a ray meets the body itself, whatever else stands in it, and how far that is.
-fn own_surface(stage: &Stage, instance: u32, ray: Ray, rays: &mut u32) -> Option<(SurfacePoint, f32)> {
+/// A ray's first hit on the body itself, whatever else stands in it, and its distance.
+fn own_surface(stage: &PreparedScene, instance: u32, ray: Ray, rays: &mut u32) -> Option<(SurfacePoint, f32)> {
     let (mut ray, mut passed) = (ray, 0.0);
     for _ in 0..MOST_PASSED {
         *rays += 1;

@@ -1,4 +1,4 @@
-//! As many samples for each pixel as its error asks for.
+//! Adaptive sampling: as many samples for each pixel as its error asks for.
 //!
 //! A block's error is looked at when its pixels have 16, 64, 256 ... samples (four times as many each time, from what the
 //! settings say). Each half of its pixels then gets as many as the error of the *other* half asks for: those, if they are
@@ -24,11 +24,11 @@ const ROUND: u32 = 4;
 /// Samples that all pixels take that have not enough.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Pass {
-    /// Number of the first.
+    /// Number of the first sample.
     pub first: u32,
-    /// How many.
+    /// Number of samples.
     pub count: u32,
-    /// Whether the error is looked at afterwards, and at how many samples it will be looked at next.
+    /// The number of samples at the next look at the error, if it is looked at after this pass.
     pub next_look: Option<u32>,
 }
 
@@ -37,13 +37,13 @@ pub(super) struct Pass {
 struct Plan {
     /// Samples of each half's pixels, as far as is known.
     ends: [u32; 2],
-    /// Whether the error will be looked at again for a half.
+    /// True for a half whose error will be looked at again.
     open: [bool; 2],
     /// Samples of the next look.
     look: u32,
 }
 
-/// What was decided so far.
+/// The decisions so far.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct AdaptiveState {
     plans: Vec<Plan>,
@@ -54,7 +54,7 @@ pub(super) struct AdaptiveState {
 /// The plans of a render.
 pub(super) struct Adaptive {
     pub passes: Vec<Pass>,
-    /// Squared.
+    /// Square of the noise threshold of the settings.
     threshold: f32,
     most: u32,
     plans: Vec<Mutex<Plan>>,
@@ -64,7 +64,7 @@ pub(super) struct Adaptive {
 }
 
 impl Adaptive {
-    /// For a film in halves.
+    /// The decisions for a film in halves.
     pub(super) fn new(settings: &Settings, tiles: usize) -> Self {
         let most = settings.samples;
         let least = if settings.min_samples == 0 { MIN_SAMPLES } else { settings.min_samples }.max(FIRST_BATCHES);
@@ -82,7 +82,7 @@ impl Adaptive {
         }
     }
 
-    /// What a half of a tile takes in a pass, first sample and count: for the picture, and for the error alone.
+    /// The samples of a half of a tile in a pass, first and count: for the picture, and for the error alone.
     pub(super) fn batch(&self, tile: usize, half: usize, pass: Pass) -> [Option<[u32; 2]>; 2] {
         let plan = *lock(&self.plans[tile]);
         let end = plan.ends[half];
@@ -98,7 +98,7 @@ impl Adaptive {
         self.done.fetch_add(u64::from(samples) * film.rect(tile).count_of(half), Ordering::Relaxed);
     }
 
-    /// After a pass of a tile: decides how it goes on, where that is to be decided now.
+    /// Decides how a tile goes on after a pass, where that is to be decided now.
     pub(super) fn look(&self, film: &Film, tile: usize, pass: Pass) {
         let Some(next) = pass.next_look else { return };
         let mut plan = lock(&self.plans[tile]);
@@ -119,7 +119,7 @@ impl Adaptive {
         plan.look = next;
     }
 
-    /// What is decided now, while nobody decides.
+    /// The present decisions; no other thread may decide meanwhile.
     pub(super) fn state(&self) -> AdaptiveState {
         AdaptiveState {
             plans: self.plans.iter().map(|plan| *lock(plan)).collect(),
@@ -128,7 +128,7 @@ impl Adaptive {
         }
     }
 
-    /// Decides on from there; false if that is of another picture.
+    /// Continues from `state`; false if that is of another picture.
     pub(super) fn restore(&mut self, state: AdaptiveState) -> bool {
         let fits = state.plans.len() == self.plans.len();
         self.plans = state.plans.into_iter().map(Mutex::new).collect();

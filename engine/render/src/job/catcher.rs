@@ -1,21 +1,21 @@
 //! Surfaces that catch shadows: the picture is to be laid over a photograph, and holds of them what light they lose.
 //!
-//! As in Cycles the scene is seen twice, with all that is in it and with those surfaces alone, and the shadow is the one by the
-//! other (its manual, "Shadow Catcher"). Both by the same rays and random numbers, so noise that they share cancels.
+//! The scene is rendered twice, as in Cycles: with all that is in it and with those surfaces alone; the shadow is the ratio of the first to
+//! the second (manual of Cycles, "Shadow Catcher"). Both by the same rays and random numbers, so noise that they share cancels.
 
 use super::Job;
 use crate::Rgb;
-use crate::integrator::path::parts::Part;
+use crate::integrator::path::parts::LightPass;
 
-/// What is kept of the render of everything, for [`Job::shadow`] and [`Job::over_photograph`].
-pub const PARTS: [Part; 2] = [Part::Caught, Part::Catches];
+/// The parts that are kept of the render of everything, for [`Job::shadow`] and [`Job::over_photograph`].
+pub const PARTS: [LightPass; 2] = [LightPass::Caught, LightPass::Catches];
 
-/// How the picture is to be laid over a photograph.
+/// Settings for laying the picture over a photograph.
 #[derive(Clone, Copy, Debug)]
 pub struct Laying {
-    /// The film is opaque.
+    /// True if the film is opaque.
     pub is_opaque: bool,
-    /// The shadow is a pass of its own, and not in the picture.
+    /// True if the shadow is a pass of its own, and not in the picture.
     pub is_apart: bool,
 }
 
@@ -34,7 +34,7 @@ struct Pixel {
 }
 
 impl Pixel {
-    /// What is left of the light.
+    /// The part of the light that is left in the shadow.
     fn shadow(&self) -> Rgb {
         let left = Rgb::select(self.lit.cmpne(Rgb::ZERO), self.caught / self.lit, Rgb::ONE);
         (1.0 - self.alpha) + self.alpha * left
@@ -68,13 +68,13 @@ impl Job {
         }))
     }
 
-    /// What is left of the light on what catches shadows, rows from below; 1 where nothing is seen. `None` as above.
+    /// The part of the light that is left on shadow catchers, rows from below; 1 where none is seen. `None` if this keeps not [`PARTS`].
     pub fn shadow(&self, alone: &Self) -> Option<Vec<[f32; 3]>> {
         Some(self.pixels_beside(alone)?.map(|pixel| pixel.shadow().into()).collect())
     }
 
-    /// The picture to be laid over a photograph: what catches shadows is gone, and the mean of its shadow is alpha. Where there
-    /// is a render of the `sky` it is laid over that. `None` as above.
+    /// The picture to be laid over a photograph: what catches shadows is gone, and the mean of its shadow is alpha. Where there is a render
+    /// of the `sky` it is laid over that. `None` if this keeps not [`PARTS`].
     pub fn over_photograph(&self, alone: &Self, sky: Option<&Self>, laying: Laying) -> Option<Vec<[f32; 4]>> {
         let laid = self.pixels_beside(alone)?.map(|pixel| pixel.laid(laying));
         let Some(sky) = sky else {
@@ -114,7 +114,7 @@ mod tests {
         assert_eq!((light, alpha), (Rgb::splat(1.5), 0.5));
     }
 
-    /// Where nothing is seen nothing is in shadow, nor where no light comes to.
+    /// Pixels without a catcher or without light have no shadow.
     #[test]
     fn nothing_throws_no_shadow() {
         let sky = Pixel { caught: Rgb::ZERO, lit: Rgb::ZERO, light: Rgb::ZERO, alpha: 0.0, catches: 0.0, finds: 0.0 };

@@ -23,25 +23,25 @@ use std::time::{Duration, Instant};
 const MAGIC: &[u8; 16] = b"Petzval film   2";
 /// The part of [`MAGIC`] that all layouts share.
 const MAGIC_STEM: &[u8] = b"Petzval film";
-/// A header has a version and a fingerprint.
+/// Length of the longest header, bytes; it has a version and a fingerprint.
 const LONGEST_HEADER: u32 = 1 << 16;
 /// The bytes after the body: its length and its checksum.
 const TAIL_BYTES: u64 = 12;
-/// Besides the fingerprint, the engine and whether products and sums are rounded together decide the bits of a picture.
+/// Version of the engine, and true if products and sums are rounded together: besides the fingerprint, these decide the bits of a picture.
 const MADE_BY: (&str, bool) = (env!("CARGO_PKG_VERSION"), cfg!(target_feature = "fma"));
 
-/// Where and how often a render is kept.
+/// The file in which a render is kept, and the interval.
 #[derive(Clone, Debug)]
 pub struct Checkpoints {
-    /// Replaced each time.
+    /// The file, replaced each time.
     pub file: PathBuf,
-    /// Of all that decides the picture: only a render with the same one takes it up.
+    /// Fingerprint of all that decides the picture: only a render with the same one takes it up.
     pub fingerprint: String,
-    /// From the end of one writing to the next.
+    /// Interval from the end of one writing to the next.
     pub every: Duration,
 }
 
-/// What became of it.
+/// The results of keeping and resuming a render.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kept {
     /// Mean samples a pixel that were there at the start.
@@ -50,9 +50,9 @@ pub struct Kept {
     pub resumed_seconds: f64,
     /// Checkpoints written by this render.
     pub written: u32,
-    /// Wall time of the longest stop of all threads for it, s.
+    /// Wall time of the longest stop of all threads for a checkpoint, s.
     pub longest_stop_s: f64,
-    /// Why what was there was not taken up, or why nothing can be written.
+    /// The reason why the kept render was not resumed, or why nothing can be written.
     pub problem: Option<String>,
 }
 
@@ -65,13 +65,13 @@ pub struct OwnFile {
 }
 
 impl OwnFile {
-    /// Removes the file, unless another render has replaced it meanwhile; true where it was removed.
+    /// Removes the file, unless another render has replaced it meanwhile; true if it was removed.
     pub fn delete(&self) -> bool {
         Identity::of(&self.path).is_ok_and(|now| now == self.identity) && std::fs::remove_file(&self.path).is_ok()
     }
 }
 
-/// Keeps a render.
+/// The keeper of a render's checkpoints.
 pub(super) struct Keeper {
     settings: Checkpoints,
     kept: Mutex<Kept>,
@@ -88,7 +88,7 @@ struct Header {
     fingerprint: String,
 }
 
-/// The second part of a file: what is done.
+/// The second part of a file: the state of the render.
 #[derive(Serialize, Deserialize)]
 struct Body {
     seconds: f64,
@@ -256,7 +256,7 @@ impl Keeper {
         kept.resumed_samples = counts.iter().copied().map(f64::from).sum::<f64>() / counts.len() as f64;
     }
 
-    /// Of now.
+    /// The present results.
     pub(super) fn kept(&self) -> Kept {
         lock(&self.kept).clone()
     }

@@ -1,8 +1,8 @@
-//! What is done to a picture once all its samples are there: the light that strays is found and laid over it.
+//! Development of a picture once all its samples are there: stray light is computed and added.
 
 use super::{Job, Shared, lock};
 use crate::Rgb;
-use crate::stray::{Picture, Straight, StrayPass, Strayed, Strays};
+use crate::stray::{Picture, Straight, StrayLight, StrayPass, Strays};
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -35,8 +35,8 @@ impl Job {
         self.shared.stop_developing.store(true, Ordering::Relaxed);
     }
 
-    /// What [`Self::develop`] found.
-    pub fn strayed(&self) -> Option<Arc<Strayed>> {
+    /// The stray light that [`Self::develop`] found.
+    pub fn strayed(&self) -> Option<Arc<StrayLight>> {
         lock(&self.shared.strayed).clone()
     }
 

@@ -1,8 +1,8 @@
-//! What a render will take, from rendering a little of it: tiles all over the picture, on as many threads.
+//! A forecast of a render's time, from rendering a little of it: tiles all over the picture, on as many threads.
 
-use super::{Beside, Settings, SettingsError, Shared};
+use super::{OutputOptions, Settings, SettingsError, Shared};
 use crate::camera::Camera;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::pipeline::{Counts, Pipeline, render_tile};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,25 +12,26 @@ use std::time::{Duration, Instant};
 const TILES: usize = 12;
 /// Samples of a pixel in a row: a render takes more at a time, and the first of them is the slowest.
 const PER_PIXEL: u32 = 4;
-/// Rendered before the clock starts, by each thread: memory is not there yet, caches and branches know nothing.
+/// Number of tiles that each thread renders before the clock starts: memory is not there yet, caches and branches know
+/// nothing.
 const WARM_UP: usize = 2;
-/// The clock runs at least so long, so that its own noise is small.
+/// Least time that the clock runs, so that its own noise is small.
 const LEAST: Duration = Duration::from_millis(40);
-/// But not longer, on scenes where a path takes very long.
+/// Most time that the clock runs, on scenes where a path takes very long.
 const MOST: Duration = Duration::from_millis(120);
 
-/// What a render will take.
+/// The forecast time of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// Wall time of its samples, s.
+    /// Wall time of the samples, s.
     pub seconds: f64,
     /// Samples of the whole picture; where pixels get as many as they need, the most.
     pub samples: u64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Of a thread's time, the part in the camera.
+    /// The part of a thread's time in the camera.
     pub camera_part: f64,
-    /// How light is followed.
+    /// The pipeline.
     pub pipeline: Pipeline,
 }
 
@@ -40,10 +41,10 @@ impl Forecast {
     /// # Errors
     /// [`SettingsError`].
     pub fn new(
-        stage: Arc<Stage>,
+        stage: Arc<PreparedScene>,
         cameras: Vec<Camera>,
         settings: Settings,
-        beside: Beside,
+        beside: OutputOptions,
     ) -> Result<Self, SettingsError> {
         let threads = settings.thread_count();
         let all = u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.samples);

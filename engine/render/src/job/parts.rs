@@ -1,23 +1,23 @@
-//! What a render keeps beside its light, as passes: divided by what it is relative to.
+//! Parts of a render's light as passes, each divided by its reference.
 
 use super::Job;
-use crate::integrator::path::parts::Part;
+use crate::integrator::path::parts::LightPass;
 
 impl Job {
     /// Three numbers a pixel of what is kept beside, as they are now, rows from below: light as it is, all else relative to
     /// what it is to be. `None` for what was not asked for.
-    pub fn part(&self, part: Part) -> Option<Vec<[f32; 3]>> {
+    pub fn part(&self, part: LightPass) -> Option<Vec<[f32; 3]>> {
         let place = self.shared.parts.place(part)?;
         let whole = self.shared.film.parts()[place].picture().into_iter().map(|[r, g, b, _]| [r, g, b]);
         let Some(base) = part.relative_to().and_then(|base| self.part(base)) else { return Some(whole.collect()) };
         let relative = whole.zip(base).map(|(of, base)| over(of, base));
         // Kept is what mist leaves: where a ray finds nothing, that is nothing.
         let mist = |clear: [f32; 3]| clear.map(|one| 1.0 - one);
-        Some(if part == Part::Mist { relative.map(mist).collect() } else { relative.collect() })
+        Some(if part == LightPass::Mist { relative.map(mist).collect() } else { relative.collect() })
     }
 }
 
-/// One by the other; what is relative to nothing in a channel is there as in the others, as in Cycles.
+/// The quotient of two colours by channel; what is relative to nothing in a channel is there as in the others, as in Cycles.
 fn over(of: [f32; 3], base: [f32; 3]) -> [f32; 3] {
     let parts: [Option<f32>; 3] = std::array::from_fn(|c| (base[c] != 0.0).then(|| of[c] / base[c]));
     let count = parts.iter().flatten().count().max(1) as f32;

@@ -10,15 +10,15 @@ use crate::sampler::{pattern::Pattern, warp::Filter};
 
 /// The largest picture side, so that sizes fit in memory arithmetic.
 const MOST_PIXELS: u32 = 65_536;
-/// Where nobody said how many: blocks of 64 pixels then know their error to about a tenth.
+/// Default of the least samples: blocks of 64 pixels then know their error to about a tenth.
 pub const MIN_SAMPLES: u32 = 16;
 
 /// Settings as they arrive.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Columns.
+    /// Width of the picture, pixels.
     pub width: u32,
-    /// Rows.
+    /// Height of the picture, pixels.
     pub height: u32,
     /// Samples a pixel, at most.
     pub samples: u32,
@@ -26,12 +26,12 @@ pub struct Settings {
     pub noise_threshold: f32,
     /// Samples that a pixel has when its error is first looked at; 0 is [`MIN_SAMPLES`].
     pub min_samples: u32,
-    /// Of all random choices.
+    /// Seed of all random choices.
     pub seed: u32,
-    /// The errors of neighbouring pixels cancel once all samples are there. Not where pixels get as many as they need:
-    /// what stops them must not know of their neighbours. Ranges of samples make the whole picture only without.
+    /// True if the errors of neighbouring pixels are to cancel once all samples are there. Not where pixels get as many as they need: what
+    /// stops them must not know of their neighbours. Ranges of samples make the whole picture only without.
     pub blue_noise: bool,
-    /// What the finished light is multiplied by.
+    /// Factor of the finished light.
     pub film_exposure: f32,
     /// Left, bottom, width and height, in pixels, of the part of the picture that is wanted; `None` is all. What lies outside may stay
     /// black, and near its edge what light a lens spreads farther than [`crate::film::SPREAD`] pixels may be missing; pixels that get
@@ -39,32 +39,32 @@ pub struct Settings {
     pub window: Option<[u32; 4]>,
     /// Number of the first sample: renders of one seed and disjoint ranges can be merged.
     pub sample_offset: u32,
-    /// 0 is one a core.
+    /// Number of threads; 0 is one a core.
     pub threads: usize,
     /// Bounces after the first surface.
     pub max_bounces: u32,
-    /// Of those, how many of each kind.
+    /// The most bounces of each kind.
     pub kinds: KindLimits,
     /// Most radiance, in the mean of its channels, that light may add to a sample which the camera sees, or which is scattered once; 0
     /// is no limit.
     pub clamp_direct: f32,
-    /// The same for light that is scattered more often.
+    /// Most radiance, in the mean of its channels, that light scattered more than once may add to a sample; 0 is no limit.
     pub clamp_indirect: f32,
-    /// What is given up of indirect light; bidirectional paths do without.
+    /// Approximations of indirect light; bidirectional paths make none.
     pub approximations: Approximations,
-    /// What a pixel sees of the picture about its centre.
+    /// The pixel filter.
     pub filter: Filter,
-    /// The world is not seen by the camera; its pixels are transparent.
+    /// True if the camera does not see the world; its pixels are transparent.
     pub transparent_film: bool,
-    /// Which way light is followed.
+    /// The pipeline: the order in which the parts of a sample are made.
     pub pipeline: Pipeline,
-    /// Keep what surfaces the pixels see, for [`Job::data`].
+    /// True to keep the data of the surfaces that the pixels see, for [`Job::data`].
     pub with_data: bool,
-    /// How it is looked for. Light paths carry a set of wavelengths, whatever the pipeline.
+    /// The integrator. Light paths carry a set of wavelengths, whatever the pipeline.
     pub integrator: Integrator,
 }
 
-/// What the add-on starts from, for a picture of 1920 x 1080.
+/// The defaults of the add-on, for a picture of 1920 x 1080.
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -96,43 +96,43 @@ impl Default for Settings {
 /// A setting out of range.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
-    /// The picture's size.
+    /// The picture's size is out of range.
     #[error("resolution {width} x {height}: set each side from 1 to {MOST_PIXELS} pixels")]
     Resolution {
-        /// Columns.
+        /// Width of the picture, pixels.
         width: u32,
-        /// Rows.
+        /// Height of the picture, pixels.
         height: u32,
     },
     /// No samples, or more than can be counted.
     #[error("{samples} samples from number {offset}: set at least one, and less than 2^31 in all")]
     Samples {
-        /// How many.
+        /// Number of samples.
         samples: u32,
-        /// From which.
+        /// Number of the first sample.
         offset: u32,
     },
-    /// The error that is good enough.
+    /// The noise threshold is out of range.
     #[error("noise threshold {0}: set the relative error of a pixel, as 0.01, or zero for as many samples everywhere")]
     Noise(f32),
-    /// A limit on light.
+    /// A limit on light is out of range.
     #[error("light clamped at {0}: set a radiance, or zero for no limit")]
     Clamp(f32),
-    /// The filter of indirect light.
+    /// The filter of glossy light is out of range.
     #[error("glossy light filtered at {0}: set a density of directions, as 1, or zero for none")]
     FilterGlossy(f32),
-    /// Ambient occlusion.
+    /// A number of fast global illumination is out of range.
     #[error("fast GI of distance {distance} and factor {factor}: set numbers of zero or more")]
     FastGi {
-        /// How far it looks.
+        /// Length of the occlusion rays.
         distance: f32,
-        /// What it counts.
+        /// Factor of the light.
         factor: f32,
     },
-    /// None given.
+    /// No camera is given.
     #[error("no camera: give one")]
     Camera,
-    /// The filter.
+    /// The width of the pixel filter is out of range.
     #[error("filter width {0} pixels: set it above 0, up to 10")]
     Filter(f32),
     /// Light paths end in a real lens alone.
@@ -198,7 +198,7 @@ impl Settings {
         }
     }
 
-    /// Which points pixels get.
+    /// The pattern of the points that pixels get.
     pub(super) fn pattern(&self) -> Pattern {
         if self.blue_noise && self.noise_threshold == 0.0 {
             Pattern::shared(self.seed, self.sample_offset + self.samples)
@@ -207,7 +207,7 @@ impl Settings {
         }
     }
 
-    /// Threads to use.
+    /// Number of threads to use.
     pub fn thread_count(&self) -> usize {
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
         if self.threads == 0 { cores } else { self.threads.min(1024) }

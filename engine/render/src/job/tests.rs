@@ -48,7 +48,7 @@ pub(super) fn camera(model: Model) -> Camera {
     camera
 }
 
-pub(super) fn stage() -> Arc<Stage> {
+pub(super) fn stage() -> Arc<PreparedScene> {
     let mut builder = SceneBuilder::new();
     let triangle = MeshDescription {
         name: "triangle".into(),
@@ -60,7 +60,7 @@ pub(super) fn stage() -> Arc<Stage> {
     let place = DMat4::from_translation(DVec3::new(0.0, 0.0, -3.0));
     builder.add_instance("triangle", mesh, place, &[], true, true).unwrap();
     builder.set_world(World { color: Rgb::ONE, ..Default::default() }).unwrap();
-    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+    Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 fn picture(samples: u32, threads: usize, model: Model) -> (Vec<[f32; 4]>, Statistics) {
@@ -161,7 +161,7 @@ fn passes_of_data_lie_on_what_the_lens_sees() {
     let place = DMat4::from_translation(DVec3::new(100.0, 50.0, -4.5));
     builder.add_instance("quad", mesh, place * turn, &[], true, true).unwrap();
     let origin = DVec3::new(100.0, 50.0, 0.0);
-    let stage = Arc::new(Stage::new(builder.build(origin)));
+    let stage = Arc::new(PreparedScene::new(builder.build(origin)));
     let normal = turn.transform_vector3(DVec3::Z).as_vec3();
     for pipeline in [Pipeline::FilmFirst, Pipeline::Hero, Pipeline::SceneFirst] {
         let settings = Settings { pipeline, ..settings(64, 2) };
@@ -189,7 +189,7 @@ fn passes_of_data_lie_on_what_the_lens_sees() {
         );
     }
     // Nothing there: background.
-    let empty = Arc::new(Stage::new(SceneBuilder::new().build(DVec3::ZERO)));
+    let empty = Arc::new(PreparedScene::new(SceneBuilder::new().build(DVec3::ZERO)));
     let job = Job::start(empty, camera(Model::Lens), settings(2, 1)).unwrap();
     assert!(job.wait(Duration::from_secs(120)));
     assert!(job.data(DataPass::Depth).iter().all(|&d| d == FARTHEST));
@@ -247,15 +247,15 @@ fn mattes_and_vectors_do_not_depend_on_threads() {
             builder.set_moved(instance, [place * at(-0.1), place * at(0.3)]).unwrap();
         }
     }
-    let stage = Arc::new(Stage::new(builder.build(DVec3::ZERO)));
+    let stage = Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)));
     let render = |model: Model, threads: usize| {
         let imaging = || Imaging::new(&description(model), 75, 50, DVec3::ZERO).unwrap();
         let motion = Some(Motion::new(imaging(), [imaging(), imaging()], 75, 50));
-        let beside = Beside {
+        let beside = OutputOptions {
             mattes: vec![MatteLayer::Object, MatteLayer::Asset],
             matte_levels: 3,
             motion,
-            ..Beside::default()
+            ..OutputOptions::default()
         };
         let job = Job::start_with(stage.clone(), vec![camera(model)], settings(37, threads), beside).unwrap();
         assert!(job.wait(Duration::from_secs(120)));

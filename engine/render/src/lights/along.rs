@@ -1,47 +1,47 @@
-//! What shines along a ray, and how likely a light sample would have found it.
+//! Emitters that a ray hits, and the densities with which a light sample would have found them.
 
-use super::receiver::Receiver;
+use super::receiver::LightSampleContext;
 use super::{Lights, Source};
 use crate::Rgb;
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::scene::Scene;
 use glam::Vec3A;
 
 /// A stretch of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Where it begins, render space.
+    /// Origin of the line, render space.
     pub from: Vec3A,
-    /// Unit.
+    /// Direction of the line, unit.
     pub towards: Vec3A,
-    /// Its length, Blender units.
+    /// Length of the line, Blender units.
     pub t_max: f32,
 }
 
-/// Light that a ray meets.
+/// Light that a ray hits.
 #[derive(Clone, Copy, Debug)]
-pub struct Shining {
-    /// Where it comes from.
+pub struct LightHit {
+    /// The source of the light.
     pub source: Source,
-    /// Along the ray.
+    /// Radiance along the ray.
     pub radiance: Rgb,
     /// The density per steradian with which a light sample would have found it.
     pub pdf: f32,
-    /// How far away, Blender units; infinite for suns and the world.
+    /// Distance of the source, Blender units; infinite for suns and the world.
     pub distance: f32,
 }
 
 impl Lights {
-    /// Tells of each lamp with extent that a ray meets; `to` is where a light sample would have been taken. Lamps do not hide
-    /// what is behind them, as in Cycles.
+    /// Passes `found` each lamp with extent that a ray hits; `to` is where a light sample would have been taken. Lamps do not hide what is
+    /// behind them, as in Cycles.
     #[inline(always)]
     pub fn lamps_along(
         &self,
         scene: &Scene,
         line: Line,
-        way: Way,
-        to: Option<&Receiver>,
-        mut found: impl FnMut(Shining),
+        way: PathState,
+        to: Option<&LightSampleContext>,
+        mut found: impl FnMut(LightHit),
     ) {
         let Line { from, towards, t_max } = line;
         self.met.along(from, towards, t_max, |place| {
@@ -55,23 +55,24 @@ impl Lights {
                 let chance = to.map_or(0.0, |to| {
                     self.tree(to).map_or(0.0, |tree| tree.probability(to, index) * (1.0 - to.sky_chance))
                 });
-                found(Shining { source: Source(index), radiance, pdf: pdf * chance, distance });
+                found(LightHit { source: Source(index), radiance, pdf: pdf * chance, distance });
             }
         });
     }
 
-    /// The same of what shines from infinity: the world, and suns with extent.
+    /// Passes `found` each emitter at infinity along a ray: the world, and suns with extent. `to` is where a light sample would have been
+    /// taken.
     pub fn sky_along(
         &self,
         scene: &Scene,
         towards: Vec3A,
-        way: Way,
-        to: Option<&Receiver>,
-        mut found: impl FnMut(Shining),
+        way: PathState,
+        to: Option<&LightSampleContext>,
+        mut found: impl FnMut(LightHit),
     ) {
         let chance = to.map_or(0.0, |to| to.sky_chance);
         self.sky.along(scene, &self.lamps, towards, way, to, |index, radiance, pdf| {
-            found(Shining { source: self.sky_source(index), radiance, pdf: pdf * chance, distance: f32::INFINITY });
+            found(LightHit { source: self.sky_source(index), radiance, pdf: pdf * chance, distance: f32::INFINITY });
         });
     }
 }

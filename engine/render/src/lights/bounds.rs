@@ -1,4 +1,4 @@
-//! What is known of an emitter, or of several together: where it is, how much it emits and where to.
+//! Bounds of an emitter, or of several together: position, power and directions of emission.
 
 use glam::Vec3A;
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -6,12 +6,12 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// A cone is widened by this rather than turned: turns of no more than rounding add up.
 const LEAST_TURN_RAD: f32 = 1e-5;
 
-/// What is known of an emitter, or of all emitters under a node.
+/// Bounds of an emitter, or of all emitters under a node.
 #[derive(Clone, Copy, Debug)]
 pub struct LightBounds {
     /// Least corner of the box.
     pub min: Vec3A,
-    /// Greatest corner.
+    /// Greatest corner of the box.
     pub max: Vec3A,
     /// Emitted power, any unit.
     pub power: f32,
@@ -21,7 +21,7 @@ pub struct LightBounds {
     pub normal_spread_rad: f32,
     /// Largest angle of light to its emitter's normal.
     pub emission_spread_rad: f32,
-    /// Light also leaves backwards.
+    /// True if light also leaves backwards.
     pub two_sided: bool,
 }
 
@@ -45,7 +45,7 @@ impl LightBounds {
         0.5 * (self.min + self.max)
     }
 
-    /// Cost of a node in a split: power times the measure of where it is and where it shines to.
+    /// Cost of a node in a split: power times the measures of its position and of its directions of emission.
     pub(super) fn cost(&self) -> f32 {
         let d = self.max - self.min;
         let area = 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x);
@@ -94,7 +94,7 @@ mod tests {
         LightBounds { min, max, power: 1.0, axis, normal_spread_rad, emission_spread_rad: 1.0, two_sided: false }
     }
 
-    /// What faces one way does so together, however many there are and whatever rounding does to each.
+    /// The union of equal normals keeps a narrow cone, however many there are and whatever rounding does to each.
     #[test]
     fn equal_normals_keep_a_narrow_cone() {
         let tilted = Vec3A::new(0.3, -0.5, 0.8).normalize();

@@ -13,15 +13,15 @@ const LARGE: usize = 4096;
 /// Emitters up to which parts are cut so that all but one of the nodes over them are full.
 const FULL: usize = 512;
 
-/// Such a cut may be that much costlier than the best.
+/// Factor by which the cost of a cut that fills nodes may exceed the best.
 const WORTH_FULL: f32 = 1.3;
 
-/// How nodes of eight are made of halves.
+/// The method by which nodes of eight are made of halves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Filling {
-    /// Each is opened as far as it goes: the best estimates.
+    /// Each node is opened as far as it goes: the best estimates.
     Loose,
-    /// Few and full ones: of many, less memory is faster.
+    /// Nodes are few and full: of many, less memory is faster.
     Full,
 }
 
@@ -29,7 +29,7 @@ pub(super) enum Filling {
 pub(super) enum Half {
     /// An emitter.
     Leaf(u32),
-    /// How many emitters there are in two parts, and these, with the bounds of each.
+    /// The number of emitters in two parts, and these, with the bounds of each.
     Inner(usize, Box<[(LightBounds, Half); 2]>),
 }
 
@@ -76,7 +76,7 @@ impl Half {
         parts
     }
 
-    /// How many emitters there are in it.
+    /// Number of emitters in the half.
     fn count(&self) -> usize {
         match self {
             Self::Leaf(_) => 1,
@@ -131,7 +131,7 @@ fn by_buckets(emitters: &[LightBounds], order: &[u32], low: Vec3A, extent: Vec3A
     best
 }
 
-/// The same among splits that leave on one side as many emitters as some full nodes hold, with the place of the split.
+/// The cost, axis and place of the cheapest split that leaves on one side as many emitters as some full nodes hold.
 fn into_full(emitters: &[LightBounds], order: &mut [u32], extent: Vec3A) -> Option<(f32, usize, usize)> {
     let full = if order.len() <= WIDTH * WIDTH { WIDTH } else { WIDTH * WIDTH };
     let mut best: Option<(f32, usize, usize)> = None;

@@ -1,15 +1,15 @@
 //! Light as it leaves its sources: rays chosen by power, for paths that begin at the light.
 //!
-//! Where a ray arrives, three numbers say all that a path needs to know of its source: the radiance, the density with
-//! which a light sample taken there would have chosen it, and the density with which light paths choose it, per unit of
-//! etendue (Blender units squared times steradians, at right angles to the ray). Of a source without extent both
-//! densities leave out the same delta, so that their ratio is right (Veach 1997, section 10.3.5).
+//! Three numbers tell a path all about the source of an arriving ray: the radiance, the density with which a light
+//! sample taken there would have chosen it, and the density with which light paths choose it, per unit of etendue
+//! (Blender units squared times steradians, at right angles to the ray). Of a source without extent both densities
+//! leave out the same delta, so that their ratio is right (Veach 1997, section 10.3.5).
 
 use super::lamp::emission::on_disk;
 use super::triangle::LitTriangle;
 use super::{Emitter, Lights, Source};
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::nodes::{View, Way};
+use crate::nodes::{PathState, View};
 use crate::sampler::{distribution::AliasTable, warp};
 use crate::scene::Scene;
 use crate::scene::motion::MIDDLE;
@@ -20,7 +20,7 @@ use std::f32::consts::PI;
 
 /// The choice of a source by its power.
 pub struct Emission {
-    /// By [`Source`]; `None` where nothing emits, or nothing is there to be lit.
+    /// The choice by [`Source`]; `None` where nothing emits, or nothing is there to be lit.
     choice: Option<AliasTable>,
     /// A ball around everything.
     center: Vec3A,
@@ -30,16 +30,16 @@ pub struct Emission {
 /// A ray that left a source.
 #[derive(Clone, Copy, Debug)]
 pub struct EmittedRay {
-    /// Render space.
+    /// The ray, render space.
     pub ray: Ray,
     source: Source,
     /// Radiance; intensity of a lamp without extent, irradiance of a sun without extent.
     strength: Rgb,
-    /// Of a triangle: cosine of the ray to its normal.
+    /// For a triangle: cosine of the ray to its normal.
     cos: f32,
 }
 
-/// What a ray from a source brings to the place where it arrives.
+/// The light that a ray from a source brings to the place where it arrives.
 #[derive(Clone, Copy, Debug)]
 pub struct ArrivedLight {
     /// Radiance; for a source without extent, radiance times the solid angle that it has not.
@@ -48,12 +48,12 @@ pub struct ArrivedLight {
     pub sample_pdf: f32,
     /// Density of light paths per unit of etendue.
     pub density: f32,
-    /// No ray finds the source by chance.
+    /// True if no ray can hit the source: it has no extent.
     pub point_like: bool,
 }
 
 impl Emission {
-    /// Of the sources of a scene within `bounds`.
+    /// The choice among the sources of a scene within `bounds`.
     pub fn new(scene: &Scene, lights: &Lights, bounds: Option<(Vec3A, Vec3A)>) -> Self {
         let Some((low, high)) = bounds else { return Self { choice: None, center: Vec3A::ZERO, radius: 0.0 } };
         // Grown a little: rays that only just touch the outermost corner must not be missing.
@@ -73,7 +73,8 @@ impl Emission {
         Self { choice: AliasTable::new(&powers), center, radius }
     }
 
-    /// A ray that leaves a source at a moment, chosen by five uniform numbers; `None` where nothing shines that way.
+    /// A ray that leaves a source at a moment, chosen by five uniform numbers; `None` where nothing is emitted in that
+    /// direction.
     pub fn sample(
         &self,
         scene: &Scene,
@@ -117,7 +118,8 @@ impl Emission {
         Some(EmittedRay { ray: Ray::new(origin, -towards), source, strength, cos: 1.0 })
     }
 
-    /// What a ray brings to a place that it reaches after `distance`; `None` if its source, seen from there, is dark.
+    /// The light that a ray brings to a place that it reaches after `distance`; `None` if its source, seen from there,
+    /// is dark.
     pub fn arrive(
         &self,
         scene: &Scene,
@@ -133,7 +135,7 @@ impl Emission {
         let from_lamp = match lights.lamp(source) {
             Some(lamp) => {
                 let pdf = lamp.arrival_pdf(at, direction, distance)?;
-                radiance *= lamp.shine(scene, at, -direction, distance, Way::LIGHT);
+                radiance *= lamp.shine(scene, at, -direction, distance, PathState::LIGHT);
                 point_like = lamp.is_point_like();
                 if point_like && source.0 < lights.local.len() {
                     radiance /= distance * distance;
@@ -191,7 +193,7 @@ impl EmittedRay {
 }
 
 impl super::lamp::PreparedLamp {
-    /// For choosing; of a sun, through a disk of that area.
+    /// Power for choosing; of a sun, through a disk of that area.
     fn emission_power(&self, area: f32) -> f32 {
         if self.emits_rays() { self.power() * area } else { 0.0 }
     }
@@ -219,7 +221,7 @@ impl Lights {
         }
     }
 
-    /// The chance with which [`Lights::sample_source`] at [`Lights::receiver_between`] chooses a source.
+    /// The probability with which [`Lights::sample_source`] at [`Lights::receiver_between`] chooses a source.
     fn source_chance(&self, source: Source, at: Vec3A) -> f32 {
         let to = self.receiver_between(at);
         match (source.0.checked_sub(self.local.len()), self.tree(&to)) {
@@ -254,7 +256,7 @@ fn emit_triangle(
     let strength = triangle.radiance(
         scene,
         [u, v],
-        &View { direction: -direction, distance: 1.0, way: Way::LIGHT, moment: MIDDLE },
+        &View { direction: -direction, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE },
     );
     let origin = offset_origin(point.position, out, point.position_error);
     EmittedRay { ray: Ray::new(origin, direction), source, strength, cos: local.z }

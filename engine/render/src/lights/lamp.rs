@@ -2,12 +2,12 @@
 
 use super::bounds::LightBounds;
 use super::{Leaving, LightSample};
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::nodes::lamp::{LampPoint, even_radiance, radiance};
 use crate::scene::Scene;
 use crate::scene::graph::Graph;
 use crate::scene::lamp::{Lamp, LampKind};
-use crate::scene::visibility::{Rays, Sets};
+use crate::scene::visibility::{LightSets, Rays};
 use crate::{Rgb, luminance, sampler::warp};
 use glam::{Affine3A, Mat3A, Vec2, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -23,22 +23,22 @@ pub struct PreparedLamp {
     axes: Mat3A,
     center: Vec3A,
     reaches: Rays,
-    sets: Sets,
+    sets: LightSets,
     max_bounces: u32,
     cast_shadow: bool,
-    /// Radiance of a lamp with extent; radiant intensity of one without (sun: irradiance). What its nodes say comes to it.
+    /// Radiance of a lamp with extent; radiant intensity of one without (sun: irradiance). The factor of its nodes is not included.
     strength: Rgb,
     graph: Option<Arc<Graph>>,
-    /// Of render space, in Blender's world.
+    /// The origin of render space, in Blender's world.
     origin: Vec3A,
-    /// How far rounding may put a surface beside the lamp that stands in the lamp's plane, Blender units.
+    /// Bound of the rounding error of a surface beside the lamp that stands in the lamp's plane, Blender units.
     rounding: f32,
 }
 
 /// Roundings of coordinates between a lamp's place and the hit of a surface there, in units of the last place.
 const ROUNDINGS: f32 = 16.0;
 
-/// The slant up to which a lamp without extent shines past the plane that it stands in: its cosine.
+/// The slant up to which a lamp without extent lights points past the plane that it stands in: its cosine.
 const LEAST_SLANT: f32 = 0.1;
 
 impl PreparedLamp {
@@ -98,18 +98,18 @@ impl PreparedLamp {
         Some((self.axes.z_axis, half_angle_rad))
     }
 
-    /// Whether a ray that came this way may find it. How many bounces it had is not asked, as in Cycles.
-    pub(super) fn is_found_by(&self, way: Way) -> bool {
+    /// True if a ray of a path in this state may find it. How many bounces it had is not asked, as in Cycles.
+    pub(super) fn is_found_by(&self, way: PathState) -> bool {
         self.reaches.all_of(way.finds())
     }
 
-    /// What it lights, and what throws shadows in its light.
-    pub(super) fn sets(&self) -> Sets {
+    /// The objects that the lamp lights, and those that throw shadows in its light.
+    pub(super) fn sets(&self) -> LightSets {
         self.sets
     }
 
-    /// Itself, if it still lights what a path meets after so many bounces.
-    pub(super) fn lit_after(&self, way: Way) -> Option<&Self> {
+    /// This lamp, if it still lights a path after so many bounces; else `None`.
+    pub(super) fn lit_after(&self, way: PathState) -> Option<&Self> {
         (u32::from(way.depth) <= self.max_bounces).then_some(self)
     }
 
@@ -118,8 +118,8 @@ impl PreparedLamp {
         luminance(self.color.abs()) * self.graph.as_ref().map_or(1.0, |graph| graph.brightness())
     }
 
-    /// What its nodes make of its light that arrives at `from` along a ray towards it.
-    pub(super) fn shine(&self, scene: &Scene, from: Vec3A, wi: Vec3A, distance: f32, way: Way) -> Rgb {
+    /// The factor of the lamp's nodes on its light that arrives at `from` along a ray towards it.
+    pub(super) fn shine(&self, scene: &Scene, from: Vec3A, wi: Vec3A, distance: f32, way: PathState) -> Rgb {
         let Some(graph) = &self.graph else { return Rgb::ONE };
         let is_sun = matches!(self.kind, LampKind::Sun { .. });
         // Blender puts what shines from infinity at its own direction.
@@ -169,7 +169,7 @@ impl PreparedLamp {
         }
     }
 
-    /// Where the lamp is, and where it shines to; not for suns.
+    /// The lamp's position and directions of emission; not for suns.
     pub(super) fn bounds(&self) -> LightBounds {
         // Pi times the intensity in the brightest direction, which for a surface that emits is its power.
         let power = match self.kind {
@@ -206,13 +206,13 @@ impl PreparedLamp {
     }
 
     /// Light at `from`, where a path came to by `way`.
-    pub(super) fn light(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: Way) -> Option<LightSample> {
+    pub(super) fn light(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: PathState) -> Option<LightSample> {
         let mut sample = self.lit_after(way)?.sample(from, u)?;
         sample.radiance *= self.shine(scene, from, sample.wi, sample.distance, way.light());
         Some(sample)
     }
 
-    /// The same before its nodes.
+    /// Light of the lamp at `from`, before the lamp's nodes.
     pub(super) fn sample(&self, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
         match self.kind {
             LampKind::Point { radius, soft: true } if radius > 0.0 => self.sample_facing_disk(from, radius, u),
@@ -252,7 +252,7 @@ impl PreparedLamp {
         }
     }
 
-    /// Radiance along a ray that meets the lamp before `t_max`, the density of [`PreparedLamp::sample`], and how far it is.
+    /// Radiance along a ray that hits the lamp before `t_max`, the density of [`PreparedLamp::sample`], and how far it is.
     pub(super) fn hit(&self, origin: Vec3A, d: Vec3A, t_max: f32) -> Option<(Rgb, f32, f32)> {
         match self.kind {
             LampKind::Point { radius, soft: true } => self.hit_facing_disk(origin, d, t_max, radius),
@@ -416,7 +416,7 @@ impl PreparedLamp {
         (ahead && inside).then(|| (self.strength, t * t / (cos * PI * radius * radius), t))
     }
 
-    /// How much of a spot's light goes along `d` (away from the lamp).
+    /// The part of a spot's light along `d` (away from the lamp).
     fn cone(&self, d: Vec3A, half_angle_rad: f32, blend: f32) -> f32 {
         let cos = -d.dot(self.axes.z_axis);
         let limit = half_angle_rad.cos();
@@ -433,7 +433,7 @@ fn one_minus_cos(half_angle_rad: f32) -> f32 {
     2.0 * (0.5 * half_angle_rad).sin().powi(2)
 }
 
-/// How an area lamp's spread dims what leaves it at `cos` to its normal, brighter on axis for less spread.
+/// The factor of an area lamp's spread on light that leaves it at `cos` to its normal, brighter on axis for less spread.
 fn spread(cos: f32, half_spread_rad: f32) -> f32 {
     if half_spread_rad >= FRAC_PI_2 - 1e-4 {
         return 1.0;

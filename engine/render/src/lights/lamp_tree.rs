@@ -1,4 +1,4 @@
-//! Finding the lamps that a ray meets: a tree of boxes, so that a thousand lamps cost a ray little more than ten. Eight boxes
+//! Finding the lamps that a ray hits: a tree of boxes, so that a thousand lamps cost a ray little more than ten. Eight boxes
 //! a node, tried at once in the lanes of a register.
 
 use super::lamp::PreparedLamp;
@@ -7,7 +7,7 @@ use wide::f32x8;
 
 /// Boxes in a node.
 const WIDTH: usize = 8;
-/// More than the nodes that can wait in any tree of eighths over 2^32 lamps.
+/// Size of the stack: more than the nodes that can wait in any tree of eighths over 2^32 lamps.
 const STACK: usize = 96;
 
 /// Boxes, lane by lane, and what is in them.
@@ -19,7 +19,7 @@ struct Node {
     inside: [u32; WIDTH],
     /// A bit for each lane that holds anything.
     used: u32,
-    /// The same for lamps.
+    /// A bit for each lane that holds a lamp.
     lamps: u32,
 }
 
@@ -36,11 +36,11 @@ struct Item {
 }
 
 impl LampTree {
-    /// Of lamps, each with its place in the list of emitters.
+    /// The tree of lamps, each with its place in the list of emitters.
     pub(super) fn new<'a>(lamps: impl Iterator<Item = (u32, &'a PreparedLamp)>) -> Self {
         let item = |(emitter, lamp): (u32, &PreparedLamp)| {
             let bounds = lamp.bounds();
-            // Flat boxes are met, too, and rounding takes none away.
+            // Flat boxes are hit, too, and rounding takes none away.
             let size = bounds.min.abs().max(bounds.max.abs()).max_element();
             let margin = Vec3A::splat(1e-5 * size);
             Item { min: bounds.min - margin, max: bounds.max + margin, emitter }
@@ -89,7 +89,7 @@ impl LampTree {
         here as u32
     }
 
-    /// Calls `tried` for each emitter that the ray may meet before `t_max`.
+    /// Calls `tried` for each emitter that the ray may hit before `t_max`.
     #[inline]
     pub(super) fn along(&self, from: Vec3A, d: Vec3A, t_max: f32, mut tried: impl FnMut(u32)) {
         if self.nodes.is_empty() {
@@ -151,7 +151,7 @@ mod tests {
     use crate::scene::lamp::{Lamp, LampKind};
     use glam::Affine3A;
 
-    /// A ray meets the same lamps by the tree as by trying all.
+    /// A ray hits the same lamps by the tree as by trying all.
     #[test]
     fn no_lamp_is_missed() {
         let lamps: Vec<PreparedLamp> = (0..300)

@@ -4,21 +4,25 @@ use super::bounds::LightBounds;
 use super::lamp::PreparedLamp;
 use super::tree::LightTree;
 use super::triangle::LitTriangle;
-use crate::luminance;
+use crate::nodes::{PathState, View};
+use crate::sampler::warp;
 use crate::scene::Scene;
-use crate::scene::material::{Input, Material};
+use crate::scene::material::Material;
 use crate::scene::mesh::Mesh;
-use crate::scene::visibility::Links;
+use crate::scene::motion::MIDDLE;
+use crate::scene::visibility::LightLinking;
+use crate::surface::{geometric_normal, mesh_of};
+use crate::{Rgb, luminance, nodes};
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-/// One of them.
+/// An emitter at a finite distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Emitter<'a> {
     Triangle(&'a LitTriangle),
     Lamp(u32),
-    /// As it is at the instance's own time, and by the number in [`Scene::moving`].
+    /// A triangle as it is at the instance's own time, and the number of its instance in [`Scene::moving`].
     Moving(&'a LitTriangle, u32),
 }
 
@@ -73,7 +77,7 @@ pub(super) fn linked_trees(
         Emitter::Triangle(triangle) | Emitter::Moving(triangle, _) => triangle.sets(),
         Emitter::Lamp(lamp) => lamps[lamp as usize].sets(),
     };
-    let tree_for = |links: &Links| {
+    let tree_for = |links: &LightLinking| {
         *known.entry(links.receives).or_insert_with(|| {
             let reaching = local.iter().zip(bounds).map(|(emitter, bounds)| {
                 let power = if links.takes_light_of(sets(emitter)) { bounds.power } else { 0.0 };
@@ -88,7 +92,7 @@ pub(super) fn linked_trees(
 
 /// Appends every triangle that may emit, with its bounds.
 pub(super) fn emissive_triangles(scene: &Scene, local: &mut Local, bounds: &mut Vec<LightBounds>) -> Vec<Arc<[u32]>> {
-    let brightness: Vec<f32> = scene.materials.iter().map(|m| average_emission(scene, m)).collect();
+    let brightness = mean_emission(scene);
     // By mesh, found when first needed.
     let mut closed: Vec<Option<bool>> = vec![None; scene.meshes.len()];
     let mut emitter_of = vec![Arc::<[u32]>::default(); scene.instances.len()];
@@ -134,9 +138,9 @@ pub(super) fn emissive_triangles(scene: &Scene, local: &mut Local, bounds: &mut 
     emitter_of
 }
 
-/// Around a triangle that moves: where it is and shines to at any of its moments.
+/// The bounds around a moving triangle: its positions and directions of emission at any of its moments.
 fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
-    /// Moments that are looked at; between them it goes on much as before.
+    /// Most moments that are looked at; between them the motion goes on much as before.
     const MOST_LOOKS: u32 = 64;
     let one = &scene.moving[moving as usize];
     let step = (one.count() / MOST_LOOKS).max(1);
@@ -151,26 +155,71 @@ fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
     all.unwrap_or_else(|| lit.bounds())
 }
 
-/// Brightness of a material, for choosing; 0 only where it cannot emit.
-fn average_emission(scene: &Scene, m: &Material) -> f32 {
-    if !m.emits() {
-        return 0.0;
+/// Points at which the emission of a material is evaluated, for its mean.
+const LOOKS: u64 = 64;
+/// Least mean brightness of a material, as a part of that with its varying inputs white. Emission may be where no look fell.
+const LEAST_SHARE: f32 = 0.01;
+
+/// Luminance of the mean emitted radiance, by material, for choosing between lights; 0 only of a material that cannot emit.
+fn mean_emission(scene: &Scene) -> Vec<f32> {
+    let of_white = |material: &Material| if material.emits() { material.graph.brightness() } else { 0.0 };
+    let mut brightness: Vec<f32> = scene.materials.iter().map(of_white).collect();
+    let varies: Vec<bool> = scene.materials.iter().map(|m| m.emits() && !m.emits_evenly()).collect();
+    // Triangles of each material that varies.
+    let mut counts = vec![0; scene.materials.len()];
+    for_each_triangle(scene, &varies, |material, _| counts[material] += 1);
+    let mut sums = vec![(0, 0.0); scene.materials.len()];
+    for_each_triangle(scene, &varies, |material, [instance, triangle]| {
+        let (number, sum): &mut (u64, f32) = &mut sums[material];
+        let looks_before = |triangles: u64| (triangles * LOOKS).div_ceil(counts[material]);
+        for look in looks_before(*number)..looks_before(*number + 1) {
+            *sum += luminance(look_at(scene, material, [instance, triangle], look).abs());
+        }
+        *number += 1;
+    });
+    for (brightness, (_, sum)) in
+        brightness.iter_mut().zip(sums).zip(varies).filter_map(|(pair, varies)| varies.then_some(pair))
+    {
+        *brightness = (sum / LOOKS as f32).max(LEAST_SHARE * *brightness);
     }
-    if let Some(graph) = &m.graph {
-        return graph.brightness();
-    }
-    if m.is_layered() {
-        return m.layers.iter().map(|layer| layer.brightness(&scene.textures)).sum::<f32>().max(1e-6);
-    }
-    let color = match &m.emission_color {
-        Input::Constant(c) => *c,
-        Input::Image(image) => scene.textures[image.texture as usize].average(),
-    };
-    // A texture that is black on average may still glow somewhere.
-    luminance((color * m.emission_strength).abs()).max(1e-6)
+    brightness
 }
 
-/// Whether every edge of a mesh is walked once each way by its triangles, corners told apart by position.
+/// Calls `found(material, [instance, triangle])` for each triangle of the wanted materials.
+fn for_each_triangle(scene: &Scene, wanted: &[bool], mut found: impl FnMut(usize, [u32; 2])) {
+    for (i, instance) in scene.placed().iter().enumerate() {
+        if !instance.materials.iter().any(|&material| wanted[material as usize]) {
+            continue;
+        }
+        let mesh = &scene.meshes[instance.mesh as usize];
+        for triangle in 0..mesh.triangles.len() as u32 {
+            let material = instance.material(mesh.slot(triangle)) as usize;
+            if wanted[material] {
+                found(material, [i as u32, triangle]);
+            }
+        }
+    }
+}
+
+/// Emission of a triangle at a place of it, seen from its front.
+fn look_at(scene: &Scene, material: usize, [instance, triangle]: [u32; 2], look: u64) -> Rgb {
+    // Roberts' R2 sequence.
+    let u =
+        [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step: f64| (0.5 + step * look as f64).fract() as f32);
+    let placed = &scene.instances[instance as usize];
+    let normal = geometric_normal(placed, &placed.corners(mesh_of(scene, instance), triangle));
+    let view = View { direction: -normal, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE };
+    let radiance = nodes::emission(
+        &scene.materials[material],
+        scene.into(),
+        [instance, triangle],
+        warp::sample_triangle(u),
+        &view,
+    );
+    if radiance.is_finite() { radiance } else { Rgb::ZERO }
+}
+
+/// True if every edge of a mesh is walked once each way by its triangles, corners told apart by position.
 fn is_closed(mesh: &Mesh) -> bool {
     let mut open: HashSet<([u32; 3], [u32; 3])> = HashSet::new();
     // Plus zero makes -0 and 0 one place.

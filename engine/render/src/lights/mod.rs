@@ -1,7 +1,6 @@
 //! Choosing and sampling what emits: lamps, emissive triangles, suns and the world.
 //!
-//! Knows where light leaves from; knows nothing of the surfaces that it arrives at, nor whether anything stands in
-//! between.
+//! Knows the places that light leaves from; nothing of the surfaces that it arrives at, nor of what stands in between.
 
 mod along;
 pub mod bounds;
@@ -17,17 +16,17 @@ pub mod sky;
 pub mod tree;
 mod triangle;
 
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::scene::Scene;
 use crate::scene::lamp::LampKind;
 use crate::scene::motion::MIDDLE;
-use crate::scene::visibility::Sets;
-pub use along::{Line, Shining};
+use crate::scene::visibility::LightSets;
+pub use along::{LightHit, Line};
 use glam::Vec3A;
 use lamp::PreparedLamp;
 use lamp_tree::LampTree;
 use local::{Emitter, Local, emissive_triangles, linked_trees};
-use receiver::Receiver;
+use receiver::LightSampleContext;
 pub use sample::{Leaving, LightSample};
 use sky::Sky;
 use std::f32::consts::PI;
@@ -41,21 +40,21 @@ pub struct Source(usize);
 /// Every emitter of a scene, ready to be sampled.
 pub struct Lights {
     local: Local,
-    // The choice of local emitters by what they may send to a place. First that over all of them; then one for each way in which objects take part in links.
+    // The choice of local emitters by what they may send to a place. First that over all of them; then one for each way in which objects
+    // take part in links.
     trees: Vec<Option<LightTree>>,
     // By instance, which of these is for it; empty where there are no links.
     tree_of: Vec<u32>,
     // By instance: by triangle, 1 + its index in `local`; empty where the instance emits nothing.
     emitter_of: Vec<Arc<[u32]>>,
     lamps: Vec<PreparedLamp>,
-    // Of those that rays meet.
+    // The lamps that rays can hit.
     met: LampTree,
     sky: Sky,
     is_linked: bool,
 }
 
-/// The least chance of either the sky or the lights within the scene, where there are both: what stands in the way is
-/// known on average only.
+/// Least probability of either the sky or the lights within the scene, where there are both: occlusion is known on average only.
 const LEAST_CHANCE: f32 = 0.1;
 
 impl Lights {
@@ -75,30 +74,30 @@ impl Lights {
         let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
         let sky = Sky::new(scene, &lamps);
         let sets = lamps.iter().map(PreparedLamp::sets).chain(scene.instances.iter().map(|one| one.links.sets));
-        let is_linked = sets.into_iter().any(|sets| sets != Sets::EVERYTHING);
+        let is_linked = sets.into_iter().any(|sets| sets != LightSets::EVERYTHING);
         let mut trees = vec![LightTree::new(&bounds)];
         let tree_of = if is_linked { linked_trees(scene, &local, &lamps, &bounds, &mut trees) } else { Vec::new() };
         Self { local, trees, tree_of, emitter_of, lamps, met, sky, is_linked }
     }
 
-    /// Whether any light lights some objects alone, or has shadows of some alone.
+    /// True if any light lights only some objects, or has shadows of only some.
     #[inline]
     pub fn is_linked(&self) -> bool {
         self.is_linked
     }
 
-    /// Whether anything shines from within the scene.
+    /// True if anything within the scene emits.
     pub fn has_local(&self) -> bool {
         self.local.len() > 0
     }
 
-    /// Whether anything is found by light samples: a world of one colour is not.
+    /// True if light samples find anything: a world of one colour is not sampled.
     pub fn any_is_sampled(&self) -> bool {
         self.has_local() || self.sky.irradiance(None) > 0.0
     }
 
-    /// The middle of something that shines from within the scene, and likely on a place there; `None` where nothing does.
-    pub fn near(&self, to: &Receiver, u: f32) -> Option<Vec3A> {
+    /// The middle of an emitter within the scene that likely lights a place; `None` where there is none.
+    pub fn near(&self, to: &LightSampleContext, u: f32) -> Option<Vec3A> {
         let chosen = self.tree(to).and_then(|tree| tree.sample(to, u)).map(|(index, _)| index);
         let count = self.local.len();
         // What shines past the place may still shine beside it.
@@ -109,11 +108,11 @@ impl Lights {
         })
     }
 
-    /// What a source lights, and what throws shadows in its light.
-    pub fn sets(&self, source: Source) -> Sets {
+    /// The objects that a source lights, and those that throw shadows in its light.
+    pub fn sets(&self, source: Source) -> LightSets {
         match self.local.get(source.0) {
             Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _)) => triangle.sets(),
-            _ => self.lamp(source).map_or(Sets::EVERYTHING, PreparedLamp::sets),
+            _ => self.lamp(source).map_or(LightSets::EVERYTHING, PreparedLamp::sets),
         }
     }
 
@@ -132,32 +131,47 @@ impl Lights {
         }
     }
 
-    /// Whether a source is the sky, as far as it is no sun.
+    /// True if a source is the sky, apart from suns.
     pub fn is_world(&self, source: Source) -> bool {
         source.0 == self.local.len()
     }
 
     /// A place that light may reach. `openness` is the part of the sky that is seen from places in this picture on
     /// average: the sky is chosen in proportion to what it may bring, so far as nothing stands in its way.
-    pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+    pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> LightSampleContext {
         self.receiver_by(0, position, normal, openness)
     }
 
-    /// The same on an instance, which some lights may not light.
+    /// A place on an instance that light may reach; some lights may not light the instance. See [`Self::receiver`].
     #[inline]
-    pub fn receiver_on(&self, instance: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+    pub fn receiver_on(
+        &self,
+        instance: u32,
+        position: Vec3A,
+        normal: Option<Vec3A>,
+        openness: f32,
+    ) -> LightSampleContext {
         let tree = if self.is_linked { self.tree_of[instance as usize] } else { 0 };
         self.receiver_by(tree, position, normal, openness)
     }
 
     #[inline]
-    fn receiver_by(&self, tree: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> Receiver {
+    fn receiver_by(&self, tree: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> LightSampleContext {
         let sky = self.sky.irradiance(normal);
         let Some(of_tree) = &self.trees[tree as usize] else {
             let weights = [0.0; receiver::WIDTH];
-            return Receiver { position, normal, tree, weights, total: 0.0, sky, sky_chance: 1.0, moment: MIDDLE };
+            return LightSampleContext {
+                position,
+                normal,
+                tree,
+                weights,
+                total: 0.0,
+                sky,
+                sky_chance: 1.0,
+                moment: MIDDLE,
+            };
         };
-        let mut to = Receiver { tree, sky, ..of_tree.receiver(position, normal) };
+        let mut to = LightSampleContext { tree, sky, ..of_tree.receiver(position, normal) };
         if sky > 0.0 {
             let (sky, local) = (sky * openness, to.total / PI);
             let chance = if local > 0.0 { sky / (sky + local) } else { 1.0 };
@@ -169,12 +183,19 @@ impl Lights {
 
     /// A place in the middle of a scene of which nothing is known, and that takes light from all sides: what light paths
     /// and paths from the camera must agree on.
-    pub fn receiver_between(&self, position: Vec3A) -> Receiver {
+    pub fn receiver_between(&self, position: Vec3A) -> LightSampleContext {
         self.receiver(position, None, 0.5)
     }
 
     /// Light at a place that a path came to by `way`, as it is counted there; `None` where none was found.
-    pub fn sample(&self, scene: &Scene, to: &Receiver, u_choice: f32, u: [f32; 2], way: Way) -> Option<LightSample> {
+    pub fn sample(
+        &self,
+        scene: &Scene,
+        to: &LightSampleContext,
+        u_choice: f32,
+        u: [f32; 2],
+        way: PathState,
+    ) -> Option<LightSample> {
         self.sample_source(scene, to, u_choice, u, way).map(|(sample, _)| sample)
     }
 
@@ -183,10 +204,10 @@ impl Lights {
     pub fn sample_source(
         &self,
         scene: &Scene,
-        to: &Receiver,
+        to: &LightSampleContext,
         u_choice: f32,
         u: [f32; 2],
-        way: Way,
+        way: PathState,
     ) -> Option<(LightSample, Source)> {
         let from = to.position;
         let chance = to.sky_chance;
@@ -209,8 +230,15 @@ impl Lights {
     }
 
     /// The density with which [`Lights::sample`] at `to` would have found a point on an emissive triangle:
-    /// `distance` away, met at `cos` to its normal.
-    pub fn triangle_pdf(&self, scene: &Scene, to: &Receiver, hit: (u32, u32), distance: f32, cos: f32) -> f32 {
+    /// `distance` away, hit at `cos` to its normal.
+    pub fn triangle_pdf(
+        &self,
+        scene: &Scene,
+        to: &LightSampleContext,
+        hit: (u32, u32),
+        distance: f32,
+        cos: f32,
+    ) -> f32 {
         let (Some(Source(index)), Some(tree)) = (self.triangle_source(hit.0, hit.1), self.tree(to)) else { return 0.0 };
         let area = match self.local.get(index) {
             Some(Emitter::Triangle(triangle)) => triangle.area,
@@ -222,7 +250,7 @@ impl Lights {
     }
 
     #[inline]
-    fn tree(&self, to: &Receiver) -> Option<&LightTree> {
+    fn tree(&self, to: &LightSampleContext) -> Option<&LightTree> {
         self.trees[to.tree as usize].as_ref()
     }
 

@@ -6,7 +6,7 @@ use glam::Vec3A;
 use std::f32::consts::SQRT_2;
 use wide::f32x8;
 
-/// What is smaller, or nearer, is taken to be so small and near: Blender units.
+/// Least size and distance, Blender units: smaller ones are raised to it.
 const LEAST_SIZE: f32 = 1e-8;
 
 /// Times the square of its radius: how near is near.
@@ -23,7 +23,7 @@ pub(super) enum Child {
     Emitter(u32),
 }
 
-/// The same in four bytes: an emitter's has the uppermost bit.
+/// A [`Child`] in four bytes: an emitter's has the uppermost bit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PackedChild(u32);
 
@@ -56,9 +56,9 @@ impl PackedChild {
 #[repr(align(64))]
 pub(super) struct Node {
     center: [f32x8; 3],
-    /// Of the sphere about the box.
+    /// Radius of the sphere about the box.
     radius: f32x8,
-    /// Negative where light also leaves backwards.
+    /// Power; negative where light also leaves backwards.
     power: f32x8,
     axis: [f32x8; 3],
     cos_normal_spread: f32x8,
@@ -98,7 +98,7 @@ impl Node {
         dot(&to, &to).simd_lt(self.radius * self.radius * NEAR).to_bitmask()
     }
 
-    /// For each child about the light that it may send to a place; 0 only where it sends none.
+    /// An approximation, for each child, of the light that it may send to a place; 0 only where it sends none.
     #[inline]
     pub(super) fn importances(&self, p: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
         let (zero, one) = (f32x8::splat(0.0), f32x8::splat(1.0));
@@ -143,7 +143,7 @@ fn dot(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// About the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine:
+/// An approximation of the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine:
 /// its own as long as all are above the horizon; 0 where none is. `quarter` is a quarter of the sine's inverse.
 #[inline]
 fn mean_cosine(cos: f32x8, sin_cone: f32x8, quarter: f32x8) -> f32x8 {

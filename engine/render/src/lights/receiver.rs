@@ -1,4 +1,4 @@
-//! Where light is wanted, and what the lights' tree says of it at its root: asked once a place.
+//! A place to be lit, and the importances at the root of the light tree for it: computed once a place.
 
 use glam::Vec3A;
 
@@ -7,27 +7,27 @@ pub(super) const WIDTH: usize = 8;
 
 /// A place that light may reach. Made by [`super::Lights::receiver`].
 #[derive(Clone, Copy, Debug)]
-pub struct Receiver {
-    /// Render space.
+pub struct LightSampleContext {
+    /// Position, render space.
     pub position: Vec3A,
     /// The normal of a surface that light from behind does not matter to; `None` takes light from all sides.
     pub normal: Option<Vec3A>,
-    /// Which of the lights' trees is asked.
+    /// The number of the place's light tree.
     pub(super) tree: u32,
-    /// What each part under the tree's root may send here.
+    /// The light that each part under the tree's root may send to the place.
     pub(super) weights: [f32; WIDTH],
-    /// Their sum.
+    /// The sum of the weights.
     pub(super) total: f32,
-    /// What the sky may send here, in brightness.
+    /// The light that the sky may send to the place, in brightness.
     pub(super) sky: f32,
-    /// Chance of choosing the sky rather than something within the scene.
+    /// Probability of choosing the sky rather than something within the scene.
     pub(crate) sky_chance: f32,
-    /// When light is wanted, as in [`crate::accel::Ray::moment`].
+    /// The moment at which it is lit, as in [`crate::accel::Ray::moment`].
     pub moment: u16,
 }
 
-impl Receiver {
-    /// At another moment.
+impl LightSampleContext {
+    /// This place at another moment.
     #[inline]
     pub fn at(self, moment: u16) -> Self {
         Self { moment, ..self }

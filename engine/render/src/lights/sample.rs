@@ -1,7 +1,7 @@
 //! A sample of the lights.
 
 use crate::Rgb;
-use crate::scene::visibility::{Rays, Sets};
+use crate::scene::visibility::{LightSets, Rays};
 use glam::Vec3A;
 
 /// Light that reaches a point from one direction, if nothing stands in between.
@@ -9,43 +9,42 @@ use glam::Vec3A;
 pub struct LightSample {
     /// Unit, towards the light.
     pub wi: Vec3A,
-    /// Blender units; infinite for suns and the world.
+    /// Distance of the light, Blender units; infinite for suns and the world.
     pub distance: f32,
     /// Radiance; for a light without extent, radiance times the solid angle that it has not.
     pub radiance: Rgb,
     /// Density per steradian, the choice of the light included; for a light without extent the choice alone.
     pub pdf: f32,
-    /// Without extent: no ray finds it by chance.
+    /// True if the light has no extent: no ray can hit it.
     pub point_like: bool,
-    /// Objects throw shadows in it.
+    /// True if objects throw shadows in the light.
     pub cast_shadow: bool,
     /// The kinds of ray that find it, and so the closures that it lights.
     pub reaches: Rays,
-    /// What it lights, and what throws shadows in its light.
-    pub sets: Sets,
-    /// How light leaves the surface that emits, or an area lamp or a lamp without extent: what stands as far away, but for rounding,
-    /// does not hide it.
+    /// The objects that the light lights, and those that throw shadows in it.
+    pub sets: LightSets,
+    /// The departure of light from the surface that emits, or from an area lamp or a lamp without extent: a surface at the light's
+    /// distance, but for rounding, does not hide it.
     pub leaves: Option<Leaving>,
 }
 
-/// How light leaves a surface.
+/// The departure of light from a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Leaving {
-    /// The cosine to its normal, positive.
+    /// The cosine to the emitter's normal, positive.
     pub cos: f32,
-    /// How far rounding may have put the surface from where it is, Blender units.
+    /// Bound of the rounding error of the surface's position, Blender units.
     pub error: f32,
 }
 
 impl LightSample {
-    /// How far a ray goes that asks whether this light arrives, and whose start may be `error` from the place that it arrives at.
-    /// Blender units.
+    /// Length of a shadow ray to this light, whose start may be `error` from the place that the light arrives at. Blender units.
     #[inline]
     pub fn reach(&self, error: f32) -> f32 {
         (self.distance - self.gap(error)).max(0.0)
     }
 
-    /// How far from its end that is: before the surface that it comes from, which must not shadow itself.
+    /// Distance of the shadow ray's end from the light: before the surface that it comes from, which must not shadow itself.
     #[inline]
     pub fn gap(&self, error: f32) -> f32 {
         self.leaves.map_or(0.0, |leaves| (leaves.error + error) / leaves.cos)

@@ -2,13 +2,13 @@
 
 use super::LightSample;
 use super::lamp::PreparedLamp;
-use super::receiver::Receiver;
-use crate::nodes::Way;
+use super::receiver::LightSampleContext;
+use crate::nodes::PathState;
 use crate::sampler::distribution::Grid2d;
 use crate::scene::{
     Scene,
     lamp::LampKind,
-    visibility::Sets,
+    visibility::LightSets,
     world::{direction_to_equirectangular, equirectangular_to_direction},
 };
 use crate::{Rgb, luminance, nodes};
@@ -28,12 +28,12 @@ const BRIGHTEST: f32 = 1e30;
 pub(super) struct Sky {
     // `None` where the world has one colour: a surface's own scattering samples that better.
     image: Option<Grid2d>,
-    /// Irradiance by the world's image, nearly: what it is chosen by.
+    /// Approximate irradiance by the world's image, by which the world is chosen.
     world: f32,
     suns: Vec<u32>,
     /// The suns again, as they are chosen.
     discs: Vec<Disc>,
-    /// The world's nodes ask what kind of bounce sees them.
+    /// True if the world's nodes ask what kind of bounce sees them.
     tells_bounces_apart: bool,
 }
 
@@ -55,7 +55,7 @@ impl Disc {
     }
 }
 
-/// About the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine.
+/// An approximation of the mean of the cosines, where they are not negative, of directions in a cone of that sine about one of that cosine.
 #[inline]
 fn mean_cosine(cos: f32, sin_cone: f32) -> f32 {
     if cos >= sin_cone {
@@ -87,8 +87,8 @@ impl Sky {
         Self { image, world, suns, discs, tells_bounces_apart }
     }
 
-    /// Light that may arrive from it at a surface with this normal, in brightness, where nothing stands in the way; without one, from
-    /// all sides. Sources are chosen by it. A world of one colour is not counted: it is not sampled.
+    /// Light that may arrive from the sky at a surface with this normal, in brightness, where nothing stands in the way; without one, from
+    /// all sides. Sources are chosen by this. A world of one colour is not counted: it is not sampled.
     #[inline]
     pub(super) fn irradiance(&self, normal: Option<Vec3A>) -> f32 {
         self.discs.iter().fold(self.world, |sum, disc| sum + disc.on(normal))
@@ -99,9 +99,9 @@ impl Sky {
         &self,
         scene: &Scene,
         lamps: &[PreparedLamp],
-        to: &Receiver,
+        to: &LightSampleContext,
         (u_choice, u): (f32, [f32; 2]),
-        way: Way,
+        way: PathState,
     ) -> Option<(LightSample, usize)> {
         let (index, chance) = self.choose(to, u_choice)?;
         let mut sample = match index {
@@ -112,9 +112,9 @@ impl Sky {
         Some((sample, index))
     }
 
-    /// Number of a source in proportion to what it may send, and its chance.
+    /// Number of a source, chosen in proportion to the light that it may send, and the probability of that choice.
     #[inline]
-    fn choose(&self, to: &Receiver, u: f32) -> Option<(usize, f32)> {
+    fn choose(&self, to: &LightSampleContext, u: f32) -> Option<(usize, f32)> {
         let mut left = u * to.sky;
         // Rounding may go past the last that has any.
         let mut last = None;
@@ -137,8 +137,8 @@ impl Sky {
         scene: &Scene,
         lamps: &[PreparedLamp],
         d: Vec3A,
-        way: Way,
-        to: Option<&Receiver>,
+        way: PathState,
+        to: Option<&LightSampleContext>,
         mut found: impl FnMut(usize, Rgb, f32),
     ) {
         if scene.world.visible.all_of(way.finds()) {
@@ -163,9 +163,9 @@ impl Sky {
         }
     }
 
-    /// The chance with which [`Sky::sample`] chooses number `index` for a receiver; 0 without one.
+    /// The probability with which [`Sky::sample`] chooses number `index` for a receiver; 0 without one.
     #[inline]
-    pub(super) fn chance(&self, to: Option<&Receiver>, index: usize) -> f32 {
+    pub(super) fn chance(&self, to: Option<&LightSampleContext>, index: usize) -> f32 {
         let Some(to) = to.filter(|to| to.sky > 0.0) else { return 0.0 };
         let weight = if index == 0 { self.world } else { self.discs[index - 1].on(to.normal) };
         weight / to.sky
@@ -176,7 +176,7 @@ impl Sky {
         &self.suns
     }
 
-    /// Whether the world has an image to be sampled by.
+    /// True if the world has an image to be sampled by.
     pub(super) fn has_image(&self) -> bool {
         self.image.is_some()
     }
@@ -195,7 +195,7 @@ impl Sky {
             point_like: false,
             cast_shadow: true,
             reaches: scene.world.visible,
-            sets: Sets::EVERYTHING,
+            sets: LightSets::EVERYTHING,
             leaves: None,
         })
     }

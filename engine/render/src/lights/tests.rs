@@ -3,9 +3,9 @@
 use super::*;
 use crate::Rgb;
 use crate::sampler::warp;
-use crate::scene::material::{Input, Material};
+use crate::scene::material::Material;
 use crate::scene::mesh::MeshDescription;
-use crate::scene::visibility::Links;
+use crate::scene::visibility::LightLinking;
 use crate::scene::{SceneBuilder, lamp::Lamp, texture::Texture, world::World};
 use glam::{DMat4, DVec3, Vec3};
 use std::f32::consts::PI;
@@ -14,7 +14,7 @@ fn lamp(kind: LampKind) -> Lamp {
     Lamp { object_name: "lamp".into(), kind, color: Rgb::new(10.0, 20.0, 30.0), ..Lamp::default() }
 }
 
-/// A lamp two units above the origin that shines down.
+/// A lamp two units above the origin that emits downwards.
 fn lights(kind: LampKind) -> (Scene, Lights) {
     let mut builder = SceneBuilder::new();
     builder.add_lamp(lamp(kind), DMat4::from_translation(DVec3::new(0.0, 0.0, 2.0))).unwrap();
@@ -23,7 +23,7 @@ fn lights(kind: LampKind) -> (Scene, Lights) {
     (scene, lights)
 }
 
-fn at(lights: &Lights, position: Vec3A) -> Receiver {
+fn at(lights: &Lights, position: Vec3A) -> LightSampleContext {
     lights.receiver_between(position)
 }
 
@@ -33,7 +33,7 @@ fn irradiance(scene: &Scene, lights: &Lights) -> Rgb {
     (0..n)
         .filter_map(|i| {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let s = lights.sample(scene, &at(lights, Vec3A::ZERO), u[0], [u[1], u[2]], Way::CAMERA)?;
+            let s = lights.sample(scene, &at(lights, Vec3A::ZERO), u[0], [u[1], u[2]], PathState::CAMERA)?;
             Some(s.radiance * s.wi.z.max(0.0) / s.pdf)
         })
         .sum::<Rgb>()
@@ -70,7 +70,7 @@ fn lamps_light_a_floor_as_closed_forms_say() {
     }
 }
 
-/// A ray that happens to meet a lamp reports the density with which it would have been sampled.
+/// A ray that happens to hit a lamp reports the density with which it would have been sampled.
 #[test]
 fn densities_of_hits_are_those_of_samples() {
     for kind in [
@@ -85,12 +85,12 @@ fn densities_of_hits_are_those_of_samples() {
             let u = sobol_burley::sample_4d(i, 0, 5);
             let from = Vec3A::new(0.3, -0.2, 0.0);
             let s = lights
-                .sample(&scene, &at(&lights, from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01], Way::CAMERA)
+                .sample(&scene, &at(&lights, from), u[0], [u[1] * 0.98 + 0.01, u[2] * 0.98 + 0.01], PathState::CAMERA)
                 .unwrap();
             let mut found = None;
             let (line, to) = (Line { from, towards: s.wi, t_max: f32::INFINITY }, at(&lights, from));
-            lights.lamps_along(&scene, line, Way::BOUNCE, Some(&to), |one| found = Some((one.radiance, one.pdf)));
-            lights.sky_along(&scene, s.wi, Way::BOUNCE, Some(&to), |one| {
+            lights.lamps_along(&scene, line, PathState::BOUNCE, Some(&to), |one| found = Some((one.radiance, one.pdf)));
+            lights.sky_along(&scene, s.wi, PathState::BOUNCE, Some(&to), |one| {
                 if one.pdf > 0.0 {
                     found = Some((one.radiance, one.pdf));
                 }
@@ -140,15 +140,10 @@ fn the_sky_is_sampled_by_its_brightness() {
 /// Emissive triangles: a large square seen from close by has irradiance near pi L, however it is cut and scaled.
 #[test]
 fn emissive_triangles_are_sampled_by_area() {
-    use crate::scene::material::{Input, Material};
+    use crate::scene::material::Material;
     use crate::scene::mesh::MeshDescription;
     let mut builder = SceneBuilder::new();
-    let glow = Material {
-        emission_color: Input::Constant(Rgb::new(1.0, 2.0, 3.0)),
-        emission_strength: 2.0,
-        ..Material::default_grey()
-    };
-    let m = builder.add_material(glow).unwrap();
+    let m = builder.add_material(Material::diffuse("glow", Rgb::ONE, Rgb::new(2.0, 4.0, 6.0)));
     let p = |x: f32, y: f32| glam::Vec3::new(x, y, 0.0);
     let mesh = builder
         .add_mesh(MeshDescription {
@@ -191,7 +186,7 @@ fn the_sky_is_chosen_by_what_it_brings() {
         let n = 1 << 15;
         let light = |i: u32| {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let s = lights.sample(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA)?;
+            let s = lights.sample(&scene, &to, u[0], [u[1], u[2]], PathState::CAMERA)?;
             Some((s.radiance * s.wi.z.max(0.0) / s.pdf).as_dvec3())
         };
         (0..n).filter_map(light).sum::<glam::DVec3>() / f64::from(n)
@@ -201,7 +196,7 @@ fn the_sky_is_chosen_by_what_it_brings() {
     assert!((little / much - 1.0).abs().max_element() < 0.02, "{little} {much}");
 }
 
-/// An object's light samples all go to lamps that light it, and their chances there add up to one.
+/// An object's light samples all go to lamps that light it, and the probabilities of these add up to one.
 #[test]
 fn lamps_that_do_not_light_an_object_take_none_of_its_samples() {
     let mut builder = SceneBuilder::new();
@@ -214,9 +209,9 @@ fn lamps_that_do_not_light_an_object_take_none_of_its_samples() {
     let mesh = builder.add_mesh(quad).unwrap();
     for set in 1..3u8 {
         let instance = builder.add_instance("object", mesh, DMat4::IDENTITY, &[], true, true).unwrap().unwrap();
-        builder.set_links(instance, Links { receives: 1 << set, ..Links::default() });
+        builder.set_links(instance, LightLinking { receives: 1 << set, ..LightLinking::default() });
         for i in 0..3 {
-            let sets = Sets { receivers: set, blockers: 0 };
+            let sets = LightSets { receivers: set, blockers: 0 };
             let place = DVec3::new(f64::from(i), f64::from(set), 2.0);
             let lamp = Lamp { sets, ..lamp(LampKind::Point { radius: 0.1, soft: false }) };
             builder.add_lamp(lamp, DMat4::from_translation(place)).unwrap();
@@ -228,7 +223,7 @@ fn lamps_that_do_not_light_an_object_take_none_of_its_samples() {
         let to = lights.receiver_on(instance as u32, Vec3A::ZERO, None, 0.5);
         for i in 0..64 {
             let u = sobol_burley::sample_4d(i, 0, 3);
-            let (sample, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA).unwrap();
+            let (sample, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], PathState::CAMERA).unwrap();
             assert!(links.takes_light_of(sample.sets) && links.takes_light_of(lights.sets(source)));
         }
         let tree = lights.trees[to.tree as usize].as_ref().unwrap();
@@ -259,14 +254,7 @@ fn crowd(count: u32, unequal: bool, with_lamps: bool) -> (Scene, Lights) {
     }
     let strength = |slot: u32| power((slot as f32 + 0.5) / 8.0);
     let materials: Vec<usize> = (0..8)
-        .map(|slot| {
-            let glowing = Material {
-                emission_color: Input::Constant(Rgb::ONE),
-                emission_strength: strength(slot),
-                ..Material::default_grey()
-            };
-            builder.add_material(glowing).unwrap()
-        })
+        .map(|slot| builder.add_material(Material::diffuse("lit", Rgb::ONE, Rgb::splat(strength(slot)))))
         .collect();
     let material_slots = Some(slots);
     let mesh = MeshDescription { name: "lit".into(), positions, triangles, material_slots, ..Default::default() };
@@ -277,7 +265,7 @@ fn crowd(count: u32, unequal: bool, with_lamps: bool) -> (Scene, Lights) {
     (scene, lights)
 }
 
-/// What each emitter of a crowd brings to a floor that faces up, by closed forms; of the tiny triangles as if all were in their
+/// The light of each emitter of a crowd on a floor that faces up, by closed forms; that of the tiny triangles as if all were in their
 /// middles.
 fn brought(scene: &Scene, lights: &Lights, from: Vec3A) -> Vec<f64> {
     let of = |emitter: Emitter<'_>| {
@@ -293,7 +281,7 @@ fn brought(scene: &Scene, lights: &Lights, from: Vec3A) -> Vec<f64> {
                 let place = (a + b + c) / 3.0;
                 let area = 0.5 * (b - a).as_dvec3().cross((c - a).as_dvec3()).length();
                 let cos = f64::from((place - from).normalize().z.abs());
-                (place, f64::from(material.emission_strength) * area * cos)
+                (place, f64::from(material.graph.brightness()) * area * cos)
             }
         };
         let to = (place - from).as_dvec3();
@@ -302,7 +290,7 @@ fn brought(scene: &Scene, lights: &Lights, from: Vec3A) -> Vec<f64> {
     lights.local.iter().map(of).collect()
 }
 
-/// With ten thousand emitters of unequal power the mean of light samples is the sum over all of them.
+/// The mean of light samples of ten thousand emitters of unequal power is the sum over all of them.
 #[test]
 fn samples_of_many_emitters_bring_what_all_bring_together() {
     let (scene, lights) = crowd(10_000, true, true);
@@ -312,13 +300,13 @@ fn samples_of_many_emitters_bring_what_all_bring_together() {
         let (mut sum, mut squares, n) = (0.0, 0.0, 1 << 16);
         for i in 0..n {
             let u = sobol_burley::sample_4d(i, 0, 31);
-            let Some((s, source)) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA) else {
+            let Some((s, source)) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], PathState::CAMERA) else {
                 continue;
             };
             let light = f64::from(s.radiance.x * s.wi.z.max(0.0) / s.pdf);
             sum += light / f64::from(n);
             squares += light * light / f64::from(n);
-            // A ray that met the triangle would say the same of its density.
+            // A ray that hit the triangle would say the same of its density.
             if let Some(Emitter::Triangle(triangle)) = lights.local.get(source.0) {
                 let hit = (triangle.instance, triangle.triangle);
                 let pdf =
@@ -370,13 +358,13 @@ fn suns_are_chosen_by_what_they_give_here() {
     let (mut found, n) = (Vec::new(), 4096);
     for i in 0..n {
         let u = sobol_burley::sample_4d(i, 0, 3);
-        let (s, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], Way::CAMERA).unwrap();
+        let (s, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], PathState::CAMERA).unwrap();
         assert!(s.wi.z > 0.0);
         found.push(s.radiance.x * s.wi.z / s.pdf);
         // A ray that finds the sun gives the density of the sample.
         if !s.point_like {
             let mut met = None;
-            lights.sky_along(&scene, s.wi, Way::BOUNCE, Some(&to), |one| {
+            lights.sky_along(&scene, s.wi, PathState::BOUNCE, Some(&to), |one| {
                 met = met.or((one.source == source).then_some(one))
             });
             assert!((met.unwrap().pdf / s.pdf - 1.0).abs() < 1e-4);
@@ -401,7 +389,7 @@ fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
         for place in 0..40 {
             let away = DVec3::new(1.7, -0.9, 2.3) * f64::from(place);
             let mut builder = SceneBuilder::new();
-            let material = builder.add_material(Material::default_grey()).unwrap();
+            let material = builder.add_material(Material::default_grey());
             let corners = [[-5.0, -5.0, 0.0], [5.0, -5.0, 0.0], [5.0, 5.0, 0.0], [-5.0, 5.0, 0.0]];
             let quad = MeshDescription {
                 name: "ceiling".into(),
@@ -422,7 +410,7 @@ fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
                 let below = DVec3::new(f64::from(u[0]) * 4.0 - 2.0, f64::from(u[1]) * 4.0 - 2.0, -2.5);
                 let from = turned.transform_point3(below).as_vec3a();
                 let to = lights.receiver_between(from);
-                let Some(s) = lights.sample(&scene, &to, 0.5, [u[2], u[3]], Way::CAMERA) else { continue };
+                let Some(s) = lights.sample(&scene, &to, 0.5, [u[2], u[3]], PathState::CAMERA) else { continue };
                 let ray = crate::accel::Ray { t_max: s.reach(0.0), ..crate::accel::Ray::new(from, s.wi) };
                 assert!(accel.closest(&ray, crate::scene::visibility::Rays::SHADOW).is_none(), "{kind:?} {place} {i}");
                 if s.point_like {
@@ -431,7 +419,7 @@ fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
                 let hit = accel.closest(&crate::accel::Ray::new(from, s.wi), crate::scene::visibility::Rays::BOUNCE);
                 let mut found = 0;
                 let line = Line { from, towards: s.wi, t_max: hit.unwrap().t };
-                lights.lamps_along(&scene, line, Way::BOUNCE, Some(&to), |_| found += 1);
+                lights.lamps_along(&scene, line, PathState::BOUNCE, Some(&to), |_| found += 1);
                 assert_eq!(found, 1, "{kind:?} {place} {i}");
             }
         }

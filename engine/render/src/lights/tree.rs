@@ -5,7 +5,7 @@
 use super::bounds::LightBounds;
 use super::build::{Filling, Half};
 use super::node::{Child, NONE, Node, PackedChild};
-use super::receiver::{Receiver, WIDTH};
+use super::receiver::{LightSampleContext, WIDTH};
 use crate::scene::motion::MIDDLE;
 use glam::Vec3A;
 
@@ -25,7 +25,7 @@ pub struct LightTree {
 }
 
 impl LightTree {
-    /// `None` where nothing emits.
+    /// The tree of these emitters; `None` if none of them emits.
     pub fn new(emitters: &[LightBounds]) -> Option<Self> {
         let mut order: Vec<u32> = (0..emitters.len() as u32).filter(|&i| emitters[i as usize].power > 0.0).collect();
         if order.is_empty() {
@@ -63,15 +63,24 @@ impl LightTree {
         here
     }
 
-    /// A place, and what the parts under the root may send there. The sky has no chance yet.
-    pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> Receiver {
+    /// A place, and the light that the parts under the root may send there. The sky has no probability yet.
+    pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> LightSampleContext {
         let weights =
             if self.looks_ahead { self.ahead(position, normal) } else { self.nodes[0].importances(position, normal) };
-        Receiver { position, normal, tree: 0, total: sum(&weights), weights, sky: 0.0, sky_chance: 0.0, moment: MIDDLE }
+        LightSampleContext {
+            position,
+            normal,
+            tree: 0,
+            total: sum(&weights),
+            weights,
+            sky: 0.0,
+            sky_chance: 0.0,
+            moment: MIDDLE,
+        }
     }
 
-    /// What the root's children may send somewhere, by what is in them where they are near: of many emitters nearly all of what
-    /// is not known is there.
+    /// The light that the root's children may send somewhere, by their own children where they are near: with many emitters nearly all of
+    /// the uncertainty is there.
     #[inline]
     fn ahead(&self, position: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
         let root = &self.nodes[0];
@@ -88,7 +97,7 @@ impl LightTree {
     }
 
     /// An emitter and the probability of its choice; `None` where none may send light.
-    pub fn sample(&self, to: &Receiver, mut u: f32) -> Option<(usize, f32)> {
+    pub fn sample(&self, to: &LightSampleContext, mut u: f32) -> Option<(usize, f32)> {
         let mut node = 0;
         let mut probability = 1.0;
         let (mut weights, mut total) = (to.weights, to.total);
@@ -120,7 +129,7 @@ impl LightTree {
     }
 
     /// The probability of [`LightTree::sample`] choosing an emitter.
-    pub fn probability(&self, to: &Receiver, emitter: usize) -> f32 {
+    pub fn probability(&self, to: &LightSampleContext, emitter: usize) -> f32 {
         let mut place = self.place_of[emitter];
         if place.0 == NONE {
             return 0.0;
@@ -143,7 +152,7 @@ impl LightTree {
     }
 }
 
-/// In one order everywhere, so that choosing and asking agree.
+/// The sum in one fixed order, so that choices and their probabilities agree.
 #[inline]
 fn sum(weights: &[f32; WIDTH]) -> f32 {
     let [a, b, c, d, e, f, g, h] = *weights;
@@ -176,7 +185,7 @@ mod tests {
             .collect()
     }
 
-    fn receivers(tree: &LightTree) -> impl Iterator<Item = Receiver> {
+    fn receivers(tree: &LightTree) -> impl Iterator<Item = LightSampleContext> {
         (0..50).map(|i| {
             let u = sobol_burley::sample_4d(i, 0, 3);
             let v = sobol_burley::sample_4d(i, 0, 4);
@@ -216,7 +225,7 @@ mod tests {
         }
     }
 
-    /// Whatever can send light has a chance: no bound may rule out what its emitters can do.
+    /// Every emitter that can send light has a probability: no bound may rule it out.
     #[test]
     fn nothing_that_shines_is_ruled_out() {
         for list in [emitters(100), emitters(3000)] {
@@ -238,7 +247,7 @@ mod tests {
         }
     }
 
-    /// Lamps that shine down narrowly are found from all within their cones, and many of them from few places.
+    /// Lamps with narrow cones downwards are found from all places within their cones, and many of them from few places.
     #[test]
     fn narrow_cones_rule_out_what_is_beside_them() {
         let mut list = emitters(3000);
@@ -266,7 +275,7 @@ mod tests {
         }
     }
 
-    /// Of many emitters few nodes are made, and those over emitters are nearly full.
+    /// A tree over many emitters has few nodes, and those over emitters are nearly full.
     #[test]
     fn nodes_over_many_are_full() {
         let tree = LightTree::new(&emitters(10_000)).unwrap();

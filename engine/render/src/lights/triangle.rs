@@ -1,42 +1,42 @@
-//! A triangle that emits, placed: what choosing a point of it needs, worked out once.
+//! A placed triangle that emits, with the data for sampling a point of it, worked out once.
 
 use super::bounds::LightBounds;
 use super::{Leaving, LightSample};
-use crate::nodes::{View, Way};
+use crate::nodes::{PathState, View};
 use crate::scene::Scene;
 use crate::scene::motion::MIDDLE;
-use crate::scene::visibility::{Rays, Sets};
+use crate::scene::visibility::{LightSets, Rays};
 use crate::surface::{area_vector, geometric_normal, mesh_of, position_error};
 use crate::{Rgb, nodes, sampler::warp};
 use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// For what is the same from everywhere.
-const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: Way::LIGHT, moment: MIDDLE };
+/// The view for emission that does not depend on the direction.
+const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE };
 
-/// Render space.
+/// A triangle that emits, render space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LitTriangle {
     /// Index of the instance.
     pub(super) instance: u32,
     /// Index of the triangle in its mesh.
     pub(super) triangle: u32,
-    /// Its back is worth a light sample, too.
+    /// True if the triangle's back is worth a light sample, too.
     pub(super) two_sided: bool,
     /// The kinds of ray that its object shows itself to.
     reaches: Rays,
-    sets: Sets,
+    sets: LightSets,
     /// Emitted power, for choosing.
     pub(super) power: f32,
-    /// Blender units squared.
+    /// Area, Blender units squared.
     pub(super) area: f32,
     /// Unit, on the front.
     normal: Vec3,
     corner: Vec3,
     edges: [Vec3; 2],
-    /// How far rounding may put it from where it is, Blender units.
+    /// Bound of the rounding error of its position, Blender units.
     error: f32,
-    /// Where it is the same everywhere.
+    /// Radiance of the triangle, if that is spatially constant.
     radiance: Option<Vec3>,
 }
 
@@ -66,7 +66,7 @@ impl LitTriangle {
         }
     }
 
-    /// The same as another instance has it: one that stands for a moment of its own.
+    /// This emitter on another instance, one that stands for a moment of its own.
     pub(super) fn standing(&self, scene: &Scene, instance: u32) -> Self {
         let [a, b, c] = placed_corners(scene, instance, self.triangle);
         let placed = &scene.instances[instance as usize];
@@ -82,8 +82,8 @@ impl LitTriangle {
         }
     }
 
-    /// What it lights, and what throws shadows in its light.
-    pub(super) fn sets(&self) -> Sets {
+    /// The objects that the triangle lights, and those that throw shadows in its light.
+    pub(super) fn sets(&self) -> LightSets {
         self.sets
     }
 
@@ -92,7 +92,7 @@ impl LitTriangle {
         self.normal.into()
     }
 
-    /// Where it is, and where it shines to.
+    /// The triangle's position and directions of emission.
     pub(super) fn bounds(&self) -> LightBounds {
         let corners = [self.corner, self.corner + self.edges[0], self.corner + self.edges[1]].map(Vec3A::from);
         LightBounds {
@@ -106,24 +106,19 @@ impl LitTriangle {
         }
     }
 
-    /// What leaves a point of it towards either side, seen that way.
+    /// The radiance that leaves a point of the triangle towards either side, for a view along that way.
     pub(super) fn radiance(&self, scene: &Scene, barycentric: [f32; 2], view: &View) -> Rgb {
         if let Some(radiance) = self.radiance {
             return radiance;
         }
         let slot = mesh_of(scene, self.instance).slot(self.triangle);
         let material = &scene.materials[scene.instances[self.instance as usize].material(slot) as usize];
-        let emitted = nodes::emission(material, scene.into(), [self.instance, self.triangle], barycentric, view);
-        // The weights of layers hold what their transparency leaves.
-        if material.is_layered() {
-            return emitted;
-        }
-        emitted * nodes::alpha(scene, self.instance, self.triangle, barycentric)
+        nodes::emission(material, scene.into(), [self.instance, self.triangle], barycentric, view)
     }
 
-    /// Light at `from`.
+    /// Samples the light that arrives at `from`.
     #[inline]
-    pub(super) fn sample(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: Way) -> Option<LightSample> {
+    pub(super) fn sample(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: PathState) -> Option<LightSample> {
         let [v, w] = warp::sample_triangle(u);
         let point = self.corner + self.edges[0] * v + self.edges[1] * w;
         let to = Vec3A::from(point) - from;
@@ -154,7 +149,7 @@ pub(super) fn placed_corners(scene: &Scene, instance: u32, triangle: u32) -> [Ve
     placed.corners(mesh_of(scene, instance), triangle).map(|p| placed.to_render.transform_point3a(Vec3A::from(p)))
 }
 
-/// That of a triangle, Blender units squared.
+/// The area of a triangle, Blender units squared.
 pub(super) fn area(scene: &Scene, instance: u32, triangle: u32) -> f32 {
     0.5 * area_vector(placed_corners(scene, instance, triangle)).length()
 }

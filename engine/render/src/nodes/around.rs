@@ -1,4 +1,4 @@
-//! What is around a point that is shaded, and how much of it lies open.
+//! The surroundings of a shaded point, and the part of them that is open.
 
 use crate::accel::{Accel, Ray, offset_origin};
 use crate::sampler::warp::{frame, sample_cosine_hemisphere, to_world};
@@ -10,31 +10,31 @@ use petzval_nodes::{Occlusion, random_of};
 /// A scene, and the trees through which its surfaces may look for one another: where none are given, nodes that ask see
 /// nothing, as in Cycles on the way to a light.
 #[derive(Clone, Copy)]
-pub struct Around<'a> {
-    /// What there is.
+pub struct SceneQueries<'a> {
+    /// The scene.
     pub scene: &'a Scene,
-    /// Its trees.
+    /// The scene's BVHs.
     pub accel: Option<&'a Accel>,
 }
 
-impl<'a> From<&'a Scene> for Around<'a> {
+impl<'a> From<&'a Scene> for SceneQueries<'a> {
     fn from(scene: &'a Scene) -> Self {
         Self { scene, accel: None }
     }
 }
 
-/// How far apart neighbours of an even sequence lie (Roberts' R2).
+/// The steps of an even sequence (Roberts' R2).
 const STEPS: [f32; 2] = [0.754_877_7, 0.569_840_3];
 
-impl Around<'_> {
-    /// The share of rays from a point, about a normal and in proportion to the cosine, that meet nothing so far.
+impl SceneQueries<'_> {
+    /// The share of rays from a point, about a normal and in proportion to the cosine, that hit nothing so far.
     pub(super) fn open(&self, point: &SurfacePoint, asked: Occlusion, normal: Vec3A, distance: f32) -> f32 {
         let (Some(accel), Some(normal)) = (self.accel, normal.try_normalize()) else { return 1.0 };
         if distance.is_nan() || distance <= 0.0 {
             return 1.0;
         }
         let axes = frame(if asked.inside { -normal } else { normal });
-        // No two paths meet a surface at the same place: it is as good as a random number.
+        // No two paths hit a surface at the same place: it is as good as a random number.
         let [x, y, z] = point.position.to_array().map(f32::to_bits);
         let seed = x ^ y.rotate_left(11) ^ z.rotate_left(22);
         let start = [random_of(seed), random_of(!seed)];

@@ -6,7 +6,7 @@ use crate::surface::SurfacePoint;
 use glam::{Vec3A, Vec4};
 use petzval_nodes::{AttributeKind, Field};
 
-/// What only points have; zero is the rest.
+/// A field that only points have; zero for the rest.
 pub(super) fn read(field: Field, instance: &Instance, points: &Points, surface: &SurfacePoint, scene: &Scene) -> Vec3A {
     let ball = || points.at(surface.triangle, instance.pose);
     match field {

@@ -3,7 +3,7 @@
 
 use super::layers::surface_point;
 use super::point::{Images, Point, UNDISPLACED_NORMAL, View};
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::scene::Scene;
 use crate::scene::corners::Corners;
 use crate::scene::graph::{Displacement, Graph};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// to be left out is said.
 pub fn displace(scene: &mut Scene) -> Vec<String> {
     let mut warnings = Vec::new();
-    if !scene.materials.iter().filter_map(|material| material.graph.as_deref()).any(Graph::moves_vertices) {
+    if !scene.materials.iter().any(|material| material.graph.moves_vertices()) {
         return warnings;
     }
     let mut first = vec![None; scene.meshes.len()];
@@ -29,11 +29,11 @@ pub fn displace(scene: &mut Scene) -> Vec<String> {
         let Some(instance) = instance else { continue };
         let Some(offsets) = offsets(scene, instance) else { continue };
         let owner = &scene.instances[instance];
-        let graphs = owner.materials.iter().filter_map(|&i| scene.materials[i as usize].graph.as_deref());
-        let bends = graphs.map(|graph| graph.displacement).any(|one| one == Displacement::Both);
+        let graphs = owner.materials.iter().map(|&i| &*scene.materials[i as usize].graph);
+        let bends = graphs.filter(|graph| graph.moves_vertices()).any(|graph| graph.displacement == Displacement::Both);
         let by_vertices = |slot: u32| {
-            let graph = scene.materials[owner.material(slot) as usize].graph.as_deref();
-            graph.is_some_and(|graph| graph.displacement == Displacement::Vertices)
+            let graph = &scene.materials[owner.material(slot) as usize].graph;
+            graph.moves_vertices() && graph.displacement == Displacement::Vertices
         };
         match Mesh::new(moved(&scene.meshes[mesh], &offsets, by_vertices, bends)) {
             Ok((moved, warning)) => {
@@ -48,7 +48,7 @@ pub fn displace(scene: &mut Scene) -> Vec<String> {
     warnings
 }
 
-/// By how much each vertex of an instance's mesh is moved, object space; `None` if none is.
+/// The displacement of each vertex of an instance's mesh, object space; `None` if none is displaced.
 fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
     let owner = &scene.instances[instance];
     let mesh = &scene.meshes[owner.mesh as usize];
@@ -56,7 +56,7 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         return None;
     }
     let graph_of = |slot: u32| -> Option<&Graph> {
-        scene.materials[owner.material(slot) as usize].graph.as_deref().filter(|graph| graph.moves_vertices())
+        Some(&*scene.materials[owner.material(slot) as usize].graph).filter(|graph| graph.moves_vertices())
     };
     let slots = mesh.material_slots.as_ref().map_or(1, |slots| slots.iter().max().map_or(1, |most| most + 1));
     if !(0..slots).any(|slot| graph_of(slot).is_some()) {
@@ -81,7 +81,7 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         // Looked at from above, from about as far as the triangle is wide.
         let [a, b, c] = mesh.corners(triangle);
         let width = owner.to_render.transform_vector3((b - a).abs().max((c - a).abs())).length();
-        let view = View { direction: -normal, distance: width, way: Way::BOUNCE, moment: MIDDLE };
+        let view = View { direction: -normal, distance: width, way: PathState::BOUNCE, moment: MIDDLE };
         let barycentric = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][corner];
         let Graph { program, slices, pass_index, .. } = graph;
         let surface = surface_point(scene.into(), [instance as u32, triangle], barycentric, &view);
@@ -107,8 +107,8 @@ fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// The mesh with its vertices moved. Triangles that were flat are flat again. At vertices of triangles that are displaced and not bumped, by
-/// the material of their slot, smooth triangles get the means of the new normals; elsewhere they keep the old ones, as in Cycles. The
+/// The mesh with its vertices moved. Triangles that were flat are flat again. At vertices of triangles that are displaced and not bumped,
+/// by the material of their slot, smooth triangles get the means of the new normals; elsewhere they keep the old ones, as in Cycles. The
 /// old ones of all are kept where a bump, which is of the whole displacement, is to bend them.
 fn moved(mesh: &Mesh, offsets: &[Vec3], by_vertices: impl Fn(u32) -> bool, bends: bool) -> MeshDescription {
     let shift = |positions: &[Vec3]| positions.iter().zip(offsets).map(|(p, offset)| *p + *offset).collect();

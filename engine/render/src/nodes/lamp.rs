@@ -1,7 +1,7 @@
-//! A lamp's nodes: how brightly it shines from a place on it towards where it lights something.
+//! A lamp's nodes: the factor on its light from a place on it towards a lit point.
 
+use super::path_state::PathState;
 use super::point::Images;
-use super::way::Way;
 use super::world::emitted;
 use crate::Rgb;
 use crate::scene::graph::Graph;
@@ -14,23 +14,23 @@ use std::sync::Arc;
 /// A place on a lamp that something looks at.
 #[derive(Clone, Copy, Debug)]
 pub struct LampPoint {
-    /// Blender's world.
+    /// Position, in Blender's world space.
     pub position: Vec3A,
     /// Away from the lamp.
     pub normal: Vec3A,
-    /// Unit, of the ray that comes to the lamp.
+    /// Direction of the ray that comes to the lamp, unit.
     pub direction: Vec3A,
-    /// Its length.
+    /// Length of the ray that comes to the lamp.
     pub distance: f32,
-    /// Across an area lamp, in a spot's cone, over the sphere of directions.
+    /// Coordinates across an area lamp, in a spot's cone, or over the sphere of directions.
     pub uv: Vec2,
     /// The lamp's axes, and where it is, in Blender's world.
     pub to_world: Affine3A,
-    /// What happened to the path that looks.
-    pub way: Way,
+    /// The state of the path that looks.
+    pub way: PathState,
 }
 
-/// What a lamp's nodes can be told.
+/// The fields that a lamp's nodes can read.
 pub(super) const KNOWN: [Field; 18] = [
     Field::Position,
     Field::Normal,
@@ -52,7 +52,7 @@ pub(super) const KNOWN: [Field; 18] = [
     Field::TransmissionDepth,
 ];
 
-/// What a program asks for that no lamp has.
+/// The fields that a program reads and no lamp has.
 pub fn unknown(graph: &Graph) -> Vec<Field> {
     graph.program.reads().filter(|field| !KNOWN.contains(field)).collect()
 }
@@ -97,7 +97,7 @@ thread_local! {
     static REGISTERS: RefCell<Registers> = RefCell::default();
 }
 
-/// What its nodes make of a lamp's own colour.
+/// The factor that a lamp's nodes put on its own colour.
 pub fn radiance(graph: &Graph, textures: &[Arc<Texture>], at: &LampPoint) -> Rgb {
     REGISTERS.with_borrow_mut(|registers| {
         graph.program.run(&Asked(at, &graph.program.attributes), &Images(textures), registers);
@@ -105,7 +105,7 @@ pub fn radiance(graph: &Graph, textures: &[Arc<Texture>], at: &LampPoint) -> Rgb
     })
 }
 
-/// The same where nothing that it depends on varies.
+/// The factor that a lamp's nodes put on its own colour, if it is constant; else `None`.
 pub fn even_radiance(graph: &Graph) -> Option<Rgb> {
     let nowhere = LampPoint {
         position: Vec3A::ZERO,
@@ -114,7 +114,7 @@ pub fn even_radiance(graph: &Graph) -> Option<Rgb> {
         distance: 1.0,
         uv: Vec2::ZERO,
         to_world: Affine3A { matrix3: Mat3A::IDENTITY, translation: Vec3A::ZERO },
-        way: Way::LIGHT,
+        way: PathState::LIGHT,
     };
     graph.emits_evenly().then(|| radiance(graph, &[], &nowhere))
 }

@@ -1,40 +1,35 @@
 //! Evaluating the layers of a material at a point of a surface.
 
-use super::around::Around;
+use super::around::SceneQueries;
 use super::point::{Images, Point, View};
-use super::{colour, number};
 use crate::accel::Hit;
 use crate::scene::closure::Closure;
-use crate::scene::graph::{Displacement, Graph, GraphLayer, Source};
-use crate::scene::layer::{Layer, MOST_LAYERS, Weight};
-use crate::scene::material::Input;
+use crate::scene::graph::{Displacement, Graph, GraphLayer, MOST_LAYERS, Source};
 use crate::scene::material::{Aovs, Material};
-use crate::scene::mesh::Mesh;
-use crate::scene::texture::Texture;
-use crate::surface::{SurfacePoint, mesh_of};
+use crate::scene::plain::{Plain, PlainValues};
+use crate::surface::SurfacePoint;
 use crate::{Rgb, luminance};
 use arrayvec::ArrayVec;
 use glam::Vec3A;
 use petzval_nodes::{Registers, Slice};
 use std::cell::RefCell;
-use std::sync::Arc;
 
 /// A closure at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluatedLayer {
-    /// What it counts.
+    /// Weight of the closure.
     pub weight: f32,
-    /// What it does.
+    /// The closure.
     pub closure: Closure<Rgb, f32>,
-    /// Instead of the surface's own, unit.
+    /// Normal to use instead of the surface's own, unit.
     pub normal: Option<Vec3A>,
-    /// The coat's, instead of the surface's own, unit.
+    /// Normal of the coat to use instead of the surface's own, unit.
     pub coat_normal: Option<Vec3A>,
-    /// Instead of the surface's own, unit.
+    /// Tangent to use instead of the surface's own, unit.
     pub tangent: Option<Vec3A>,
 }
 
-/// What scatters of a material at one point.
+/// The closures of a material that scatter light, at a point.
 #[derive(Clone, Debug, Default)]
 pub struct Layers {
     /// The closures that count.
@@ -44,16 +39,16 @@ pub struct Layers {
 }
 
 thread_local! {
-    /// What programs compute in.
+    /// The registers that programs compute in.
     static REGISTERS: RefCell<Registers> = RefCell::default();
 }
 
 /// Runs a slice of a material's program at a point, and hands on what reads its results, with the normal where the displacement bends it.
-/// Where nothing has to be run, the point is not asked for.
+/// If nothing has to be run, the point is not asked for.
 fn with_slice<T>(
     graph: &Graph,
     slice: &Slice,
-    around: Around<'_>,
+    around: SceneQueries<'_>,
     point: impl FnOnce() -> SurfacePoint,
     view: &View,
     read: impl FnOnce(&dyn Fn(Source) -> Vec3A, Option<Vec3A>) -> T,
@@ -95,7 +90,7 @@ fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &m
 
 /// The point of a surface at a place of a triangle that is seen in the view's direction.
 pub(super) fn surface_point(
-    around: Around<'_>,
+    around: SceneQueries<'_>,
     [instance, triangle]: [u32; 2],
     [u, v]: [f32; 2],
     view: &View,
@@ -131,70 +126,44 @@ fn finite(value: Vec3A) -> Rgb {
     if value.is_finite() { value.into() } else { Rgb::ZERO }
 }
 
-/// Where on which mesh, and the images to look at.
-#[derive(Clone, Copy)]
-struct Place<'a> {
-    textures: &'a [Arc<Texture>],
-    mesh: &'a Mesh,
-    triangle: u32,
-    barycentric: [f32; 2],
-}
-
-impl Place<'_> {
-    fn colour(&self, input: &Input<Rgb>) -> Rgb {
-        colour(input, self.textures, self.mesh, self.triangle, self.barycentric)
-    }
-
-    fn number(&self, input: &Input<f32>) -> f32 {
-        number(input, self.textures, self.mesh, self.triangle, self.barycentric)
-    }
-
-    fn weight(&self, weight: &Weight) -> f32 {
-        let share = |(input, is_rest): &(Input<f32>, bool)| {
-            let share = self.number(input).clamp(0.0, 1.0);
-            if *is_rest { 1.0 - share } else { share }
-        };
-        weight.shares.iter().map(share).fold(weight.scale, |product, share| product * share)
-    }
-}
-
-/// What the layers of a material that scatter are at a point. Those that count nothing are left out.
-pub fn layers(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View, to: &mut Layers) {
-    let SurfacePoint { instance, triangle, barycentric, .. } = *point;
+/// Evaluates the closures of a material that scatter light at a point. Those of weight 0 are left out.
+pub fn layers(material: &Material, around: SceneQueries<'_>, point: &SurfacePoint, view: &View, to: &mut Layers) {
+    let graph = &*material.graph;
     to.closures.clear();
     to.bent_normal = None;
-    if let Some(graph) = &material.graph {
-        return with_slice(
-            graph,
-            &graph.slices.scattering,
-            around,
-            || *point,
-            view,
-            |value, bent| {
-                to.bent_normal = bent;
-                of_graph(graph, value, to);
-            },
-        );
-    }
-    let scene = around.scene;
-    let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
-    for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
-        let weight = place.weight(weight);
-        if weight > 0.0 {
-            let closure = closure.map(|c| place.colour(c), |n| place.number(n));
-            to.closures.push(EvaluatedLayer { weight, closure, normal: None, coat_normal: None, tangent: None });
-        }
-    }
+    with_slice(
+        graph,
+        &graph.slices.scattering,
+        around,
+        || *point,
+        view,
+        |value, bent| {
+            to.bent_normal = bent;
+            of_graph(graph, value, to);
+        },
+    );
 }
 
-/// How a surface lets light through unbent.
+/// Evaluates the inputs of a plain surface at a point; `plain`: that of the material's graph.
+pub fn plain_values(
+    material: &Material,
+    plain: &Plain,
+    around: SceneQueries<'_>,
+    point: &SurfacePoint,
+    view: &View,
+) -> PlainValues {
+    let graph = &*material.graph;
+    with_slice(graph, &graph.slices.scattering, around, || *point, view, |value, _| plain.values(&value))
+}
+
+/// The opening of a surface: the light that it lets through unbent, and the probabilities of passing and scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Opening {
-    /// What of it.
+pub struct Transparency {
+    /// Transmittance by channel.
     pub light: Rgb,
-    /// The chance with which a path goes through; it then carries `light` over this.
+    /// The probability with which a path goes through; it then carries `light` over this.
     pub chance: f32,
-    /// What the rest of the surface counts for a path that does not.
+    /// Weight of the rest of the surface for a path that does not go through.
     pub kept: f32,
     /// Weight of the closures that are not transparent, before the choice between passing and scattering; `kept` is that weight over the
     /// probability of scattering, 1 - `chance`.
@@ -204,8 +173,8 @@ pub struct Opening {
     pub share: f32,
 }
 
-impl Opening {
-    /// Of a surface that lets nothing through.
+impl Transparency {
+    /// The opening of a surface that lets nothing through.
     pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0, rest: 1.0, share: 1.0 };
 
     fn of(Parts { light, rest, glowing, scattering }: Parts) -> Self {
@@ -217,23 +186,18 @@ impl Opening {
         let kept = if rest + glowing > 0.0 { 1.0 / (1.0 - chance) } else { 0.0 };
         Self { light, chance, kept, rest: 1.0, share: scattering / (average(light) + scattering) }
     }
-
-    /// Of one that takes a share of the light, and does all else to that share.
-    pub fn of_alpha(alpha: f32) -> Self {
-        Self { light: Rgb::splat(1.0 - alpha), chance: 1.0 - alpha, kept: 1.0, rest: alpha, share: alpha }
-    }
 }
 
 /// Sums over the closures of a surface, by what they do with light.
 #[derive(Default)]
 struct Parts {
-    /// Transmittance of those that let light through unbent.
+    /// Transmittance of the closures that let light through unbent.
     light: Rgb,
-    /// The weight of those that scatter.
+    /// Weight of the closures that scatter.
     rest: f32,
-    /// The weight of those that glow alone.
+    /// Weight of the closures that only emit.
     glowing: f32,
-    /// The weight of those that scatter, each times about the part of the light that it scatters.
+    /// Weight of the closures that scatter, each times about the part of the light that it scatters.
     scattering: f32,
 }
 
@@ -282,76 +246,54 @@ fn average(color: Rgb) -> f32 {
 }
 
 /// The opening of a material at a point.
-pub fn opening(material: &Material, around: Around<'_>, point: &SurfacePoint, view: &View) -> Opening {
-    let SurfacePoint { instance, triangle, barycentric, .. } = *point;
-    if !material.is_layered() {
-        return Opening::of_alpha(super::alpha(around.scene, instance, triangle, barycentric));
-    }
-    if let Some(graph) = &material.graph {
-        return with_slice(
-            graph,
-            &graph.slices.opening,
-            around,
-            || *point,
-            view,
-            |value, _| {
-                let mut parts = Parts::default();
-                for layer in &graph.layers {
-                    let (color, number) =
-                        (|source: &Source| finite(value(*source)), |source: &Source| finite(value(*source)).x);
-                    parts.add(value(layer.weight).x, &layer.closure, color, number);
-                }
-                Opening::of(parts)
-            },
-        );
-    }
-    let scene = around.scene;
-    let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
-    let mut parts = Parts::default();
-    for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
-        parts.add(place.weight(weight), closure, |color| place.colour(color), |number| place.number(number));
-    }
-    Opening::of(parts)
+pub fn opening(material: &Material, around: SceneQueries<'_>, point: &SurfacePoint, view: &View) -> Transparency {
+    let graph = &*material.graph;
+    with_slice(
+        graph,
+        &graph.slices.opening,
+        around,
+        || *point,
+        view,
+        |value, _| {
+            let mut parts = Parts::default();
+            for layer in &graph.layers {
+                let (color, number) =
+                    (|source: &Source| finite(value(*source)), |source: &Source| finite(value(*source)).x);
+                parts.add(value(layer.weight).x, &layer.closure, color, number);
+            }
+            Transparency::of(parts)
+        },
+    )
 }
 
-/// Transmittance of a material at a point of a triangle for shadow rays: [`Opening::light`].
+/// Transmittance of a material at a point of a triangle for shadow rays: [`Transparency::light`].
 pub fn transmittance(
     material: &Material,
-    around: Around<'_>,
+    around: SceneQueries<'_>,
     [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
 ) -> Rgb {
-    let scene = around.scene;
-    if !material.is_layered() {
-        return Opening::of_alpha(super::alpha(scene, instance, triangle, barycentric)).light;
-    }
-    let light = if let Some(graph) = &material.graph {
-        let point = || surface_point(around, [instance, triangle], barycentric, view);
-        with_slice(graph, &graph.slices.transmittance, around, point, view, |value, _| {
-            let clear = graph.layers.iter().filter(|layer| match &layer.closure {
-                Closure::Transparent { .. } => true,
-                Closure::Principled(p) => p.is_clear(&graph.program),
-                _ => false,
-            });
-            clear.fold(Rgb::ZERO, |light, GraphLayer { weight, closure, .. }| {
-                light + passed(closure, |c| finite(value(*c)), |n| finite(value(*n)).x) * value(*weight).x
-            })
+    let graph = &*material.graph;
+    let point = || surface_point(around, [instance, triangle], barycentric, view);
+    let light = with_slice(graph, &graph.slices.transmittance, around, point, view, |value, _| {
+        let clear = graph.layers.iter().filter(|layer| match &layer.closure {
+            Closure::Transparent { .. } => true,
+            Closure::Principled(p) => p.is_clear(&graph.program),
+            _ => false,
+        });
+        clear.fold(Rgb::ZERO, |light, GraphLayer { weight, closure, .. }| {
+            light + passed(closure, |c| finite(value(*c)), |n| finite(value(*n)).x) * value(*weight).x
         })
-    } else {
-        let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
-        material.layers.iter().take(MOST_LAYERS).fold(Rgb::ZERO, |light, Layer { weight, closure }| {
-            light + passed(closure, |c| place.colour(c), |n| place.number(n)) * place.weight(weight)
-        })
-    };
+    });
     if luminance(light) > 0.0 { light } else { Rgb::ZERO }
 }
 
-/// How much of what the camera sees at a point is a hole.
+/// The part of the surface seen at a point that is a hole to the camera.
 #[cold]
-pub fn hole(
+pub fn holdout(
     material: &Material,
-    around: Around<'_>,
+    around: SceneQueries<'_>,
     [instance, triangle]: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
@@ -359,21 +301,16 @@ pub fn hole(
     if material.holds_out {
         return 1.0;
     }
-    if let Some(graph) = &material.graph {
-        let point = || surface_point(around, [instance, triangle], barycentric, view);
-        return with_slice(graph, &graph.slices.holdout, around, point, view, |value, _| {
-            let holes = graph.layers.iter().filter(|layer| matches!(layer.closure, Closure::Holdout));
-            holes.map(|layer| value(layer.weight).x).sum()
-        });
-    }
-    let scene = around.scene;
-    let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
-    let holes = material.layers.iter().filter(|layer| matches!(layer.closure, Closure::Holdout));
-    holes.map(|layer| place.weight(&layer.weight)).sum()
+    let graph = &*material.graph;
+    let point = || surface_point(around, [instance, triangle], barycentric, view);
+    with_slice(graph, &graph.slices.holdout, around, point, view, |value, _| {
+        let holes = graph.layers.iter().filter(|layer| matches!(layer.closure, Closure::Holdout));
+        holes.map(|layer| value(layer.weight).x).sum()
+    })
 }
 
 /// Calls `found(number, value)` with what a material's nodes give out at a point beside its surface.
-pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: impl FnMut(u16, Rgb)) {
+pub fn aovs(around: SceneQueries<'_>, point: &SurfacePoint, view: &View, mut found: impl FnMut(u16, Rgb)) {
     let Some(Aovs { graph, numbers }) = &around.scene.materials[point.material as usize].aovs else { return };
     with_slice(
         graph,
@@ -391,46 +328,40 @@ pub fn aovs(around: Around<'_>, point: &SurfacePoint, view: &View, mut found: im
     );
 }
 
-/// Emitted radiance, what lies over it not taken off. `point`: that of the place, where it is known.
-pub(super) fn emission(
+/// Emitted radiance of a point of a triangle, the same on both sides; negative where it takes light away, as in Cycles. What sheen and
+/// coat absorb of it is not taken off.
+pub fn emission(
     material: &Material,
-    around: Around<'_>,
-    [instance, triangle]: [u32; 2],
+    around: SceneQueries<'_>,
+    place: [u32; 2],
     barycentric: [f32; 2],
     view: &View,
-    point: Option<&SurfacePoint>,
 ) -> Rgb {
-    if let Some(graph) = &material.graph {
-        let point =
-            || point.map_or_else(|| surface_point(around, [instance, triangle], barycentric, view), |point| *point);
-        return with_slice(graph, &graph.slices.emission, around, point, view, |value, _| {
-            let mut sum = Rgb::ZERO;
-            for layer in &graph.layers {
-                let radiance = match &layer.closure {
-                    Closure::Emission { color, strength } => value(*color) * value(*strength).x,
-                    Closure::Principled(p) if p.shines(&graph.program) => {
-                        value(p.emission_color) * (value(p.emission_strength).x * value(p.alpha).x.clamp(0.0, 1.0))
-                    }
-                    _ => continue,
-                };
-                sum += finite(radiance) * value(layer.weight).x;
-            }
-            sum
-        });
+    emitted(material, around, || surface_point(around, place, barycentric, view), view)
+}
+
+/// [`emission`] of a point that is known.
+pub fn emission_at(material: &Material, around: SceneQueries<'_>, point: &SurfacePoint, view: &View) -> Rgb {
+    emitted(material, around, || *point, view)
+}
+
+fn emitted(material: &Material, around: SceneQueries<'_>, point: impl FnOnce() -> SurfacePoint, view: &View) -> Rgb {
+    if !material.emits() {
+        return Rgb::ZERO;
     }
-    let scene = around.scene;
-    let place = Place { textures: &scene.textures, mesh: mesh_of(scene, instance), triangle, barycentric };
-    let mut sum = Rgb::ZERO;
-    for Layer { weight, closure } in material.layers.iter().take(MOST_LAYERS) {
-        let radiance = match closure {
-            Closure::Emission { color, strength } => place.colour(color) * place.number(strength),
-            Closure::Principled(p) if p.emission_strength != Input::Constant(0.0) => {
-                let alpha = place.number(&p.alpha).clamp(0.0, 1.0);
-                place.colour(&p.emission_color) * (place.number(&p.emission_strength) * alpha)
-            }
-            _ => continue,
-        };
-        sum += radiance * place.weight(weight);
-    }
-    sum
+    let graph = &*material.graph;
+    with_slice(graph, &graph.slices.emission, around, point, view, |value, _| {
+        let mut sum = Rgb::ZERO;
+        for layer in &graph.layers {
+            let radiance = match &layer.closure {
+                Closure::Emission { color, strength } => value(*color) * value(*strength).x,
+                Closure::Principled(p) if p.shines(&graph.program) => {
+                    value(p.emission_color) * (value(p.emission_strength).x * value(p.alpha).x.clamp(0.0, 1.0))
+                }
+                _ => continue,
+            };
+            sum += finite(radiance) * value(layer.weight).x;
+        }
+        sum
+    })
 }

@@ -1,7 +1,7 @@
 //! A point of a surface as a shader graph's program asks for it.
 
-use super::around::Around;
-use super::way::Way;
+use super::around::SceneQueries;
+use super::path_state::PathState;
 use super::{ball, strand};
 use crate::accel::Ray;
 use crate::scene::corners::Corners;
@@ -22,29 +22,29 @@ const RANDOM_PER_ISLAND: &str = ".random_per_island";
 /// The name by which a mesh whose vertices were moved keeps the normals that it had.
 pub(super) const UNDISPLACED_NORMAL: &str = ".undisplaced_normal";
 
-/// How a point is looked at.
+/// The view of a point along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     /// The direction of the ray that came to the point, unit.
     pub direction: Vec3A,
-    /// How far it came, Blender units.
+    /// Length of the ray, Blender units.
     pub distance: f32,
-    /// What happened to the path before.
-    pub way: Way,
-    /// When, as in [`Ray::moment`].
+    /// The path state before the point.
+    pub way: PathState,
+    /// The moment, as in [`Ray::moment`].
     pub moment: u16,
 }
 
 impl View {
-    /// By a ray that met something, so far from where it set out.
-    pub fn along(ray: &Ray, distance: f32, way: Way) -> Self {
+    /// The view along a ray of a hit at this distance.
+    pub fn along(ray: &Ray, distance: f32, way: PathState) -> Self {
         Self { direction: ray.direction, distance, way, moment: ray.moment }
     }
 }
 
 #[derive(Clone, Copy)]
 pub(super) struct Point<'a> {
-    around: Around<'a>,
+    around: SceneQueries<'a>,
     scene: &'a Scene,
     instance: &'a Instance,
     mesh: &'a Mesh,
@@ -52,19 +52,20 @@ pub(super) struct Point<'a> {
     material_index: f32,
     view: View,
     surface: SurfacePoint,
-    /// Along the surface, render space.
+    /// The axes of the footprint along the surface, render space.
     footprint: [Vec3A; 2],
-    /// By how much the weights of the second and third corner change along them.
+    /// Derivatives of the weights of the second and third corner along the footprint's axes.
     along: [Vec2; 2],
-    /// Added to where programs look.
+    /// The shift of the place at which programs are evaluated.
     beside: Shift,
     is_bent: bool,
 }
 
 impl<'a> Point<'a> {
-    /// At a place of a surface that is seen in the view's direction. Without a footprint all that is beside it is the point itself.
+    /// The point at a place of a surface that is seen in the view's direction. Without a footprint all places beside it are the point
+    /// itself.
     pub(super) fn new(
-        around: Around<'a>,
+        around: SceneQueries<'a>,
         surface: SurfacePoint,
         view: View,
         attributes: &'a [Attribute],
@@ -107,12 +108,12 @@ impl<'a> Point<'a> {
         }
     }
 
-    /// The same point, but that programs look beside it.
+    /// This point with the place at which programs are evaluated shifted.
     pub(super) fn beside(&self, x: f32, y: f32) -> Self {
         Self { beside: Shift { x, y }, ..*self }
     }
 
-    /// The same point with a shading normal of another, unit, render space.
+    /// This point with another shading normal, unit, render space.
     pub(super) fn with_normal(mut self, normal: Vec3A) -> Self {
         self.surface.shading_normal = normal;
         self
@@ -126,7 +127,7 @@ impl<'a> Point<'a> {
         Some(if normal.dot(self.surface.geometric_normal) < 0.0 { -normal } else { normal })
     }
 
-    /// How far a vector of the world lifts the surface.
+    /// The height by which a vector of the world lifts the surface.
     pub(super) fn along_normal(&self, vector: Vec3A) -> f32 {
         vector.dot(self.surface.shading_normal)
     }
@@ -186,7 +187,7 @@ impl<'a> Point<'a> {
         self.scene.viewport.from_render.transform_point3a(self.in_render(shift))
     }
 
-    /// To the nearest of the lines along the triangle's sides.
+    /// Distance to the nearest of the lines along the triangle's sides.
     fn edge_distance(&self, shift: Shift) -> f32 {
         if !self.mesh.is_of_triangles() {
             return f32::INFINITY;
@@ -201,8 +202,8 @@ impl<'a> Point<'a> {
         [[a, b], [b, c], [c, a]].map(away).into_iter().fold(f32::INFINITY, f32::min)
     }
 
-    /// Of a pixel's width across the line of sight, what is left of both axes of the footprint when they are looked at
-    /// along the ray, on average: as Cycles has it.
+    /// The pixel's width across the line of sight: the mean over both axes of the footprint, as they are seen along the ray: as Cycles has
+    /// it.
     fn pixel_width(&self) -> f32 {
         let seen = perpendicular(self.surface.geometric_normal)
             .map(|axis| axis.reject_from_normalized(self.view.direction).length());
@@ -409,7 +410,7 @@ fn perpendicular(n: Vec3A) -> [Vec3A; 2] {
     [first, n.cross(first)]
 }
 
-/// How a triangle's weights change along two vectors of its plane, render space.
+/// The derivatives of a triangle's barycentric weights along two vectors of its plane, render space.
 fn weights_along(instance: &Instance, corners: [Vec3; 3], vectors: &[Vec3A; 2]) -> [Vec2; 2] {
     let [a, b, c] = corners.map(|p| instance.to_render.transform_point3a(p.into()));
     let (e, f) = (b - a, c - a);

@@ -7,7 +7,7 @@ use crate::surface::{SurfacePoint, strand_slope, tangent_of_strand};
 use glam::{Vec2, Vec3A, Vec4};
 use petzval_nodes::{AttributeKind, Field};
 
-/// What only strands have; zero is the rest.
+/// A field that only strands have; zero for the rest.
 pub(super) fn read(
     field: Field,
     instance: &Instance,
@@ -32,7 +32,7 @@ pub(super) fn read(
     }
 }
 
-/// What curves know by a name: an attribute, or where the root is in a UV map.
+/// A value of curves by name: an attribute, or the root's place in a UV map.
 pub(super) fn named(curves: &Curves, name: &str, segment: u32, u: f32) -> Option<Vec4> {
     let uv = || curves.uv_map(Some(name)).map(|map| root(curves, map, segment));
     curves.attribute(name, segment, u).or_else(uv)
@@ -55,7 +55,7 @@ fn root(curves: &Curves, map: usize, segment: u32) -> Vec4 {
     curves.uv(map, segment).extend(0.0).extend(1.0)
 }
 
-/// How the place along the segment changes along two vectors of render space.
+/// The derivatives of the place along the segment along two vectors of render space.
 pub(super) fn weights_along(
     instance: &Instance,
     curves: &Curves,

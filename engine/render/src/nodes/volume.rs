@@ -1,7 +1,7 @@
-//! What fills space at a point: coefficients of extinction and scattering, and what it emits.
+//! Participating media at a point: coefficients of extinction and scattering, and emission.
 
+use super::path_state::PathState;
 use super::point::Images;
-use super::way::Way;
 use crate::sampler::phase::PhaseLobe;
 use crate::scene::graph::Source;
 use crate::scene::grid::Grid;
@@ -21,12 +21,12 @@ const MOST_LOBES: usize = 8;
 /// Coefficients above this are no longer told apart from a wall.
 const DENSEST: f32 = 1e12;
 
-/// What fills space at a point, per Blender unit.
+/// The coefficients of a medium at a point, per Blender unit.
 #[derive(Clone, Debug, Default)]
 pub struct Medium {
-    /// Absorbed and scattered.
+    /// Extinction: absorption and scattering.
     pub extinction: Rgb,
-    /// Of that, scattered.
+    /// The part of the extinction that is scattering.
     pub scattering: Rgb,
     /// Radiance that a unit of length adds.
     pub emission: Rgb,
@@ -35,7 +35,7 @@ pub struct Medium {
 }
 
 impl Medium {
-    /// What both together are.
+    /// Adds the coefficients of another medium in the same place.
     pub fn add(&mut self, other: &Self) {
         self.extinction += other.extinction;
         self.emission += other.emission;
@@ -44,8 +44,8 @@ impl Medium {
         }
     }
 
-    /// What is scattered to a cosine to the way that it came, by channel; and the density with which
-    /// [`Medium::sample`] goes there.
+    /// The scattered light at a cosine to the direction of arrival, by channel, and the density with which
+    /// [`Medium::sample`] chooses that direction.
     pub fn phase(&self, cos: f32, light: Rgb) -> (Rgb, f32) {
         let (mut value, mut pdf, mut total) = (Rgb::ZERO, 0.0, 0.0);
         for (scattering, lobe) in &self.lobes {
@@ -93,13 +93,13 @@ impl Medium {
 /// A point of space as a program asks for it.
 struct Inside<'a> {
     scene: &'a Scene,
-    /// Where an object's volume is asked for; the world's belongs to none.
+    /// The object whose volume is evaluated; the world's belongs to none.
     own: Option<(&'a Instance, &'a Mesh)>,
     volume: &'a Volume,
-    /// Render space.
+    /// Position, render space.
     position: Vec3A,
     direction: Vec3A,
-    way: Way,
+    way: PathState,
 }
 
 impl Inside<'_> {
@@ -120,7 +120,7 @@ impl Inside<'_> {
         (self.object() - low) / size
     }
 
-    /// What all coefficients are multiplied by.
+    /// Factor of all coefficients.
     fn density(&self) -> f32 {
         let Some((instance, _)) = self.own.filter(|(_, mesh)| mesh.keeps_opacity) else { return 1.0 };
         let length = instance.to_render.transform_vector3a(Vec3A::ONE.normalize()).length();
@@ -212,15 +212,15 @@ thread_local! {
     static REGISTERS: RefCell<Registers> = RefCell::default();
 }
 
-/// What a volume is at a place of render space, for light that goes along `direction`. `instance` is the object that it
-/// fills; the world's fills none.
+/// The medium of a volume at a place of render space, for light that goes along `direction`. `instance` is the object
+/// that it fills; the world's fills none.
 pub fn medium(
     volume: &Volume,
     scene: &Scene,
     instance: Option<u32>,
     position: Vec3A,
     direction: Vec3A,
-    way: Way,
+    way: PathState,
 ) -> Medium {
     let own = instance.map(|index| (&scene.instances[index as usize], mesh_of(scene, index)));
     let place = Inside { scene, own, volume, position, direction, way };
@@ -333,7 +333,7 @@ fn spread(sum: &mut Medium, scattering: Rgb, phase: &Phase, value: &dyn Fn(Sourc
     }
 }
 
-/// Where a place in a mesh's box lies in render space; each of `part` from 0 to 1.
+/// The place in render space of a place in a mesh's box; each of `part` from 0 to 1.
 pub fn within_box(scene: &Scene, instance: u32, part: [f32; 3]) -> Vec3A {
     let [low, high] = mesh_of(scene, instance).bounds;
     let at = low + (high - low) * Vec3::from(part);

@@ -1,7 +1,7 @@
-//! A world of nodes: what shines from a direction, and an image of it all, which lights are chosen by.
+//! A world of nodes: its radiance from a direction, and an image of all directions, by which lights are chosen.
 
+use super::path_state::PathState;
 use super::point::Images;
-use super::way::Way;
 use crate::sampler::warp::{frame, sample_disk, to_world};
 use crate::scene::Scene;
 use crate::scene::closure::Closure;
@@ -27,7 +27,7 @@ const WITHIN: usize = 2;
 /// A direction as a program asks for it.
 struct Infinity<'a> {
     direction: Vec3A,
-    way: Way,
+    way: PathState,
     shows_sun: bool,
     viewport: &'a Viewport,
     attributes: &'a [Attribute],
@@ -93,11 +93,11 @@ thread_local! {
 }
 
 /// The radiance that arrives from a direction (unit, pointing away from the scene), that of suns included.
-pub fn radiance(graph: &Graph, scene: &Scene, direction: Vec3A, way: Way) -> Rgb {
+pub fn radiance(graph: &Graph, scene: &Scene, direction: Vec3A, way: PathState) -> Rgb {
     radiance_of(graph, scene, direction, way, true)
 }
 
-fn radiance_of(graph: &Graph, scene: &Scene, direction: Vec3A, way: Way, shows_sun: bool) -> Rgb {
+fn radiance_of(graph: &Graph, scene: &Scene, direction: Vec3A, way: PathState, shows_sun: bool) -> Rgb {
     let program = &graph.program;
     let place = Infinity { direction, way, shows_sun, viewport: &scene.viewport, attributes: &program.attributes };
     REGISTERS.with_borrow_mut(|registers| {
@@ -143,7 +143,7 @@ pub fn bake(scene: &mut Scene, previous: Option<&Scene>) {
             let x = ((i % columns) as f32 + place(k % WITHIN)) / columns as f32;
             let y = ((i / columns) as f32 + place(k / WITHIN)) / rows as f32;
             let direction = equirectangular_to_direction(Vec2::new(x, y));
-            sum += radiance_of(graph, within, direction, Way::LIGHT, false);
+            sum += radiance_of(graph, within, direction, PathState::LIGHT, false);
         }
         sum / (WITHIN * WITHIN) as f32
     };
@@ -160,7 +160,7 @@ pub fn bake(scene: &mut Scene, previous: Option<&Scene>) {
     scene.textures.push(Arc::new(texture));
 }
 
-/// Whether the sky of a scene that is not baked yet is that of one that is: its nodes, and all that these may ask.
+/// True if the sky of a scene that is not baked yet equals that of a baked one: its nodes, and all that these may read.
 fn is_same(scene: &Scene, baked: &Scene) -> bool {
     let is_one = |a: &Option<Arc<Graph>>, b: &Option<Arc<Graph>>| match (a, b) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),
@@ -172,8 +172,8 @@ fn is_same(scene: &Scene, baked: &Scene) -> bool {
     is_one(&scene.world.graph, &baked.world.graph) && images && scene.viewport == baked.viewport
 }
 
-/// The lamp that shines like a sky's sun: as bright all over as the disc is on average, after what the other nodes make of it.
-/// Of a disc that the horizon hides in part it is a smaller one, in the middle of what is seen.
+/// The lamp that stands for a sky's sun: as bright all over as the disc is on average, the other nodes included. For a disc that the
+/// horizon hides in part it is a smaller one, in the middle of the visible part.
 fn sun(graph: &Graph, scene: &Scene, disc: SunDisc) -> Option<Lamp> {
     /// Places in the disc, along each side of the square that is bent into it.
     const SIDE: usize = 32;
@@ -184,7 +184,7 @@ fn sun(graph: &Graph, scene: &Scene, disc: SunDisc) -> Option<Lamp> {
         let u = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
         let p = sample_disk(u) * sin_most;
         let direction = to_world(&axes, p.extend((1.0 - p.length_squared()).max(0.0).sqrt()).into());
-        let shine = |shows_sun| radiance_of(graph, scene, direction, Way::LIGHT, shows_sun);
+        let shine = |shows_sun| radiance_of(graph, scene, direction, PathState::LIGHT, shows_sun);
         let light = shine(true) - shine(false);
         mean += light / (SIDE * SIDE) as f32;
         if luminance(light) > 0.0 {

@@ -7,7 +7,7 @@ use crate::camera::packet::Request;
 use crate::camera::real_lens::RealLens;
 use crate::integrator::bidirectional::{CameraEnd, FilmEnd, LightPath, Techniques};
 
-/// What tells the light path's random numbers from the camera's.
+/// The seed that separates the light path's random numbers from the camera's.
 const LIGHT_SEED: u32 = 0x51ab_73c9;
 
 /// One sample of one pixel.

@@ -1,7 +1,7 @@
-//! When samples are taken while the shutter is open, and where the camera is then.
+//! Times of samples while the shutter is open, and places of the camera.
 
 use crate::accel::Ray;
-use crate::scene::motion::Way;
+use crate::scene::motion::AnimatedTransform;
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3};
 
 /// Entries of the table of times.
@@ -9,11 +9,10 @@ const TIMES: usize = 256;
 /// Places of a camera that moves, as bits of the exposure's moments.
 const WAY_BITS: u32 = 12;
 
-/// How the shutter opens and closes.
+/// The opening and closing of the shutter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shutter {
-    /// How open it is at times that lie evenly over the exposure, the first and the last at its ends; fewer than two: fully, all
-    /// the time.
+    /// Openness at times that lie evenly over the exposure, the first and the last at its ends; fewer than two: fully, all the time.
     pub openness: Vec<f32>,
     /// The picture is taken from the top to the bottom over the exposure, each row for this part of it; `None`: all rows at once.
     pub rolling: Option<f32>,
@@ -25,25 +24,25 @@ pub struct Exposure {
     /// Parts of the exposure by which equal parts of the light have come in.
     times: Option<Vec<f32>>,
     rolling: Option<f32>,
-    /// By moment, from where the camera is in the middle of the exposure to where it is then, render space.
+    /// The transform from the camera's place in the middle of the exposure to its place at each moment, render space.
     way: Option<Vec<Affine3A>>,
 }
 
 impl Exposure {
-    /// Of a camera that stands still.
+    /// The exposure of a camera that stands still.
     pub fn new(shutter: &Shutter) -> Self {
         let rolling = shutter.rolling.map(|part| part.clamp(0.0, 1.0));
         Self { times: times(&shutter.openness), rolling, way: None }
     }
 
-    /// Of one whose axes are taken to the world by these matrices, at keys that lie evenly over the exposure; `origin` is render
-    /// space's. Their scale counts nothing.
+    /// The exposure of a camera whose axes are taken to the world by these matrices, at keys that lie evenly over the exposure; `origin` is
+    /// render space's. Their scale counts nothing.
     pub fn along(self, keys: &[DMat4], origin: DVec3) -> Self {
         let poses: Vec<DMat4> = keys.iter().map(unscaled).collect();
         if poses.iter().all(|pose| *pose == poses[0]) {
             return self;
         }
-        let way = Way::new(&poses).map(|way| {
+        let way = AnimatedTransform::new(&poses).map(|way| {
             let to_origin = DAffine3::from_translation(-origin);
             let back = (to_origin * way.at(0.5)).inverse();
             let count = 1u32 << WAY_BITS;
@@ -54,7 +53,7 @@ impl Exposure {
         Self { way, ..self }
     }
 
-    /// Of a camera that stands so far from render space's origin, rather than there.
+    /// The exposure of a camera that stands at a distance from render space's origin, rather than there.
     pub fn displaced(self, by: DVec3) -> Self {
         if by == DVec3::ZERO {
             return self;
@@ -64,8 +63,8 @@ impl Exposure {
         Self { way: Some(way), ..self }
     }
 
-    /// When a sample is taken, as a part of the exposure: by a uniform number, and how far above the picture's middle it is, as a
-    /// part of its height.
+    /// The time of a sample, as a part of the exposure: by a uniform number, and its height above the picture's middle, as a part of the
+    /// picture's height.
     pub fn part(&self, u: f32, up: f32) -> f32 {
         let mut part = match &self.times {
             None => u,
@@ -89,7 +88,7 @@ impl Exposure {
         Ray { origin: place.transform_point3a(ray.origin), direction, moment, ..ray }
     }
 
-    /// From where the camera is in the middle of the exposure to where it is at a moment, render space; `None` where it stands
+    /// The transform from the camera's place in the middle of the exposure to its place at a moment, render space; `None` where it stands
     /// still.
     #[inline]
     pub fn way(&self, moment: u16) -> Option<Affine3A> {
@@ -97,13 +96,13 @@ impl Exposure {
         self.way.as_ref().map(|way| way[usize::from(moment >> (16 - WAY_BITS)).min(way.len() - 1)])
     }
 
-    /// Whether the camera moves.
+    /// True if the camera moves.
     pub fn has_way(&self) -> bool {
         self.way.is_some()
     }
 
-    /// Where a point that the camera sees in the middle of the exposure would be seen at a moment: as if it, not the camera, had
-    /// moved. Render space.
+    /// The position at which a point that the camera sees in the middle of the exposure would be seen at a moment: as if the point, not the
+    /// camera, had moved. Render space.
     pub fn seen(&self, point: DVec3, moment: u16) -> DVec3 {
         let Some(place) = self.way(moment) else { return point };
         place.inverse().transform_point3a(point.as_vec3a()).as_dvec3()
@@ -173,7 +172,7 @@ mod tests {
         assert!((share(&even, 0.3) - 0.3).abs() < 1e-3);
     }
 
-    /// From the top down, each row for its part of the time.
+    /// A rolling shutter exposes from the top down, each row for its part of the time.
     #[test]
     fn a_rolling_shutter_begins_at_the_top() {
         let rolling = |part| Exposure::new(&Shutter { openness: Vec::new(), rolling: Some(part) });

@@ -1,28 +1,28 @@
 //! The traditional pipeline (Kolb, Mitchell and Hanrahan 1995; Wu et al. 2011, section 5.3 and figure 5): a point
 //! of the film, a point of the pupil, out through the lens, into the scene. One wavelength a path.
 
-use super::Shot;
-use super::stretch::Leads;
+use super::RenderContext;
+use super::stretch::CameraSampler;
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::batch::LensBatch;
 use crate::camera::packet::Request;
 use crate::camera::{Camera, CameraRay};
-use crate::film::Patch;
+use crate::film::TileAccumulator;
 
 /// Rays from any camera.
 pub(super) struct FilmFirst<'a> {
-    /// With memory for those that work by batches.
+    /// The cameras, with memory for those that work by batches.
     cameras: Vec<(&'a Camera, Option<LensBatch>)>,
 }
 
 impl<'a> FilmFirst<'a> {
-    pub(super) fn new(shot: &Shot<'a>) -> Self {
+    pub(super) fn new(shot: &RenderContext<'a>) -> Self {
         Self { cameras: shot.cameras.iter().map(|camera| (camera, camera.batch())).collect() }
     }
 }
 
-impl Leads for FilmFirst<'_> {
+impl CameraSampler for FilmFirst<'_> {
     type Lead = CameraRay;
 
     fn ask(&mut self, camera: usize, requests: &[Request], leads: &mut Vec<Option<CameraRay>>) {
@@ -34,7 +34,7 @@ impl Leads for FilmFirst<'_> {
         lead.ray
     }
 
-    fn add(&self, _: usize, request: &Request, lead: &CameraRay, radiance: Rgb, light: &mut Patch) {
+    fn add(&self, _: usize, request: &Request, lead: &CameraRay, radiance: Rgb, light: &mut TileAccumulator) {
         light.add(request.pixel[0], request.pixel[1], lead.weight * radiance);
     }
 }

@@ -4,14 +4,14 @@
 //! A ray could have been led to by any of them: each is weighted by the balance heuristic over all, which keeps the
 //! edges right where some are vignetted. So a wavelength costs a trace through the lens, not a path.
 
-use super::stretch::Leads;
-use super::{Shot, add_splats};
+use super::stretch::CameraSampler;
+use super::{RenderContext, add_splats};
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::batch::LensBatch;
-use crate::camera::packet::{Led, Request};
+use crate::camera::packet::{HeroSample, Request};
 use crate::camera::real_lens::RealLens;
-use crate::film::Patch;
+use crate::film::TileAccumulator;
 use crate::sampler::raster::Raster;
 
 /// Rays from real lenses.
@@ -21,21 +21,21 @@ pub(super) struct Hero<'a> {
 }
 
 impl<'a> Hero<'a> {
-    pub(super) fn new(shot: &Shot<'a>) -> Self {
+    pub(super) fn new(shot: &RenderContext<'a>) -> Self {
         let lenses = shot.cameras.iter().filter_map(|camera| camera.traced_lens());
         Self { lenses: lenses.map(|lens| (lens, lens.batch())).collect(), raster: shot.raster }
     }
 }
 
-impl Leads for Hero<'_> {
-    type Lead = Led;
+impl CameraSampler for Hero<'_> {
+    type Lead = HeroSample;
 
-    fn ask(&mut self, camera: usize, requests: &[Request], leads: &mut Vec<Option<Led>>) {
+    fn ask(&mut self, camera: usize, requests: &[Request], leads: &mut Vec<Option<HeroSample>>) {
         let (lens, batch) = &mut self.lenses[camera];
         lens.lead_all_batch(requests, self.raster, batch, leads);
     }
 
-    fn ray(lead: &Led) -> Ray {
+    fn ray(lead: &HeroSample) -> Ray {
         lead.ray
     }
 
@@ -43,7 +43,7 @@ impl Leads for Hero<'_> {
         self.lenses[camera].0.packet_size()
     }
 
-    fn add(&self, camera: usize, _: &Request, lead: &Led, radiance: Rgb, light: &mut Patch) {
+    fn add(&self, camera: usize, _: &Request, lead: &HeroSample, radiance: Rgb, light: &mut TileAccumulator) {
         add_splats(light, self.lenses[camera].0, &lead.splats, radiance);
     }
 }

@@ -14,8 +14,8 @@ use crate::camera::Camera;
 use crate::camera::clip::Clip;
 use crate::camera::packet::Splats;
 use crate::camera::real_lens::RealLens;
-use crate::film::{Patch, TileRect};
-use crate::integrator::Stage;
+use crate::film::{TileAccumulator, TileRect};
+use crate::integrator::PreparedScene;
 use crate::integrator::bidirectional::{LightPath, Techniques};
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits, PathResult};
@@ -29,10 +29,10 @@ use scene_first::SceneFirst;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
-/// Where samples go one by one, one in this many is timed, to know the lens' share of the time without spending any.
+/// One in this many samples that are taken one by one is timed, to know the lens' share of the time without spending any.
 const TIMED_EVERY: u64 = 61;
 
-/// Which way.
+/// The order in which a sample is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pipeline {
     /// Hero where the lens disperses, else film-first.
@@ -47,13 +47,14 @@ pub enum Pipeline {
 }
 
 impl Pipeline {
-    /// What a camera can do of what was asked for: hero with one wavelength is film-first, and only a lens that is traced
-    /// can be entered from the scene.
+    /// The pipeline that a camera can run instead of the one that was asked for: hero with one wavelength is film-first, and only a lens
+    /// that is traced can be entered from the scene.
     pub fn with(self, camera: &Camera) -> Self {
         self.of_packets(camera.traced_lens().map(RealLens::packet_size))
     }
 
-    /// The same of a camera of which it is known into how many wavelengths its lens, if it traces one, parts a sample.
+    /// The pipeline for a camera by the number of wavelengths in a packet of its traced lens; `None` if it traces no lens. See
+    /// [`Self::with`].
     pub fn of_packets(self, size: Option<usize>) -> Self {
         match (self, size) {
             (Self::SceneFirst, Some(_)) => Self::SceneFirst,
@@ -62,7 +63,7 @@ impl Pipeline {
         }
     }
 
-    /// What it is called in reports and on the command line.
+    /// Name of the pipeline in reports and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -73,40 +74,40 @@ impl Pipeline {
     }
 }
 
-/// What a render does the same for every sample.
-pub struct Shot<'a> {
+/// The data that all samples of a render share.
+pub struct RenderContext<'a> {
     /// The scene.
-    pub stage: &'a Stage,
+    pub stage: &'a PreparedScene,
     /// The camera, at times that lie evenly over the time that the shutter is open; one, if nothing of it moves.
     pub cameras: &'a [Camera],
-    /// What of the scene their rays see.
+    /// The clip planes of their rays; `None`: none.
     pub clip: Option<Clip>,
-    /// One that the camera can.
+    /// The pipeline: one that the camera supports.
     pub pipeline: Pipeline,
-    /// Where light paths take part: with the real lens alone.
+    /// The techniques of light paths, if these are traced: with the real lens alone.
     pub light_paths: Option<Techniques>,
     /// The picture's pixels.
     pub raster: &'a Raster,
-    /// How far light is followed.
+    /// Limits of light transport.
     pub limits: Limits,
-    /// Where all random choices come from.
+    /// The source of all random numbers.
     pub pattern: Pattern,
-    /// Where it is asked how things move over the picture.
+    /// The motion of surfaces over the picture, if it is asked for.
     pub motion: Option<&'a Motion>,
-    /// When samples are taken, where anything but the lens moves, or the shutter is not simply open.
+    /// Times of samples, where anything but the lens moves, or the shutter is not simply open.
     pub exposure: Option<&'a Exposure>,
-    /// What is kept of paths beside light as a whole and by groups.
+    /// The parts of the paths' light that are kept beside the whole and the groups.
     pub parts: &'a Parts,
 }
 
-impl Shot<'_> {
-    /// What of a camera's ray lies in the part of the scene that the camera sees.
+impl RenderContext<'_> {
+    /// The part of a camera's ray within the clip planes.
     #[inline]
     fn seen(&self, ray: Ray) -> Ray {
         self.clip.map_or(ray, |clip| clip.cut(ray))
     }
 
-    /// When a sample is taken, as a part of the exposure.
+    /// The time of a sample, as a part of the exposure.
     fn time(&self, [x, y]: [u32; 2], index: u32) -> f32 {
         let mut sampler = self.pattern.pixel(x, y).sampler(index);
         sampler.jump_to(path::TIME_SET);
@@ -121,7 +122,7 @@ impl Shot<'_> {
         ((time * self.cameras.len() as f32) as usize).min(self.cameras.len() - 1)
     }
 
-    /// Whether samples have times.
+    /// True if samples have times.
     fn is_timed(&self) -> bool {
         self.cameras.len() > 1 || self.exposure.is_some()
     }
@@ -132,7 +133,7 @@ impl Shot<'_> {
 pub struct Counts {
     /// Samples asked of the camera.
     pub camera_rays: u64,
-    /// Of those, lost in the lens.
+    /// Samples lost in the lens.
     pub camera_rays_lost: u64,
     /// Wavelengths at which light of them was carried back through the lens.
     pub wavelengths_carried: u64,
@@ -140,14 +141,14 @@ pub struct Counts {
     pub rays: u64,
     /// Samples that were dropped because they were not finite.
     pub non_finite: u64,
-    /// Of the timed samples: time in the camera.
+    /// Time of the timed samples in the camera.
     pub camera_time: Duration,
-    /// Of the timed samples: all of their time.
+    /// All of the time of the timed samples.
     pub sample_time: Duration,
 }
 
 impl Counts {
-    /// Adds another's.
+    /// Adds the counts of `other`.
     pub fn add(&mut self, other: &Self) {
         self.camera_rays += other.camera_rays;
         self.camera_rays_lost += other.camera_rays_lost;
@@ -159,12 +160,12 @@ impl Counts {
     }
 }
 
-/// Adds samples `first..first + count` of every pixel of a tile to `light`; false where `stopped` said so.
+/// Adds samples `first..first + count` of every pixel of a tile to `light`; `None` where `stopped` said so.
 pub fn render_tile(
-    shot: &Shot<'_>,
+    shot: &RenderContext<'_>,
     rect: TileRect,
     [first, count]: [u32; 2],
-    light: &mut Patch,
+    light: &mut TileAccumulator,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let columns = rect.x..rect.x + rect.width;
@@ -172,12 +173,12 @@ pub fn render_tile(
     render_pixels(shot, pixels, [first, count], light, stopped)
 }
 
-/// The same of any pixels.
+/// Adds samples `first..first + count` of any pixels to `light`; `None` where `stopped` said so.
 pub fn render_pixels(
-    shot: &Shot<'_>,
+    shot: &RenderContext<'_>,
     pixels: impl Iterator<Item = [u32; 2]>,
     [first, count]: [u32; 2],
-    light: &mut Patch,
+    light: &mut TileAccumulator,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let samples = pixels.flat_map(|pixel| (first..first + count).map(move |index| (pixel, index)));
@@ -189,12 +190,12 @@ pub fn render_pixels(
     }
 }
 
-/// One sample after the other, with a path from the camera and one from a light.
+/// Renders one sample after the other, with a path from the camera and one from a light; `None` where `stopped` said so.
 fn render_light_paths(
-    shot: &Shot<'_>,
+    shot: &RenderContext<'_>,
     techniques: Techniques,
     samples: impl Iterator<Item = ([u32; 2], u32)>,
-    light: &mut Patch,
+    light: &mut TileAccumulator,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let mut counts = Counts::default();
@@ -218,13 +219,13 @@ fn render_light_paths(
 
 /// One sample of one pixel under way.
 struct Sample<'a> {
-    shot: &'a Shot<'a>,
+    shot: &'a RenderContext<'a>,
     x: u32,
     y: u32,
     index: u32,
     timed: Option<Instant>,
     counts: &'a mut Counts,
-    light: &'a mut Patch,
+    light: &'a mut TileAccumulator,
 }
 
 impl Sample<'_> {
@@ -232,7 +233,7 @@ impl Sample<'_> {
         self.shot.pattern.pixel(self.x, self.y).sampler(self.index)
     }
 
-    /// To be called when the camera has done its part.
+    /// Counts a camera ray; to be called when the camera has done its part.
     fn count_camera(&mut self, is_lost: bool) {
         self.counts.camera_rays += 1;
         self.counts.camera_rays_lost += u64::from(is_lost);
@@ -249,7 +250,7 @@ impl Sample<'_> {
         is_finite
     }
 
-    /// What the sample's ray, of the wavelength that `u_wavelength` chose, is for the pixel that it belongs to.
+    /// Notes alpha and surface of the sample's ray, of the wavelength that `u_wavelength` chose, for the pixel that it belongs to.
     fn note(&mut self, found: &PathResult, ray: &Ray, u_wavelength: f32) {
         self.note_alpha(found);
         self.note_surface(found, ray, u_wavelength);
@@ -261,7 +262,7 @@ impl Sample<'_> {
         self.light.add_alpha(self.x, self.y, alpha);
     }
 
-    /// What surface the sample's ray found for the pixel that it belongs to.
+    /// Notes the surface that the sample's ray found for the pixel that it belongs to.
     fn note_surface(&mut self, found: &PathResult, ray: &Ray, u_wavelength: f32) {
         self.light.add_data(self.x, self.y, found.first);
         if let Some(motion) = self.shot.motion {
@@ -277,14 +278,14 @@ impl Sample<'_> {
         add_splats(self.light, lens, splats, radiance);
     }
 
-    /// Of a sample that was lost in the lens: black, not transparent, for the lens is in the way.
+    /// Notes a sample that was lost in the lens: black, not transparent, for the lens is in the way.
     fn lost(&mut self) {
         self.light.add_alpha(self.x, self.y, if self.shot.limits.hide_sky { 0.0 } else { 1.0 });
     }
 }
 
 /// Adds radiance along a ray to the pixels where it arrives.
-fn add_splats(light: &mut Patch, lens: &RealLens, splats: &Splats, radiance: Rgb) {
+fn add_splats(light: &mut TileAccumulator, lens: &RealLens, splats: &Splats, radiance: Rgb) {
     lens.expose(splats, radiance, |x, y, light_there| light.add_wide(x, y, light_there));
 }
 

@@ -1,6 +1,6 @@
-//! How what a ray met moves over the picture: to where it was a frame before, and from where it will be a frame after.
+//! Motion vectors of a ray's hit over the picture: to its place a frame before, and from its place a frame after.
 //!
-//! The point that a camera ray met is taken along with the surface to the neighbouring frame, and looked at from there
+//! The point that a camera ray hit is taken along with the surface to the neighbouring frame, and looked at from there
 //! through the same point of the pupil, by the same light. So out of focus each ray tells the way of its own picture, and
 //! their mean is the way of the blurred one. The background lies infinitely far: only turns of the camera move it.
 
@@ -12,7 +12,7 @@ use crate::scene::points::Points;
 use crate::scene::{Instance, Scene};
 use glam::{DVec2, DVec3};
 
-/// Where the light from a neighbouring frame is lost in the lens, so often at most half of the way is taken instead.
+/// Number of times, at most, that the way is halved if the light from a neighbouring frame is lost in the lens.
 const HALVINGS: i32 = 6;
 
 /// The camera at a frame and its neighbours.
@@ -24,13 +24,13 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// For a picture of that many pixels.
+    /// The motion in a picture of that many pixels.
     pub fn new(now: Imaging, neighbours: [Imaging; 2], width: u32, height: u32) -> Self {
         Self { now, neighbours, size_px: DVec2::new(f64::from(width), f64::from(height)) }
     }
 
-    /// What the Vector pass of Blender holds of a camera ray that met `first`: pixels right and up from here to where
-    /// it was a frame before, and from where it will be a frame after to here. `None` where the lens loses it.
+    /// The vector of Blender's Vector pass for a camera ray that hit `first`: pixels right and up from here to its place a frame before,
+    /// and from its place a frame after to here. `None` where the lens loses the ray.
     pub fn vector(
         &self,
         scene: &Scene,
@@ -62,7 +62,7 @@ impl Motion {
     }
 }
 
-/// Where a point of a surface is at a neighbouring frame, render space; `None` where it stands still.
+/// The position of a point of a surface at a neighbouring frame, render space; `None` where it stands still.
 fn moved(scene: &Scene, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     let instance = &scene.instances[surface.instance as usize];
     let mesh = &scene.meshes[instance.mesh as usize];
@@ -82,7 +82,8 @@ fn moved(scene: &Scene, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     Some(placed(instance, frame, a * (1.0 - u - v) + b * u + c * v))
 }
 
-/// The same of a point on hair: it goes with the line between the keys beside it, as in Cycles.
+/// The position of a point on hair at a neighbouring frame, render space; `None` where it stands still. The point goes with the line
+/// between the keys beside it, as in Cycles.
 fn moved_strand(instance: &Instance, curves: &Curves, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     if curves.moved_keys.is_none() && instance.moved.is_none() {
         return None;
@@ -95,7 +96,8 @@ fn moved_strand(instance: &Instance, curves: &Curves, surface: &FirstSurface, fr
     Some(surface.position.as_dvec3() + after - before)
 }
 
-/// The same of a place on a point: it goes with the middle, as in Cycles.
+/// The position of a place on a point at a neighbouring frame, render space; `None` where it stands still. The place goes with the middle
+/// of the point, as in Cycles.
 fn moved_ball(instance: &Instance, points: &Points, surface: &FirstSurface, frame: usize) -> Option<DVec3> {
     if points.moved_points.is_none() && instance.moved.is_none() {
         return None;

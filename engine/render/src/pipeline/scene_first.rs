@@ -4,14 +4,14 @@
 //! Each pixel starts the rays that its own film point would see sharp: where a lens is sharp they land there again.
 //! Transparency is kept with the pixel that started the ray.
 
-use super::stretch::Leads;
-use super::{Shot, add_splats};
+use super::stretch::CameraSampler;
+use super::{RenderContext, add_splats};
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::camera::packet::{Led, Request};
+use crate::camera::packet::{HeroSample, Request};
 use crate::camera::real_lens::RealLens;
 use crate::camera::scene_side::is_astray;
-use crate::film::Patch;
+use crate::film::TileAccumulator;
 use crate::sampler::raster::Raster;
 
 /// Rays from the scene to real lenses, one by one.
@@ -21,19 +21,19 @@ pub(super) struct SceneFirst<'a> {
 }
 
 impl<'a> SceneFirst<'a> {
-    pub(super) fn new(shot: &Shot<'a>) -> Self {
+    pub(super) fn new(shot: &RenderContext<'a>) -> Self {
         Self { lenses: shot.cameras.iter().filter_map(|camera| camera.traced_lens()).collect(), raster: shot.raster }
     }
 }
 
-impl Leads for SceneFirst<'_> {
-    type Lead = Led;
+impl CameraSampler for SceneFirst<'_> {
+    type Lead = HeroSample;
 
-    fn ask(&mut self, camera: usize, requests: &[Request], leads: &mut Vec<Option<Led>>) {
+    fn ask(&mut self, camera: usize, requests: &[Request], leads: &mut Vec<Option<HeroSample>>) {
         leads.extend(requests.iter().map(|request| self.lenses[camera].lead_from_scene(request, self.raster)));
     }
 
-    fn ray(lead: &Led) -> Ray {
+    fn ray(lead: &HeroSample) -> Ray {
         lead.ray
     }
 
@@ -45,7 +45,7 @@ impl Leads for SceneFirst<'_> {
         self.lenses[camera].packet_size()
     }
 
-    fn add(&self, camera: usize, _: &Request, lead: &Led, radiance: Rgb, light: &mut Patch) {
+    fn add(&self, camera: usize, _: &Request, lead: &HeroSample, radiance: Rgb, light: &mut TileAccumulator) {
         add_splats(light, self.lenses[camera], &lead.splats, radiance);
     }
 }

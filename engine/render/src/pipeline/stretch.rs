@@ -1,11 +1,11 @@
 //! Samples in stretches: the camera does its part for all of a stretch, then the rays are followed together.
 
-use super::{Counts, Sample, Shot};
+use super::{Counts, RenderContext, Sample};
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::packet::Request;
-use crate::film::Patch;
-use crate::integrator::path::{NoNotes, Noted, Notes, Wave};
+use crate::film::TileAccumulator;
+use crate::integrator::path::{AovBuffers, AovSink, NoAovs, Wavefront};
 use crate::sampler::PathSampler;
 use crate::scene::motion::moment;
 use std::time::Instant;
@@ -15,8 +15,8 @@ const STRETCH: usize = 512;
 /// Samples that a camera is asked for at a time.
 const ASKED: usize = 64;
 
-/// How a pipeline asks a camera for rays, and what it does with the light along them.
-pub(super) trait Leads {
+/// A pipeline's requests of camera rays, and its use of the light along them.
+pub(super) trait CameraSampler {
     /// A ray, and where its light counts.
     type Lead: Clone;
 
@@ -26,48 +26,48 @@ pub(super) trait Leads {
     /// The ray into the scene.
     fn ray(lead: &Self::Lead) -> Ray;
 
-    /// At how many wavelengths light of a sample is carried back through the lens of camera number `camera`.
+    /// Number of wavelengths at which light of a sample is carried back through the lens of camera number `camera`.
     fn carried(&self, _camera: usize) -> usize {
         0
     }
 
-    /// Whether the surface that the ray meets is one that its pixel sees.
+    /// True if the surface that the ray hits is one that its pixel sees.
     fn sees_its_pixel(&self, _: &Request) -> bool {
         true
     }
 
     /// Adds the radiance that was found.
-    fn add(&self, camera: usize, request: &Request, lead: &Self::Lead, radiance: Rgb, light: &mut Patch);
+    fn add(&self, camera: usize, request: &Request, lead: &Self::Lead, radiance: Rgb, light: &mut TileAccumulator);
 }
 
 /// Follows `samples`, pixel and index, in their order. `None` where `stopped` said so.
-pub(super) fn render<L: Leads>(
+pub(super) fn render<L: CameraSampler>(
     pipeline: L,
-    shot: &Shot<'_>,
+    shot: &RenderContext<'_>,
     samples: impl Iterator<Item = ([u32; 2], u32)>,
-    light: &mut Patch,
+    light: &mut TileAccumulator,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let count = light.group_count().saturating_sub(shot.parts.list().len());
-    let noted = || Noted::new(count as u16, shot.parts.clone());
+    let noted = || AovBuffers::new(count as u16, shot.parts.clone());
     match (light.group_count(), shot.stage.media.is_empty()) {
-        (0, true) => follow(Wave::<_, false>::noting(NoNotes), pipeline, shot, samples, light, stopped),
-        (_, true) => follow(Wave::<_, false>::noting(noted()), pipeline, shot, samples, light, stopped),
-        (0, false) => follow(Wave::<_, true>::noting(NoNotes), pipeline, shot, samples, light, stopped),
-        (_, false) => follow(Wave::<_, true>::noting(noted()), pipeline, shot, samples, light, stopped),
+        (0, true) => follow(Wavefront::<_, false>::noting(NoAovs), pipeline, shot, samples, light, stopped),
+        (_, true) => follow(Wavefront::<_, false>::noting(noted()), pipeline, shot, samples, light, stopped),
+        (0, false) => follow(Wavefront::<_, true>::noting(NoAovs), pipeline, shot, samples, light, stopped),
+        (_, false) => follow(Wavefront::<_, true>::noting(noted()), pipeline, shot, samples, light, stopped),
     }
 }
 
-fn follow<L: Leads, N: Notes, const VOLUMES: bool>(
-    mut wave: Wave<N, VOLUMES>,
+fn follow<L: CameraSampler, N: AovSink, const VOLUMES: bool>(
+    mut wave: Wavefront<N, VOLUMES>,
     mut pipeline: L,
-    shot: &Shot<'_>,
+    shot: &RenderContext<'_>,
     mut samples: impl Iterator<Item = ([u32; 2], u32)>,
-    light: &mut Patch,
+    light: &mut TileAccumulator,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let mut counts = Counts::default();
-    let mut stretch = Stretch::default();
+    let mut stretch = SampleBatch::default();
     let mut leads = Vec::with_capacity(STRETCH);
     let parts = shot.parts.list();
     let groups = light.group_count().saturating_sub(parts.len());
@@ -134,17 +134,17 @@ fn follow<L: Leads, N: Notes, const VOLUMES: bool>(
 
 /// Samples on their way to the camera.
 #[derive(Default)]
-struct Stretch {
+struct SampleBatch {
     requests: Vec<Request>,
     indices: Vec<u32>,
     samplers: Vec<PathSampler>,
     cameras: Vec<usize>,
-    /// When each is taken, as a part of the exposure; empty where that does not matter.
+    /// The time of each sample, as a part of the exposure; empty where that does not matter.
     times: Vec<f32>,
 }
 
-impl Stretch {
-    fn fill(&mut self, shot: &Shot<'_>, samples: impl Iterator<Item = ([u32; 2], u32)>) {
+impl SampleBatch {
+    fn fill(&mut self, shot: &RenderContext<'_>, samples: impl Iterator<Item = ([u32; 2], u32)>) {
         self.requests.clear();
         self.indices.clear();
         self.samplers.clear();
@@ -175,7 +175,7 @@ impl Stretch {
     }
 
     /// Fills `leads`, each from the camera of its own time.
-    fn ask<L: Leads>(&self, pipeline: &mut L, cameras: usize, leads: &mut Vec<Option<L::Lead>>) {
+    fn ask<L: CameraSampler>(&self, pipeline: &mut L, cameras: usize, leads: &mut Vec<Option<L::Lead>>) {
         leads.clear();
         if cameras == 1 {
             return self.requests.chunks(ASKED).for_each(|requests| pipeline.ask(0, requests, leads));

@@ -1,4 +1,4 @@
-//! What holds of each pipeline alone; that all take the same picture is tested in `tests/light_paths` and
+//! Tests of each pipeline alone; that all take the same picture is tested in `tests/light_paths` and
 //! `tests/exact_pictures`.
 
 use super::*;
@@ -12,15 +12,9 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [96, 64];
 
 /// A glowing grey world, with glowing triangles of several colours before and behind the plane of focus.
-fn stage() -> Arc<Stage> {
+fn stage() -> Arc<PreparedScene> {
     let mut builder = SceneBuilder::new();
-    let glow = |r, g, b| crate::scene::material::Material {
-        emission_color: crate::scene::material::Input::Constant(Rgb::new(r, g, b)),
-        emission_strength: 1.0,
-        base_color: crate::scene::material::Input::Constant(Rgb::ZERO),
-        specular: false,
-        ..crate::scene::material::Material::default_grey()
-    };
+    let glow = |r, g, b| crate::scene::material::Material::diffuse("glow", Rgb::ZERO, Rgb::new(r, g, b));
     let triangle = MeshDescription {
         name: "triangle".into(),
         positions: vec![Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],
@@ -29,7 +23,7 @@ fn stage() -> Arc<Stage> {
     };
     let mesh = builder.add_mesh(triangle).unwrap();
     let colours = [glow(2.0, 2.0, 2.0), glow(3.0, 0.2, 0.1), glow(0.1, 2.0, 0.3), glow(0.2, 0.3, 4.0)];
-    let materials = colours.map(|m| builder.add_material(m).unwrap());
+    let materials = colours.map(|m| builder.add_material(m));
     for i in 0..24 {
         let (x, y) = ((f64::from(i) * 0.618).fract() - 0.5, (f64::from(i) * 0.755).fract() - 0.5);
         let z = -1.0 - 5.0 * (f64::from(i) * 0.57).fract();
@@ -38,7 +32,7 @@ fn stage() -> Arc<Stage> {
         builder.add_instance("t", mesh, place * DMat4::from_scale(DVec3::splat(0.25)), &[m], true, true).unwrap();
     }
     builder.set_world(World { color: Rgb::splat(0.5), ..Default::default() }).unwrap();
-    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+    Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {
@@ -46,7 +40,7 @@ fn settings(pipeline: Pipeline, samples: u32, seed: u32) -> Settings {
     Settings { width, height, samples, seed, max_bounces: 0, pipeline, with_data: true, ..Settings::default() }
 }
 
-/// All of them, also where light lands in any order.
+/// Every pipeline renders the same bits, also where light lands in any order.
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let stage = stage();

@@ -1,43 +1,43 @@
-//! From measures and wishes to decisions: the cheapest camera that leaves out nothing that can be seen.
+//! Decisions from measures and wishes: the cheapest camera that leaves out nothing that can be seen.
 
 use super::measured::{Known, measure};
 use super::motion::SceneMotion;
 use super::price::{Price, picture_s, sample_ns, transmission_ns};
 use super::words::size;
-use super::{Decision, Effect, PlanError, Wishes, Word};
+use super::{Decision, Effect, EffectMode, PlanError, PlanOptions};
 use crate::camera::setup::{D_LINE_NM, LensInfo};
 use crate::camera::survey::{LensMeasures, LensShape};
-use crate::camera::{CameraDescription, Model, Shown, Spectrum};
+use crate::camera::{CameraDescription, EnabledEffects, Model, Spectrum};
 use crate::pipeline::Pipeline;
 use crate::spectrum::{SET_SIZE, SPECTRAL_COUNT};
 
 /// Measures are taken at some places and for some rays of all: what is worst may lie between them.
 const MARGIN: f64 = 1.25;
-/// Where so many of the places get no light, what they would show is not known.
+/// The part of the places without light from which on it is unknown what they would show.
 const DARK: f64 = 0.02;
 
 /// The kind of camera that stands for what was asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Way {
+pub enum CameraKind {
     /// The camera as it was given: it has no lens that could be planned.
     Given,
     /// The lens, every ray traced through its surfaces.
     Exact,
-    /// Gaussian optics: by the measure nothing else can be seen.
+    /// Gaussian optics: by the measure, nothing that they leave out can be seen.
     Gaussian,
-    /// Not even that: everything is sharp.
+    /// A pinhole: everything is sharp.
     Pinhole {
-        /// That frames the same picture, mm.
+        /// Focal length of the pinhole that frames the same picture, mm.
         focal_length_mm: f64,
-        /// mm.
+        /// Width of the film, mm.
         film_width_mm: f64,
-        /// As Blender counts it.
+        /// The shift, as Blender counts it.
         shift: [f64; 2],
     },
 }
 
-impl Way {
-    /// In reports.
+impl CameraKind {
+    /// Name of the camera model in reports.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Given => "as given",
@@ -48,40 +48,40 @@ impl Way {
     }
 }
 
-/// How the camera is simulated.
+/// The simulation of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraChoice {
-    /// By which model.
-    pub way: Way,
-    /// How light is followed.
+    /// The camera model.
+    pub way: CameraKind,
+    /// The pipeline.
     pub pipeline: Pipeline,
-    /// Into what the film parts the light; `None` is one wavelength.
+    /// Wavelengths of the film; `None` is one wavelength.
     pub spectrum: Option<Spectrum>,
-    /// Where the opening's shape does not matter: the f-number of a round one as large.
+    /// F-number of a round opening of equal area, if the opening's shape does not matter.
     pub round_f_number: Option<f64>,
-    /// What is left out of the lens that is traced.
-    pub shown: Shown,
-    /// Samples are taken all through the time that the shutter is open.
+    /// The effects of the traced lens that are shown.
+    pub shown: EnabledEffects,
+    /// True if samples are taken all through the time that the shutter is open.
     pub is_moving: bool,
-    /// Reflections between the lens's surfaces are looked for.
+    /// True if reflections between the lens's surfaces are looked for.
     pub ghosts: bool,
-    /// The picture is spread by [`crate::stray::diffraction`], of the camera as it was given.
+    /// True if the picture is spread by [`crate::stray::diffraction`], of the camera as it was given.
     pub diffraction: bool,
-    /// And by [`crate::stray::glare`].
+    /// True if the picture is spread by [`crate::stray::glare`].
     pub glare: bool,
-    /// What surfaces and glasses take of the light is taken.
+    /// True if light is lost at surfaces and in glasses.
     pub transmission: bool,
 }
 
 impl CameraChoice {
     /// The camera as it is.
-    pub(super) fn given(wishes: &Wishes, is_moving: bool, has_colours: bool, transmission: bool) -> Self {
+    pub(super) fn given(wishes: &PlanOptions, is_moving: bool, has_colours: bool, transmission: bool) -> Self {
         Self {
-            way: Way::Given,
+            way: CameraKind::Given,
             pipeline: wishes.pipeline.of_packets(None),
             spectrum: has_colours.then_some(Spectrum::Visible),
             round_f_number: None,
-            shown: Shown::default(),
+            shown: EnabledEffects::default(),
             is_moving,
             ghosts: false,
             diffraction: false,
@@ -96,7 +96,7 @@ impl CameraChoice {
     }
 
     pub(super) fn applied(&self, d: &CameraDescription) -> CameraDescription {
-        if self.way == Way::Given {
+        if self.way == CameraKind::Given {
             let line_nm = d.wavelength_nm.or(self.spectrum.is_none().then_some(D_LINE_NM));
             return CameraDescription { wavelength_nm: line_nm, transmission: self.transmission, ..d.clone() };
         }
@@ -109,9 +109,9 @@ impl CameraChoice {
             (d.blades, d.aperture_mask, d.f_number, d.pupil_diameter_mm) = (0, None, Some(f_number), None);
         }
         match self.way {
-            Way::Given | Way::Exact => {}
-            Way::Gaussian => d.model = Model::Thick,
-            Way::Pinhole { focal_length_mm, film_width_mm, shift } => {
+            CameraKind::Given | CameraKind::Exact => {}
+            CameraKind::Gaussian => d.model = Model::Thick,
+            CameraKind::Pinhole { focal_length_mm, film_width_mm, shift } => {
                 d.model = Model::Pinhole;
                 (d.pinhole_focal_length_mm, d.pinhole_film_width_mm) = (focal_length_mm, film_width_mm);
                 d.pinhole_shift = shift;
@@ -121,8 +121,8 @@ impl CameraChoice {
     }
 }
 
-pub(super) fn decide(known: &Known<'_>, wishes: &Wishes) -> Result<(Vec<Decision>, CameraChoice, f64), PlanError> {
-    if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == Word::On && !e.is_available()) {
+pub(super) fn decide(known: &Known<'_>, wishes: &PlanOptions) -> Result<(Vec<Decision>, CameraChoice, f64), PlanError> {
+    if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
         return Err(PlanError::NotYet(effect));
     }
     let (choice, price) = choose(known, wishes)?;
@@ -131,26 +131,26 @@ pub(super) fn decide(known: &Known<'_>, wishes: &Wishes) -> Result<(Vec<Decision
     Ok((decisions, choice, sample_ns(price, known.survey.shape()) + lossy_ns))
 }
 
-fn tolerance(effect: Effect, wishes: &Wishes) -> f64 {
+fn tolerance(effect: Effect, wishes: &PlanOptions) -> f64 {
     effect.unit().tolerance(wishes.quality)
 }
 
-/// Whether an effect is called for.
-fn is_wanted(effect: Effect, known: &Known<'_>, wishes: &Wishes) -> bool {
+/// True if an effect is called for.
+fn is_wanted(effect: Effect, known: &Known<'_>, wishes: &PlanOptions) -> bool {
     let is_large = || {
         let with = beside(effect, known, wishes).map_or(0.0, |(_, value)| value);
         measure(known, effect).value.is_some_and(|m| (m + with) * MARGIN > tolerance(effect, wishes))
     };
     match wishes.word(effect) {
-        Word::On => true,
-        Word::Off => false,
-        Word::Auto => effect.is_available() && is_large(),
+        EffectMode::On => true,
+        EffectMode::Off => false,
+        EffectMode::Auto => effect.is_available() && is_large(),
     }
 }
 
-/// What adds to an effect that is left out with it: to the larger of both errors of colour the other, for they part the same light,
-/// and one film that tells wavelengths apart shows both.
-fn beside(effect: Effect, known: &Known<'_>, wishes: &Wishes) -> Option<(Effect, f64)> {
+/// The effect whose measure is added to that of an effect that is left out with it: to the larger of both errors of colour the other, for
+/// they part the same light, and one spectral film shows both.
+fn beside(effect: Effect, known: &Known<'_>, wishes: &PlanOptions) -> Option<(Effect, f64)> {
     let other = match effect {
         Effect::LateralColour => Effect::AxialColour,
         Effect::AxialColour => Effect::LateralColour,
@@ -159,17 +159,17 @@ fn beside(effect: Effect, known: &Known<'_>, wishes: &Wishes) -> Option<(Effect,
     let (own, others) = (measure(known, effect).value?, measure(known, other).value?);
     // Of equal ones that which comes first.
     let is_larger = own > others || (own == others && effect == Effect::LateralColour);
-    (is_larger && others > 0.0 && wishes.word(other) != Word::Off).then_some((other, others))
+    (is_larger && others > 0.0 && wishes.word(other) != EffectMode::Off).then_some((other, others))
 }
 
 /// The cheapest camera that has what is called for.
-fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), PlanError> {
+fn choose(known: &Known<'_>, wishes: &PlanOptions) -> Result<(CameraChoice, Price), PlanError> {
     let Known { d, survey, lens, .. } = known;
     let wanted = |effect: Effect| is_wanted(effect, known, wishes);
 
     // Colours: as many wavelengths as their images need to lie closer together than can be told apart.
     let colours = [Effect::LateralColour, Effect::AxialColour];
-    let is_asked = colours.map(|effect| wishes.word(effect)).contains(&Word::On);
+    let is_asked = colours.map(|effect| wishes.word(effect)).contains(&EffectMode::On);
     let has_colours = survey.has_colours() || (d.wavelength_nm.is_some() && is_asked);
     let in_colour = has_colours && colours.into_iter().any(wanted);
     let spread = lens.lateral_colour.value.max(lens.axial_colour.value);
@@ -184,8 +184,8 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
     let spectrum = in_colour.then_some(bands);
 
     // What the user takes out of a lens that is traced all the same.
-    let off = |effect| wishes.word(effect) == Word::Off;
-    let shown = Shown {
+    let off = |effect| wishes.word(effect) == EffectMode::Off;
+    let shown = EnabledEffects {
         defocus: !off(Effect::Defocus),
         aberration: !off(Effect::Aberration),
         distortion: !off(Effect::Distortion),
@@ -202,8 +202,8 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
     let beside_gauss = [Effect::Aberration, Effect::Distortion, Effect::Vignetting, Effect::Transmission];
     let is_plain = !in_colour
         && !known.needs_lens
-        && shown == Shown::default()
-        && Effect::ALL.into_iter().all(|e| wishes.word(e) != Word::On || !e.is_of_rays())
+        && shown == EnabledEffects::default()
+        && Effect::ALL.into_iter().all(|e| wishes.word(e) != EffectMode::On || !e.is_of_rays())
         && !beside_gauss.into_iter().any(wanted)
         && lens.cats_eye.value * MARGIN <= tolerance(Effect::Defocus, wishes)
         && lens.dark_part == 0.0;
@@ -213,15 +213,15 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
     let (way, price) = if is_plain && !wanted(Effect::Defocus) && can_be_pinhole {
         (pinhole(survey.info()), Price::Pinhole)
     } else if is_plain && sample_ns(Price::Gaussian, shape) < sample_ns(exact, shape) {
-        (Way::Gaussian, Price::Gaussian)
+        (CameraKind::Gaussian, Price::Gaussian)
     } else {
-        (Way::Exact, exact)
+        (CameraKind::Exact, exact)
     };
     let round_f_number = (lens.diaphragm_part > 0.0 && !wanted(Effect::Diaphragm)).then(|| survey.f_number_by_area());
     let moves = known.motion.is_some() || known.scene_motion.is_some();
     let is_moving = moves && wanted(Effect::MotionBlur);
     // Rays that are sent elsewhere on purpose are followed from the film.
-    let is_traced = way == Way::Exact && shown.is_traced_plainly();
+    let is_traced = way == CameraKind::Exact && shown.is_traced_plainly();
     let pipeline = wishes.pipeline.of_packets(is_traced.then_some(carried));
     let (ghosts, diffraction, glare) = (wanted(Effect::Ghosts), wanted(Effect::Diffraction), wanted(Effect::Glare));
     let transmission = wanted(Effect::Transmission);
@@ -240,8 +240,8 @@ fn choose(known: &Known<'_>, wishes: &Wishes) -> Result<(CameraChoice, Price), P
     Ok((choice, price))
 }
 
-/// What became of an effect, and why.
-fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraChoice, price: Price) -> Decision {
+/// The decision on an effect, and its reason.
+fn decision(effect: Effect, known: &Known<'_>, wishes: &PlanOptions, choice: &CameraChoice, price: Price) -> Decision {
     let (word, tolerance, found) = (wishes.word(effect), tolerance(effect, wishes), measure(known, effect));
     let measure = found.value;
     let beside = beside(effect, known, wishes);
@@ -249,7 +249,7 @@ fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraC
     let is_large = measure.is_some_and(|value| (value + with) * MARGIN > tolerance);
     let is_on = is_simulated(effect, choice, known, word);
     let limit = size(tolerance, effect.unit());
-    let why = if measure == Some(0.0) && word == Word::Auto && !is_on {
+    let why = if measure == Some(0.0) && word == EffectMode::Auto && !is_on {
         found.text + ": nothing to simulate"
     } else {
         let sized = match measure {
@@ -264,15 +264,15 @@ fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraC
             None => found.text,
         };
         let outcome = match (word, is_on) {
-            (Word::On, _) => "simulated, as asked".to_owned(),
-            (Word::Off, false) => "left out, as asked".to_owned(),
+            (EffectMode::On, _) => "simulated, as asked".to_owned(),
+            (EffectMode::Off, false) => "left out, as asked".to_owned(),
             (_, false) if !effect.is_available() && is_large => {
                 "it would be seen, but cannot be simulated yet".to_owned()
             }
             (_, false) => "left out".to_owned(),
-            (Word::Off, true) => "comes along, for it cannot be taken out of this lens".to_owned(),
-            (Word::Auto, true) if is_large => "simulated".to_owned(),
-            (Word::Auto, true) => format!("comes along at no cost with the {} lens", choice.way.name()),
+            (EffectMode::Off, true) => "comes along, for it cannot be taken out of this lens".to_owned(),
+            (EffectMode::Auto, true) if is_large => "simulated".to_owned(),
+            (EffectMode::Auto, true) => format!("comes along at no cost with the {} lens", choice.way.name()),
         };
         format!("{sized}: {outcome}")
     };
@@ -286,18 +286,17 @@ fn decision(effect: Effect, known: &Known<'_>, wishes: &Wishes, choice: &CameraC
     Decision { effect, measure, tolerance, word, is_on, is_uncertain, why, cost_ns, picture_s }
 }
 
-/// What becomes of motion blur where the camera has no lens to be planned. Of what a simpler model of the lens does meanwhile it
-/// is not known how far it goes.
-pub(super) fn motion_without_lens(motion: Option<SceneMotion>, lens_changes: bool, wishes: &Wishes) -> Decision {
+/// The decision on motion blur for a camera without a lens to be planned. The motion by changes of a simpler lens model is not known.
+pub(super) fn motion_without_lens(motion: Option<SceneMotion>, lens_changes: bool, wishes: &PlanOptions) -> Decision {
     let effect = Effect::MotionBlur;
     let (word, tolerance) = (wishes.word(effect), tolerance(effect, wishes));
     let moves = motion.is_some() || lens_changes;
     let px = motion.as_ref().map(|motion| motion.px);
     let is_large = px.is_some_and(|px| px * MARGIN > tolerance);
-    let is_on = moves && (word == Word::On || (word == Word::Auto && (is_large || lens_changes)));
+    let is_on = moves && (word == EffectMode::On || (word == EffectMode::Auto && (is_large || lens_changes)));
     let outcome = match (word, is_on) {
-        (Word::On, true) => "simulated, as asked",
-        (Word::Off, _) => "left out, as asked",
+        (EffectMode::On, true) => "simulated, as asked",
+        (EffectMode::Off, _) => "left out, as asked",
         (_, true) => "simulated",
         (_, false) if moves => "left out",
         (_, false) => "nothing to simulate",
@@ -314,19 +313,19 @@ pub(super) fn motion_without_lens(motion: Option<SceneMotion>, lens_changes: boo
     Decision { effect, measure, tolerance, word, is_on, is_uncertain: false, why, cost_ns: 0.0, picture_s: 0.0 }
 }
 
-fn pinhole(info: &LensInfo) -> Way {
-    Way::Pinhole {
+fn pinhole(info: &LensInfo) -> CameraKind {
+    CameraKind::Pinhole {
         focal_length_mm: info.viewport_focal_length_mm,
         film_width_mm: info.picture_width_mm,
         shift: info.viewport_shift,
     }
 }
 
-/// Whether the choice simulates an effect.
-fn is_simulated(effect: Effect, choice: &CameraChoice, known: &Known<'_>, word: Word) -> bool {
-    let is_exact = choice.way == Way::Exact;
+/// True if the choice simulates an effect.
+fn is_simulated(effect: Effect, choice: &CameraChoice, known: &Known<'_>, word: EffectMode) -> bool {
+    let is_exact = choice.way == CameraKind::Exact;
     match effect {
-        Effect::Defocus => choice.shown.defocus && (is_exact || choice.way == Way::Gaussian),
+        Effect::Defocus => choice.shown.defocus && (is_exact || choice.way == CameraKind::Gaussian),
         Effect::Aberration => is_exact && choice.shown.aberration,
         Effect::Distortion => is_exact && choice.shown.distortion,
         Effect::Vignetting => is_exact && choice.shown.vignetting,
@@ -339,13 +338,13 @@ fn is_simulated(effect: Effect, choice: &CameraChoice, known: &Known<'_>, word: 
         Effect::Transmission => choice.transmission,
         Effect::Glare => choice.glare,
         Effect::SpectralMaterials => {
-            debug_assert!(word != Word::On);
+            debug_assert!(word != EffectMode::On);
             false
         }
     }
 }
 
-/// What having an effect costs beside not having it, ns a sample.
+/// The cost of an effect beside the simulation without it, ns a sample.
 fn cost_ns(effect: Effect, choice: &CameraChoice, price: Price, shape: LensShape, lens: &LensMeasures) -> f64 {
     let with = sample_ns(price, shape);
     match effect {
@@ -358,7 +357,7 @@ fn cost_ns(effect: Effect, choice: &CameraChoice, price: Price, shape: LensShape
             with - sample_ns(Price::Exact { is_single: true, carried: 1 }, shape)
         }
         Effect::Transmission => transmission_ns(price),
-        Effect::Defocus if choice.way == Way::Gaussian => with - sample_ns(Price::Pinhole, shape),
+        Effect::Defocus if choice.way == CameraKind::Gaussian => with - sample_ns(Price::Pinhole, shape),
         _ => 0.0,
     }
 }

@@ -2,10 +2,10 @@
 //! and scattering would come from.
 
 use crate::accel::Ray;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::lights::Line;
 use crate::luminance;
-use crate::nodes::Way;
+use crate::nodes::PathState;
 use crate::sampler::evenly::Evenly;
 use crate::scene::visibility::Rays;
 use glam::{DVec3, Vec2, Vec3A};
@@ -17,7 +17,7 @@ const SAMPLES: u32 = 512;
 const FRONT_RAYS: u32 = 512;
 /// Sources within this angle count as one.
 const TOGETHER_RAD: f32 = 0.05;
-/// Told of so many.
+/// The most directions that are reported.
 const MOST: usize = 64;
 
 /// Light from one direction.
@@ -25,21 +25,21 @@ const MOST: usize = 64;
 pub struct Brightest {
     /// Render space, unit, towards it.
     pub towards: DVec3,
-    /// What arrives of it on a surface that faces it, in the scene's units (luminance times steradians).
+    /// Irradiance by it on a surface that faces it, in the scene's units (luminance times steradians).
     pub irradiance: f32,
-    /// The part of all light that arrives.
+    /// The part of all arriving light.
     pub part: f32,
-    /// Where it is seen in the picture, fractions of its width and height from its centre; `None` outside of it.
+    /// Place of the light in the picture, fractions of the width and height from the centre; `None` outside of it.
     pub place: Option<Vec2>,
 }
 
 /// Light of a source at the camera's place.
 struct Arrival {
-    /// Render space, unit.
+    /// Direction in render space, unit.
     towards: Vec3A,
-    /// Its part of the irradiance on what faces it.
+    /// The source's part of the irradiance on a surface that faces it.
     light: f32,
-    /// Of the sample, where a ray into the scene may find the same light in the sky; otherwise zero.
+    /// Density of the sample, where a ray into the scene may find the same light in the sky; otherwise zero.
     sky_pdf: f32,
 }
 
@@ -47,13 +47,13 @@ struct Arrival {
 pub(super) struct Arriving(Vec<Arrival>);
 
 impl Arriving {
-    /// Takes light samples.
-    pub(super) fn new(stage: &Stage) -> Self {
+    /// Samples the lights of the scene.
+    pub(super) fn new(stage: &PreparedScene) -> Self {
         let to = stage.lights.receiver_between(Vec3A::ZERO);
         let points = Evenly::<3>::default();
         let sample = |i: u32| {
             let [choice, u, v] = points.point(i).map(|u| u as f32);
-            let sample = stage.lights.sample(&stage.scene, &to, choice, [u, v], Way::CAMERA)?;
+            let sample = stage.lights.sample(&stage.scene, &to, choice, [u, v], PathState::CAMERA)?;
             let light = luminance(sample.radiance) / (sample.pdf * SAMPLES as f32);
             if !(light > 0.0 && light.is_finite()) {
                 return None;
@@ -69,7 +69,12 @@ impl Arriving {
 
     /// Irradiance on a surface at the camera's place that looks `forwards`, in luminance times steradians: that of sources, of the
     /// sky, and of what surfaces send on. `luminances` follows rays as paths.
-    pub(super) fn irradiance(&self, stage: &Stage, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f32>) -> f32 {
+    pub(super) fn irradiance(
+        &self,
+        stage: &PreparedScene,
+        forwards: Vec3A,
+        luminances: impl Fn(&[Ray]) -> Vec<f32>,
+    ) -> f32 {
         let of_samples = |one: &Arrival| {
             let cos = one.towards.dot(forwards).max(0.0);
             let share = if one.sky_pdf > 0.0 { one.sky_pdf / (one.sky_pdf + cos / PI) } else { 1.0 };
@@ -78,14 +83,14 @@ impl Arriving {
         self.0.iter().map(of_samples).sum::<f32>() + of_rays(stage, forwards, luminances)
     }
 
-    /// What sends most, the strongest first.
+    /// The brightest sources, the strongest first.
     pub(super) fn brightest(self) -> Vec<Brightest> {
         brightest(self.0.into_iter().map(|one| (one.towards, one.light)).collect())
     }
 }
 
-/// What rays find of the same irradiance: their share of the sky, and light that surfaces send on which are no sources.
-fn of_rays(stage: &Stage, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f32>) -> f32 {
+/// The part of the irradiance that rays find: their share of the sky, and light of surfaces that are no sources.
+fn of_rays(stage: &PreparedScene, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f32>) -> f32 {
     let to = stage.lights.receiver_between(Vec3A::ZERO);
     let (right, up) = forwards.any_orthonormal_pair();
     let points = Evenly::<2>::default();
@@ -97,7 +102,7 @@ fn of_rays(stage: &Stage, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f3
         let ((sin, cos), cos_front) = ((TAU * v).sin_cos(), (1.0 - u).sqrt());
         let ray = Ray::new(Vec3A::ZERO, u.sqrt() * (right * cos + up * sin) + cos_front * forwards);
         let Some(hit) = stage.accel.closest(&ray, Rays::CAMERA) else {
-            stage.lights.sky_along(&stage.scene, ray.direction, Way::CAMERA, Some(&to), |one| {
+            stage.lights.sky_along(&stage.scene, ray.direction, PathState::CAMERA, Some(&to), |one| {
                 light += luminance(one.radiance) * cos_front / (cos_front + PI * one.pdf);
             });
             continue;
@@ -107,7 +112,7 @@ fn of_rays(stage: &Stage, forwards: Vec3A, luminances: impl Fn(&[Ray]) -> Vec<f3
         }
         let mut lamps = 0.0;
         let line = Line { from: ray.origin, towards: ray.direction, t_max: hit.t };
-        stage.lights.lamps_along(&stage.scene, line, Way::CAMERA, None, |one| lamps += luminance(one.radiance));
+        stage.lights.lamps_along(&stage.scene, line, PathState::CAMERA, None, |one| lamps += luminance(one.radiance));
         rays.push(ray);
         of_lamps.push(lamps);
     }

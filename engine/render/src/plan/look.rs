@@ -4,7 +4,7 @@
 use super::light::{Arriving, Brightest};
 use crate::accel::Ray;
 use crate::camera::clip::Clip;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::path::{self, Approximations, CAMERA_SETS, KindLimits, Limits};
 use crate::luminance;
 use crate::sampler::PathSampler;
@@ -12,16 +12,16 @@ use crate::scene::visibility::Rays;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Of the rays, how many are followed as paths, to know the picture's brightness.
+/// Number of rays that are followed as paths, to know the picture's brightness.
 const FOLLOWED: usize = 512;
-/// Bounces of those.
+/// Bounces of the paths that are followed.
 const BOUNCES: u32 = 3;
 /// The part of the paths that is brightest does not count: a source in the picture is not its exposure.
 const TRIMMED: f32 = 0.02;
 
-/// What a camera sees.
+/// The view of a camera.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct SceneProbe {
     /// The nearest and the farthest that it sees along its axis, Blender units; `None` if it sees nothing.
     pub depths: Option<[f64; 2]>,
     /// The part of the picture that sees nothing.
@@ -31,11 +31,11 @@ pub struct Look {
     /// Irradiance on the lens's front, as if all of the front half of the world reached it: luminance times steradians. `None`
     /// where it was not asked for.
     pub front_irradiance: Option<f32>,
-    /// What sends most light to the camera, the strongest first.
+    /// The sources that send most light to the camera, the strongest first.
     pub brightest: Vec<Brightest>,
 }
 
-impl Look {
+impl SceneProbe {
     /// Irradiance on the front over that of a world as bright as the picture all over; `None` of a black picture, and where it was not
     /// asked for.
     pub fn front_light(&self) -> Option<f64> {
@@ -44,9 +44,9 @@ impl Look {
     }
 
     /// Looks along `rays` (render space) of places all over the picture. `backwards` is the camera's axis, from the scene to
-    /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray meets.
+    /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray hits.
     pub(super) fn along(
-        stage: &Stage,
+        stage: &PreparedScene,
         rays: &[Option<Ray>],
         clip: Option<Clip>,
         backwards: DVec3,
@@ -78,7 +78,7 @@ impl Look {
 }
 
 /// Mean luminance along rays, without the brightest.
-fn exposure(stage: &Stage, rays: &[Ray]) -> f32 {
+fn exposure(stage: &PreparedScene, rays: &[Ray]) -> f32 {
     let mut light = luminances(stage, rays);
     light.sort_by(f32::total_cmp);
     light.truncate(((1.0 - TRIMMED) * light.len() as f32).ceil() as usize);
@@ -86,7 +86,7 @@ fn exposure(stage: &Stage, rays: &[Ray]) -> f32 {
 }
 
 /// Luminance along each of the rays, of one path; zero where it is not finite.
-fn luminances(stage: &Stage, rays: &[Ray]) -> Vec<f32> {
+fn luminances(stage: &PreparedScene, rays: &[Ray]) -> Vec<f32> {
     let limits = Limits {
         max_bounces: BOUNCES,
         kinds: KindLimits::default(),

@@ -1,4 +1,4 @@
-//! How large each effect is in this picture, and what is said of it.
+//! The measure of each effect in this picture, and its text.
 
 use super::motion::SceneMotion;
 use super::words::{size, worst};
@@ -6,34 +6,34 @@ use super::{Effect, GhostLook, Unit};
 use crate::camera::CameraDescription;
 use crate::camera::survey::{LensMeasures, Survey, Worst};
 
-/// What is known when it is decided.
+/// The data on which decisions are based.
 pub(super) struct Known<'a> {
     pub(super) d: &'a CameraDescription,
     pub(super) survey: &'a Survey,
     pub(super) lens: LensMeasures,
-    /// `None` where the lens stands still.
+    /// The motion by changes of the lens; `None` where it stands still.
     pub(super) motion: Option<Worst>,
-    /// `None` where nothing else moves either.
+    /// The motion of the scene or the camera; `None` where neither moves.
     pub(super) scene_motion: Option<SceneMotion>,
-    /// Of the brightest sources.
+    /// Ghosts of the brightest sources.
     pub(super) ghosts: Option<GhostLook>,
     /// Irradiance on the front over that of a world as bright as the picture all over; `None` of a black picture.
     pub(super) front_light: Option<f64>,
     /// The part of the light that the lens scatters.
     pub(super) glare: f64,
-    /// How far from the edge of the brightest source diffraction's light is seen, px.
+    /// Distance from the edge of the brightest source up to which diffraction's light is seen, px.
     pub(super) seen_px: f64,
-    /// Of the picture.
+    /// Number of pixels of the picture.
     pub(super) pixels: f64,
-    /// Light paths end in a lens that is traced.
+    /// True if light paths end in a lens that is traced.
     pub(super) needs_lens: bool,
 }
 
-/// An effect's size, and what is said of it.
+/// The size of an effect, and its description.
 pub(super) struct Measured {
-    /// As [`super::Decision::measure`].
+    /// The measure, as [`super::Decision::measure`].
     pub(super) value: Option<f64>,
-    /// The size and what goes with it.
+    /// The size, in words.
     pub(super) text: String,
 }
 

@@ -1,5 +1,5 @@
-//! Only the effects that a picture calls for: what each effect of the lens would change in this frame is measured, what can
-//! be seen is simulated, what cannot is left out, and what the user says goes before both.
+//! The plan of the effects that a picture calls for: the change by each effect of the lens in this frame is measured; visible effects are
+//! simulated, invisible ones are left out, and the user's word goes before both.
 //!
 //! A plan is a value: made once before a render from the lens, the camera and a look at the scene, printed, kept with the
 //! picture, and applied to the camera's description. After that nothing asks any more what is simulated. No decision depends
@@ -19,40 +19,40 @@ use crate::camera::clip::Clip;
 use crate::camera::straying::StrayLens;
 use crate::camera::survey::{GRID, LensMeasures, Survey, Worst};
 use crate::camera::{Camera, CameraDescription, CameraError, Model};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::pipeline::Pipeline;
 use crate::pipeline::exposure::Exposure;
 use crate::stray::diffraction::Diffraction;
 use crate::stray::glare::Glare;
 use crate::stray::{Ghosts, Reflections, Strays, ghosts, sources::Source};
 use decide::decide;
-pub use decide::{CameraChoice, Way};
+pub use decide::{CameraChoice, CameraKind};
 pub use light::Brightest;
-pub use look::Look;
+pub use look::SceneProbe;
 use measured::Known;
 use motion::scene_motion;
 use std::time::Instant;
 
-/// What a lens can do to a picture, or the wave nature of light, or time.
+/// An effect on a picture: of the lens, of the wave nature of light, or of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Effect {
     /// Blur of what is not at the distance of focus.
     Defocus,
     /// Spherical aberration, coma, astigmatism, field curvature.
     Aberration,
-    /// Straight lines bent.
+    /// Distortion: straight lines are bent.
     Distortion,
     /// Colours of different size.
     LateralColour,
     /// Colours of different focus.
     AxialColour,
-    /// Less light towards the corners.
+    /// Fall-off of light towards the corners.
     Vignetting,
     /// The shape of the opening in blur discs.
     Diaphragm,
     /// Something moves, or the lens changes, while the shutter is open.
     MotionBlur,
-    /// What glass and coatings take of each colour.
+    /// Losses in glass and at coatings in each colour.
     Transmission,
     /// Light reflected between surfaces.
     Ghosts,
@@ -65,7 +65,7 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// All of them, in the order of panels and reports.
+    /// All effects, in the order of panels and reports.
     pub const ALL: [Self; 13] = [
         Self::Defocus,
         Self::Aberration,
@@ -82,7 +82,7 @@ impl Effect {
         Self::SpectralMaterials,
     ];
 
-    /// On the command line and in files.
+    /// Name of the effect on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Defocus => "defocus",
@@ -101,12 +101,12 @@ impl Effect {
         }
     }
 
-    /// The one of that name.
+    /// The effect of this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|effect| effect.name() == name)
     }
 
-    /// What it is measured in.
+    /// The unit of the effect's measure.
     pub fn unit(self) -> Unit {
         match self {
             Self::Vignetting | Self::Transmission => Unit::Stops,
@@ -115,7 +115,7 @@ impl Effect {
         }
     }
 
-    /// A lens that is traced is needed for it: it is a matter of the rays that make the picture, not of what strays from them.
+    /// True if the effect needs a lens that is traced: it is a matter of the rays that make the picture, not of what strays from them.
     pub(super) fn is_of_rays(self) -> bool {
         !matches!(self, Self::MotionBlur | Self::SpectralMaterials | Self::Ghosts | Self::Glare | Self::Diffraction)
     }
@@ -126,10 +126,10 @@ impl Effect {
     }
 }
 
-/// What effects are measured in.
+/// A unit of the measures of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// By how many pixels of this picture light is moved.
+    /// Pixels of this picture by which light is moved.
     Pixels,
     /// Powers of two of brightness.
     Stops,
@@ -138,7 +138,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// As it is written behind a number.
+    /// The text of the unit behind a number.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pixels => "px",
@@ -147,7 +147,7 @@ impl Unit {
         }
     }
 
-    /// What is left out is smaller, at quality 1: half a pixel, a fiftieth of a stop, a 255th of the exposure.
+    /// The tolerance below which effects are left out, at quality 1: half a pixel, a fiftieth of a stop, a 255th of the exposure.
     pub fn tolerance(self, quality: f64) -> f64 {
         let coarse = match self {
             Self::Pixels => 0.5,
@@ -158,10 +158,10 @@ impl Unit {
     }
 }
 
-/// What the user says of an effect.
+/// The user's word on an effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Word {
-    /// As the measure has it.
+pub enum EffectMode {
+    /// The measure decides.
     #[default]
     Auto,
     /// Simulate it.
@@ -170,8 +170,8 @@ pub enum Word {
     Off,
 }
 
-impl Word {
-    /// On the command line and in files.
+impl EffectMode {
+    /// Name of the word on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -180,13 +180,13 @@ impl Word {
         }
     }
 
-    /// The one of that name.
+    /// The word of this name.
     pub fn named(name: &str) -> Option<Self> {
         [Self::Auto, Self::On, Self::Off].into_iter().find(|word| word.name() == name)
     }
 }
 
-/// What a simpler model of a camera has (docs/camera-models.md).
+/// True if a simpler model of a camera has an effect (docs/camera-models.md).
 fn model_has(model: Model, effect: Effect) -> bool {
     let is_image_based = model == Model::ImageBased;
     match effect {
@@ -197,23 +197,23 @@ fn model_has(model: Model, effect: Effect) -> bool {
     }
 }
 
-/// So many of the sources that send most light are asked for their ghosts.
+/// Number of sources, of those that send most light, whose ghosts are looked for.
 const GHOST_SOURCES: usize = 3;
 
 /// The ghosts of the brightest sources before the lens.
 struct GhostLook {
-    /// How bright the brightest is, as a part of the exposure.
+    /// Value of the brightest ghost, as a part of the exposure.
     value: f64,
-    /// What all sources' ghosts cost, s of one thread on the machine of [`price`].
+    /// Cost of all sources' ghosts, s of one thread on the machine of [`price`].
     picture_s: f64,
 }
 
-/// `None` where there are no sources.
+/// Looks for the ghosts of the brightest sources before the lens; `None` if there are no sources.
 fn ghosts_of(
     d: &CameraDescription,
     [width, height]: [u32; 2],
-    look: &Look,
-    wishes: &Wishes,
+    look: &SceneProbe,
+    wishes: &PlanOptions,
 ) -> Result<Option<GhostLook>, CameraError> {
     // What cannot photograph the camera itself says.
     let Ok(lens) = StrayLens::new(d, width, height) else { return Ok(None) };
@@ -232,73 +232,73 @@ fn ghosts_of(
     Ok((found.sources > 0).then(|| GhostLook { value: f64::from(found.brightest) / exposure, picture_s }))
 }
 
-/// What the user asks of a plan.
+/// The user's settings of a plan.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wishes {
-    words: [Word; Effect::ALL.len()],
-    /// All tolerances are divided by it.
+pub struct PlanOptions {
+    words: [EffectMode; Effect::ALL.len()],
+    /// The quality, by which all tolerances are divided.
     pub quality: f64,
     /// The way that light is followed, if the user has chosen.
     pub pipeline: Pipeline,
-    /// How many reflections a ghost's path has at most.
+    /// Number of reflections of a ghost's path at most.
     pub ghost_reflections: Reflections,
 }
 
-impl Default for Wishes {
+impl Default for PlanOptions {
     fn default() -> Self {
         Self { words: Default::default(), quality: 1.0, pipeline: Pipeline::Auto, ghost_reflections: Reflections::Two }
     }
 }
 
-impl Wishes {
-    /// Of one effect.
-    pub fn word(&self, effect: Effect) -> Word {
+impl PlanOptions {
+    /// The user's word on one effect.
+    pub fn word(&self, effect: Effect) -> EffectMode {
         self.words[effect as usize]
     }
 
-    /// Says one word more.
-    pub fn say(&mut self, effect: Effect, word: Word) {
+    /// Sets the user's word on one effect.
+    pub fn say(&mut self, effect: Effect, word: EffectMode) {
         self.words[effect as usize] = word;
     }
 }
 
-/// Why there is no plan.
+/// An error by which there is no plan.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     /// The camera cannot photograph.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// Something was asked for that there is not.
+    /// An effect was asked for that cannot be simulated yet.
     #[error("effect {}=on: it cannot be simulated yet; set it to auto or off", .0.name())]
     NotYet(Effect),
     /// Two wishes are against each other.
     #[error("effects: {0}")]
     Conflict(String),
-    /// No number of tolerances.
+    /// The quality is no factor of tolerances.
     #[error("quality {0}: set it from 0.01 to 1000; 1 is the default, more is finer")]
     Quality(f64),
 }
 
-/// What becomes of an effect, and why.
+/// The decision on an effect, and its reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
-    /// Which.
+    /// The effect.
     pub effect: Effect,
-    /// What it would change; infinite where it has no bound, `None` where it is not measured.
+    /// Measure of the effect's change of the picture; infinite where it has no bound, `None` where it is not measured.
     pub measure: Option<f64>,
-    /// What may be left out.
+    /// The largest measure that may be left out.
     pub tolerance: f64,
-    /// What the user said.
-    pub word: Word,
-    /// It is simulated.
+    /// The user's word.
+    pub word: EffectMode,
+    /// True if the effect is simulated.
     pub is_on: bool,
-    /// The measure may be too small, and was taken for larger than it is.
+    /// True if the measure may be too small, and was taken for larger than it is.
     pub is_uncertain: bool,
-    /// In a sentence.
+    /// The reason, in a sentence.
     pub why: String,
-    /// What simulating it costs, ns for a sample of the camera on the machine of [`price`]; 0 for what comes along.
+    /// Cost of the simulation, ns for a sample of the camera on the machine of [`price`]; 0 if it comes along with another.
     pub cost_ns: f64,
-    /// What it takes once, when the picture is done: seconds on that machine, one thread.
+    /// Cost once a picture, after its samples: seconds on the machine of [`price`], one thread.
     pub picture_s: f64,
 }
 
@@ -307,17 +307,17 @@ pub struct Decision {
 pub struct Plan {
     /// One for each effect, in the order of [`Effect::ALL`].
     pub decisions: Vec<Decision>,
-    /// How the camera is simulated.
+    /// The simulation of the camera.
     pub camera: CameraChoice,
-    /// What was found; `None` for a camera without a lens.
+    /// The measures of the lens; `None` for a camera without a lens.
     pub lens: Option<LensMeasures>,
-    /// What the camera sees.
-    pub look: Look,
-    /// What the camera takes for a sample, by [`price`].
+    /// The view of the camera.
+    pub look: SceneProbe,
+    /// Cost of the camera for a sample, ns, by [`price`].
     pub camera_ns: f64,
-    /// Of ghosts.
+    /// Number of reflections of ghosts at most.
     pub ghost_reflections: Reflections,
-    /// Wall time that it took, s.
+    /// Wall time that the plan took, s.
     pub seconds: f64,
 }
 
@@ -329,11 +329,11 @@ impl Plan {
     /// # Errors
     /// [`PlanError`].
     pub fn new(
-        stage: &Stage,
+        stage: &PreparedScene,
         d: &CameraDescription,
         moving: &[CameraDescription],
         [width, height]: [u32; 2],
-        wishes: &Wishes,
+        wishes: &PlanOptions,
         needs_lens: bool,
         exposure: Option<&Exposure>,
     ) -> Result<Self, PlanError> {
@@ -347,7 +347,7 @@ impl Plan {
         let survey = Survey::new(d, width, height)?;
         let fans = survey.fans();
         let clip = Clip::along(d, survey.backwards());
-        let (mut look, seen) = Look::along(stage, &fans.rays(), clip, survey.backwards(), true);
+        let (mut look, seen) = SceneProbe::along(stage, &fans.rays(), clip, survey.backwards(), true);
         for one in &mut look.brightest {
             one.place = fans.place_of(one.towards);
         }
@@ -384,7 +384,7 @@ impl Plan {
         Ok(Self { decisions, camera, camera_ns, lens: Some(lens), look, ghost_reflections, seconds })
     }
 
-    /// What this looks for beside the rays that make the picture of a camera, of that many pixels; `None` if nothing.
+    /// The stray light that this plan computes beside the rays that make the picture of a camera, of that many pixels; `None` if none.
     ///
     /// # Errors
     /// As [`Camera::new`].
@@ -408,22 +408,22 @@ impl Plan {
 
     /// A camera without a lens, or with a simpler model of one, is taken as it is.
     fn without_lens(
-        stage: &Stage,
+        stage: &PreparedScene,
         d: &CameraDescription,
         (moving, exposure): (&[CameraDescription], Option<&Exposure>),
         [width, height]: [u32; 2],
-        wishes: &Wishes,
+        wishes: &PlanOptions,
         start: Instant,
     ) -> Result<Self, PlanError> {
-        if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == Word::On && !e.is_available()) {
+        if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
             return Err(PlanError::NotYet(effect));
         }
         // What a model leaves out it leaves out; what it has it has, but for its colours.
         let colours = [Effect::LateralColour, Effect::AxialColour].map(|effect| wishes.word(effect));
-        let has_colours = model_has(d.model, Effect::LateralColour) && colours != [Word::Off; 2];
+        let has_colours = model_has(d.model, Effect::LateralColour) && colours != [EffectMode::Off; 2];
         // The colour that it has on the axis.
         let may_transmit = matches!(d.model, Model::Thick | Model::Paraxial | Model::ImageBased);
-        let has_transmission = may_transmit && wishes.word(Effect::Transmission) != Word::Off;
+        let has_transmission = may_transmit && wishes.word(Effect::Transmission) != EffectMode::Off;
         let has = |effect: Effect| match effect {
             Effect::LateralColour | Effect::AxialColour => has_colours,
             Effect::Transmission => has_transmission,
@@ -432,9 +432,9 @@ impl Plan {
         let is_against = |effect: &Effect| {
             *effect != Effect::MotionBlur
                 && match wishes.word(*effect) {
-                    Word::Auto => false,
-                    Word::On => !has(*effect),
-                    Word::Off => has(*effect),
+                    EffectMode::Auto => false,
+                    EffectMode::On => !has(*effect),
+                    EffectMode::Off => has(*effect),
                 }
         };
         if let Some(effect) = Effect::ALL.into_iter().find(is_against) {
@@ -451,7 +451,7 @@ impl Plan {
         };
         let rays: Vec<_> = (0..GRID[0] * GRID[1]).map(ray).collect();
         let clip = Clip::new(d, &camera);
-        let (look, seen) = Look::along(stage, &rays, clip, camera.axes().z_axis, false);
+        let (look, seen) = SceneProbe::along(stage, &rays, clip, camera.axes().z_axis, false);
         let motion = scene_motion(&stage.scene, exposure, &rays, &seen);
         let blur = decide::motion_without_lens(motion, moving.len() > 1, wishes);
         let is_moving = blur.is_on;
@@ -482,13 +482,13 @@ impl Plan {
         })
     }
 
-    /// What was decided of an effect.
+    /// The decision on an effect.
     pub fn decision(&self, effect: Effect) -> &Decision {
         &self.decisions[effect as usize]
     }
 
-    /// What simulating an effect costs, as a part of the time that a render without it takes; `camera_part` is the part of a
-    /// sample's time that the camera takes with it, `samples_s` what all samples take on so many threads.
+    /// The cost of an effect, as a part of the time of a render without it; `camera_part` is the part of a sample's time that the camera
+    /// takes with it, `samples_s` the time of all samples on so many threads.
     pub fn cost(&self, effect: Effect, camera_part: f64, samples_s: f64, threads: usize) -> f64 {
         let once = self.decision(effect).picture_s / threads.max(1) as f64;
         let of_camera = self.decision(effect).cost_ns / self.camera_ns.max(f64::MIN_POSITIVE);
@@ -496,7 +496,7 @@ impl Plan {
         part / (1.0 - part) + once / samples_s.max(f64::MIN_POSITIVE)
     }
 
-    /// What is done once a picture after its samples, s on so many threads.
+    /// Time of the work once a picture, after its samples, s on so many threads.
     pub fn seconds_after(&self, threads: usize) -> f64 {
         self.decisions.iter().map(|one| one.picture_s).sum::<f64>() / threads.max(1) as f64
     }

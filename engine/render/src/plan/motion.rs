@@ -1,4 +1,4 @@
-//! How far things go over the picture while the shutter is open.
+//! Motion of the scene over the picture while the shutter is open.
 
 use super::Unit;
 use super::words::size;
@@ -8,19 +8,19 @@ use crate::scene::Scene;
 use crate::scene::motion::Moving;
 use glam::DVec3;
 
-/// Moments at which it is asked where the camera is.
+/// Moments at which the place of the camera is looked up.
 const LOOKS: u32 = 16;
 
-/// What moves before the lens or with it.
+/// The motion before the lens or of the camera.
 pub(super) struct SceneMotion {
     /// The farthest way, px.
     pub(super) px: f64,
-    /// That, and what goes it.
+    /// The text of that length, and of the object that moves so.
     pub(super) text: String,
 }
 
-/// What goes farthest over the picture: of what moves, seen or not, since its shadow or its mirror image may be; and, where the
-/// camera moves, of what it sees along `rays`, which meet `seen`. `None` where everything stands still.
+/// The farthest motion over the picture: of moving objects, seen or not, since their shadows or mirror images may be; and, where the camera
+/// moves, of what it sees along `rays`, which hit `seen`. `None` where everything stands still.
 pub(super) fn scene_motion(
     scene: &Scene,
     exposure: Option<&Exposure>,
@@ -41,10 +41,10 @@ pub(super) fn scene_motion(
     Some(SceneMotion { px, text: format!("{}, {what}", size(px, Unit::Pixels)) })
 }
 
-/// The angle that what a ray meets goes as the camera sees it, rad: the sum of its steps.
+/// The angle that what a ray hits goes as the camera sees it, rad: the sum of its steps.
 fn way(exposure: &Exposure, ray: &Ray, seen: Option<DVec3>) -> f64 {
     let origin = ray.origin.as_dvec3();
-    // What is not met lies as good as infinitely far.
+    // What is not hit lies as good as infinitely far.
     const FAR: f64 = 1e6;
     let point = seen.unwrap_or_else(|| origin + FAR * ray.direction.as_dvec3());
     let moments = (0..=LOOKS).map(|look| (look * 65_535 / LOOKS) as u16);

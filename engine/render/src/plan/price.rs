@@ -1,5 +1,5 @@
-//! What a sample of a camera costs, by kind of camera and by lens: so that of two ways to the same picture the cheaper is
-//! taken, and the price of an effect is known before it is paid.
+//! The cost of a sample of a camera, by kind of camera and by lens: so that of two ways to the same picture the cheaper is taken, and the
+//! price of an effect is known before it is paid.
 //!
 //! Times are nanoseconds on the machine of docs/accuracy-cost.md, one thread; their ratios hold elsewhere. They are constants,
 //! so that the same scene has the same plan on every machine and at every load.
@@ -8,32 +8,32 @@ use super::Effect;
 use crate::camera::survey::LensShape;
 use crate::stray::ghosts::Glimpse;
 
-/// How a camera makes its rays.
+/// The way in which a camera makes its rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Price {
     /// Every ray through one point.
     Pinhole,
-    /// By Gaussian optics.
+    /// Rays by Gaussian optics.
     Gaussian,
     /// Every ray through every surface, in f32 or f64.
     Exact {
-        /// f32.
+        /// True for f32, false for f64.
         is_single: bool,
         /// Wavelengths that a path carries.
         carried: usize,
     },
 }
 
-/// Without what every sample costs, whatever the camera.
+/// Costs of a sample of simple cameras, without the part that every camera has.
 const PINHOLE_NS: f64 = 4.0;
 const GAUSSIAN_NS: f64 = 90.0;
 /// Choosing a point of the pupil, and into the scene.
 const AIM_NS: f64 = 14.0;
 /// A ray through a sphere or plane, in lanes of f32 and of f64.
 const SURFACE_NS: [f64; 2] = [1.1, 2.2];
-/// The same through an asphere: Newton's steps.
+/// A ray through an asphere, by Newton's steps, in lanes of f32 and of f64.
 const ASPHERE_NS: [f64; 2] = [9.0, 18.0];
-/// Where a wavelength that did not lead arrives, what density it would have led with, and its light on the film.
+/// The arrival of a wavelength that did not lead, the density with which it would have led, and its light on the film.
 const ARRIVAL_NS: f64 = 22.0;
 
 /// Looking for a path's ghost of a source.
@@ -49,7 +49,7 @@ pub(super) fn ghosts_s(sources: usize, look: &Glimpse, pixels: f64) -> f64 {
     sources as f64 * (look.paths as f64 * GHOST_LOOK_S + traced)
 }
 
-/// Of a pixel of the finished picture, with one kernel for all of it, in two transforms of a picture six times as large.
+/// Cost of a pixel of the finished picture, with one kernel for all of it, in two transforms of a picture six times as large.
 const DIFFRACTION_NS: f64 = 1_200.0;
 const GLARE_NS: f64 = 700.0;
 
@@ -63,7 +63,7 @@ pub(super) fn picture_s(effect: Effect, pixels: f64) -> f64 {
     1e-9 * ns * pixels
 }
 
-/// What the lens takes along a ray, and the same for each wavelength that a path carries: a polynomial of some ten terms.
+/// The lens's transmission along a ray, and for each wavelength that a path carries: a polynomial of some ten terms.
 const TRANSMISSION_NS: [f64; 2] = [25.0, 14.0];
 
 /// Nanoseconds more where surfaces and glasses take their part.

@@ -1,10 +1,10 @@
-//! How far from a bright source in the picture the light is seen that diffraction throws aside.
+//! The distance from a bright source in the picture up to which light spread by diffraction is seen.
 
-use super::look::Look;
+use super::look::SceneProbe;
 use crate::camera::survey::Survey;
 use std::f64::consts::PI;
 
-/// What is seen: this part of the exposure.
+/// The least light that is seen, as a part of the exposure.
 const SEEN: f64 = 1.0 / 255.0;
 /// J₁'s first zero, of the first dark ring.
 const DARK_RING: f64 = 3.831_706;
@@ -14,9 +14,9 @@ const EDGE_PX: f64 = 0.5;
 /// Pixels from the edge of the pixel of the brightest source in the picture to where a round opening's pattern, which falls as
 /// the cube of the distance r, is below a 255th of the exposure; 0 without a source. Spikes of blades reach farther.
 ///
-/// Of a point's light the part 2 / (π x) lands beyond x = 3.83 r / r₁, r₁ the first dark ring (Born and Wolf, section 8.5.2), so that on a
+/// The part 2 / (π x) of a point's light lands beyond x = 3.83 r / r₁, r₁ the first dark ring (Born and Wolf, section 8.5.2), so that on a
 /// pixel at r lands r₁ / (3.83 π² r³).
-pub(super) fn seen_px(survey: &Survey, look: &Look, airy_px: f64) -> f64 {
+pub(super) fn seen_px(survey: &Survey, look: &SceneProbe, airy_px: f64) -> f64 {
     let Some(focal_length_mm) = survey.info().efl_mm else { return 0.0 };
     let [width, height] = survey.pixel_mm();
     let pixel_sr = width * height / (focal_length_mm * focal_length_mm);

@@ -1,4 +1,4 @@
-//! What is said of a decision.
+//! The texts of decisions.
 
 use super::{Effect, Unit};
 use crate::camera::survey::Worst;
@@ -18,7 +18,7 @@ pub(super) fn size(value: f64, unit: Unit) -> String {
     format!("{number} {}", unit.name())
 }
 
-/// Where in the picture something is.
+/// The text of a place in the picture.
 pub(super) fn place(at: Vec2) -> &'static str {
     const THIRD: f32 = 1.0 / 3.0;
     let side = |x: f32| x.abs() > THIRD;

@@ -14,7 +14,7 @@ struct Bin {
 }
 
 impl AliasTable {
-    /// `None` where no weight is positive and finite, since then nothing can be chosen.
+    /// The table of these weights; `None` if no weight is positive and finite, since then nothing can be chosen.
     pub fn new(weights: &[f32]) -> Option<Self> {
         let usable = |w: f32| if w.is_finite() && w > 0.0 { w as f64 } else { 0.0 };
         let total: f64 = weights.iter().map(|&w| usable(w)).sum();
@@ -75,7 +75,7 @@ pub struct Grid2d {
 }
 
 impl Grid2d {
-    /// From `width * height` weights, rows first; `None` where none is positive.
+    /// The distribution of `width * height` weights, rows first; `None` where none is positive.
     pub fn new(weights: &[f32], width: usize, height: usize) -> Option<Self> {
         let (rows, sums) = Cumulative::new(weights, width);
         let (marginal, total) = Cumulative::new(&sums, height);
@@ -112,7 +112,7 @@ struct Cumulative {
 }
 
 impl Cumulative {
-    /// From `steps` weights each; also gives the total of each.
+    /// The sums of lists of `steps` weights each; also returns the total of each list.
     fn new(weights: &[f32], steps: usize) -> (Self, Vec<f32>) {
         let count = weights.len() / steps.max(1);
         let mut this = Self { steps, sums: Vec::with_capacity((steps + 1) * count), guide: Vec::new() };

@@ -1,5 +1,5 @@
-//! Which points of the sequence a pixel gets: so that the errors of neighbours differ, and cancel for an eye that sees
-//! several pixels at once (blue noise).
+//! The choice of the points of the sequence that a pixel gets: such that the errors of neighbours differ, and cancel
+//! for an eye that sees several pixels at once (blue noise).
 //!
 //! A square of pixels shares one sequence, laid along a Z-shaped curve whose turns are random at every level (Ahmed and
 //! Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels").
@@ -12,7 +12,7 @@ use super::{PathSampler, mix};
 /// log2 of the sequence's length.
 const SEQUENCE: u32 = 16;
 
-/// How the pixels of a picture share out points.
+/// The distribution of a sequence's points over the pixels of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Pattern {
     seed: u32,
@@ -32,7 +32,7 @@ impl Pattern {
         Self { seed, bits }
     }
 
-    /// The same with other numbers.
+    /// This pattern with other numbers.
     pub fn apart(self, salt: u32) -> Self {
         Self { seed: self.seed ^ salt, ..self }
     }
@@ -59,9 +59,9 @@ impl Pattern {
 pub struct PixelPattern {
     pattern: Pattern,
     square: [u32; 2],
-    /// Of its square, for the first round of samples.
+    /// Seed of the pixel's square, for the first round of samples.
     seed: u32,
-    /// Of its stretch.
+    /// First point of the pixel's stretch.
     first: u32,
 }
 
@@ -75,7 +75,7 @@ impl PixelPattern {
     }
 }
 
-/// Where a pixel of a square of 2^levels lies on the curve, whose four quarters are in random order at every level.
+/// The index of a pixel of a square of 2^levels on the curve, whose four quarters are in random order at every level.
 fn place_on_curve([x, y]: [u32; 2], levels: u32, seed: u32) -> u32 {
     let mut place = 0;
     for level in (0..levels).rev() {
@@ -137,8 +137,8 @@ mod tests {
         assert_ne!(beyond.sampler(7).next_4d(), beyond.sampler(7 + 65536).next_4d());
     }
 
-    /// What the pattern is for: the mean over 4 x 4 pixels is as good as that of 16 times the samples, the pixel alone
-    /// as good as ever.
+    /// The purpose of the pattern: the mean over 4 x 4 pixels is as good as that of 16 times the samples, the pixel
+    /// alone as good as ever.
     #[test]
     fn errors_of_neighbours_cancel() {
         const SAMPLES: u32 = 16;

@@ -8,18 +8,19 @@ use std::f32::consts::PI;
 pub enum PhaseLobe {
     /// Henyey and Greenstein 1941, by its mean cosine.
     HenyeyGreenstein(f32),
-    /// Draine 2003, "Scattering by interstellar dust grains", equation 4: the former times 1 + alpha cos^2.
+    /// Draine 2003, "Scattering by interstellar dust grains", equation 4: Henyey and Greenstein's times 1 + alpha
+    /// cos^2.
     Draine {
-        /// As the former's.
+        /// The parameter g, as in Henyey and Greenstein's.
         anisotropy: f32,
-        /// At least 0.
+        /// The parameter alpha, at least 0.
         alpha: f32,
     },
     /// Fournier and Forand 1994, in the form of Fournier and Jonasz 1999.
     FournierForand {
         /// 4 / (3 (n - 1)^2): their delta over the square of the half angle's sine.
         delta: f32,
-        /// Their nu.
+        /// Fournier and Forand's nu.
         nu: f32,
         /// (1 - delta_180^nu) / ((delta_180 - 1) delta_180^nu).
         back: f32,
@@ -32,9 +33,9 @@ const LEAST_BLUR: f32 = 1e-3;
 const HALVINGS: u32 = 26;
 
 impl PhaseLobe {
-    /// The same in all directions.
+    /// Isotropic scattering.
     pub const EVEN: Self = Self::HenyeyGreenstein(0.0);
-    /// Rayleigh's.
+    /// Rayleigh scattering.
     pub const RAYLEIGH: Self = Self::Draine { anisotropy: 0.0, alpha: 1.0 };
 
     /// Henyey and Greenstein's, its anisotropy kept within reach.
@@ -42,7 +43,7 @@ impl PhaseLobe {
         Self::HenyeyGreenstein(within(anisotropy))
     }
 
-    /// Draine's.
+    /// Draine's phase function.
     pub fn draine(anisotropy: f32, alpha: f32) -> Self {
         Self::Draine { anisotropy: within(anisotropy), alpha: alpha.clamp(0.0, 1e4) }
     }
@@ -259,7 +260,7 @@ mod tests {
         }
     }
 
-    /// What their inventors say of them: the mean cosine, the part that goes back.
+    /// The properties of phase functions as published: the mean cosine, the part that goes back.
     #[test]
     fn their_parameters_mean_what_they_say() {
         for g in [-0.5, 0.0, 0.3, 0.8] {

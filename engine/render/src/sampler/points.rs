@@ -4,7 +4,7 @@
 use sobol_burley::parts::{Int4, hash, hash_int4, owen_scramble_int4_rev, owen_scramble_rev, sobol_int4_rev};
 use std::sync::LazyLock;
 
-/// By byte of the reversed index, the higher first: what its bits add.
+/// The contributions of the bits of each byte of the reversed index, the higher first.
 struct Tables([[[u32; 4]; 256]; 2]);
 
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {

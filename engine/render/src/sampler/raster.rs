@@ -13,29 +13,29 @@ pub struct Raster {
     width: u32,
     height: u32,
     filter: PixelFilter,
-    /// Each place belongs to one pixel.
+    /// True if each place belongs to one pixel.
     is_box: bool,
     columns: Columns,
 }
 
-/// Where light falls.
+/// The pixel that light falls on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
     /// Column of the pixel that gets it.
     pub x: u32,
-    /// Row.
+    /// Row of the pixel that gets it.
     pub y: u32,
     /// Density of sample places there, in samples for each pixel's area, where every pixel has one.
     pub density: f32,
 }
 
-/// Where several rays fall: as [`Landing`], with density 0 where no pixel's filter reaches.
+/// The pixels that several rays fall on: as [`Landing`], with density 0 where no pixel's filter reaches.
 pub struct Landings<const N: usize> {
     /// Columns.
     pub x: [u32; N],
     /// Rows.
     pub y: [u32; N],
-    /// Densities.
+    /// Density of sample places at each, as [`Landing::density`].
     pub density: [f32; N],
 }
 
@@ -66,7 +66,7 @@ impl Raster {
         Self { width, height, filter, is_box, columns }
     }
 
-    /// Columns and rows.
+    /// Width and height of the picture, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
@@ -134,7 +134,7 @@ impl Raster {
         self.land(place, [0.0; 2]).map_or(0.0, |landing| landing.density)
     }
 
-    /// Along one axis, where pixel i's centre lies at i + 1/2: a pixel, chosen by its filter's part of the density.
+    /// A pixel along one axis, where pixel i's centre lies at i + 1/2, chosen by its filter's part of the density.
     #[inline]
     fn along(&self, at: f32, count: u32, u: f32) -> Option<(u32, f32)> {
         if self.is_box {
@@ -153,7 +153,7 @@ impl Raster {
         Some(((below + 1) as u32 + step, density))
     }
 
-    /// The same anywhere, for filters of any width.
+    /// [`Self::along`] at any place, for filters of any width.
     #[cold]
     fn along_the_edge(&self, at: f32, count: u32, u: f32) -> Option<(u32, f32)> {
         let reach = self.filter.reach();
@@ -182,7 +182,7 @@ const _: () = assert!(size_of::<Vec4>() == FEW * size_of::<f32>());
 
 /// The sums of the filter over the pixels that it reaches, by how far the first of them is.
 struct Columns {
-    /// At equal steps of the distance from where the reach begins to the first pixel's centre, 0 to 1.
+    /// The sums at equal steps of the distance from the beginning of the reach to the first pixel's centre, 0 to 1.
     sums: Vec<Vec4>,
     /// Pixels that must be there; infinite for a filter that has no table.
     span: f32,
@@ -207,7 +207,7 @@ impl Columns {
         Self { sums: (0..=Self::STEPS).map(sums).collect(), span }
     }
 
-    /// How many pixels behind the first is the one that `u` chooses, and the density, at a distance of the first.
+    /// Number of pixels behind the first of the one that `u` chooses, and its density, at a distance of the first.
     #[inline]
     fn chosen(&self, distance: f32, u: f32) -> (u32, f32) {
         let at = distance * Self::STEPS as f32;

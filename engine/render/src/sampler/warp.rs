@@ -67,7 +67,7 @@ pub fn sample_triangle(u: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// The sphere, uniformly.
+/// A point of the unit sphere, sampled uniformly.
 #[inline]
 pub fn sample_sphere(u: [f32; 2]) -> Vec3A {
     let z = 1.0 - 2.0 * u[0];
@@ -103,7 +103,7 @@ pub fn to_local(frame: &[Vec3A; 3], v: Vec3A) -> Vec3A {
 /// The shape of a pixel filter, as Cycles defines it; widths in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
-    /// One pixel, evenly.
+    /// A constant over one pixel.
     Box,
     /// A Gaussian function, e⁻⁸ at the width's distance from the pixel's centre; it ends at one and a half times that.
     Gaussian(f32),
@@ -121,7 +121,7 @@ impl Filter {
         }
     }
 
-    /// Its value at a part of its reach, in any unit.
+    /// The filter's value at a part of its reach, in any unit.
     fn value(self, part: f64) -> f64 {
         match self {
             Self::Box => 1.0,
@@ -174,13 +174,13 @@ impl PixelFilter {
         Self { inverse, reach, densities, steps_per_pixel: Self::STEPS as f32 / reach }
     }
 
-    /// No offset is larger, pixels.
+    /// Largest offset, pixels.
     #[inline]
     pub fn reach(&self) -> f32 {
         self.reach
     }
 
-    /// False for the box.
+    /// True for all filters but the box.
     pub fn is_smooth(&self) -> bool {
         self.densities.len() > 2
     }

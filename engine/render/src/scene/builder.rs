@@ -4,13 +4,13 @@ use super::curves::{Curves, CurvesDescription};
 use super::lamp::Lamp;
 use super::material::Material;
 use super::mesh::{Mesh, MeshDescription};
-use super::motion::{Moving, Pose, Way};
+use super::motion::{AnimatedTransform, Moving, Pose};
 use super::points::{Points, PointsDescription};
+use super::shadow_terminator::ShadowTerminator;
 use super::slots::Slots;
-use super::softening::Softening;
 use super::texture::Texture;
 use super::viewport::{Viewport, ViewportDescription};
-use super::visibility::{Links, Rays};
+use super::visibility::{LightLinking, Rays};
 use super::world::World;
 use super::{Instance, ObjectInfo, Scene, SceneError};
 use crate::Rgb;
@@ -21,16 +21,16 @@ struct RawInstance {
     object_name: String,
     asset_name: Option<String>,
     moved: Option<[DMat4; 2]>,
-    way: Option<Way>,
+    way: Option<AnimatedTransform>,
     info: ObjectInfo,
     mesh: usize,
     matrix: DMat4,
     materials: Vec<u32>,
     holds_out: bool,
     visible: Rays,
-    links: Links,
+    links: LightLinking,
     light_group: u16,
-    softening: Softening,
+    shadow_terminator: ShadowTerminator,
     occlusion_distance: f32,
     is_catcher: bool,
 }
@@ -54,7 +54,7 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// What was left out or repaired so far, a line each.
+    /// Warnings on parts that were left out or repaired so far, a line each.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -71,22 +71,10 @@ impl SceneBuilder {
         }
     }
 
-    /// Adds a material; gives its index. Values out of range are brought into range.
-    ///
-    /// # Errors
-    /// [`SceneError::NoSuchPiece`] where it names an image that was not added.
-    pub fn add_material(&mut self, mut material: Material) -> Result<usize, SceneError> {
-        let missing = material.textures().find(|&t| t as usize >= self.textures.all().len());
-        if let Some(index) = missing {
-            return Err(SceneError::NoSuchPiece {
-                object: material.name,
-                kind: "image",
-                index: index as usize,
-                count: self.textures.all().len(),
-            });
-        }
-        material.sanitise();
-        Ok(self.materials.add(material))
+    /// Adds a material; gives its index.
+    pub fn add_material(&mut self, mut material: Material) -> usize {
+        material.prepare();
+        self.materials.add(material)
     }
 
     /// Adds a mesh; gives its index. Triangles with a corner that is not finite, or without area, are left out
@@ -166,27 +154,27 @@ impl SceneBuilder {
             visible: Rays::ALL
                 .without(if visible_camera { Rays::NONE } else { Rays::CAMERA })
                 .without(if visible_shadow { Rays::NONE } else { Rays::SHADOW }),
-            links: Links::default(),
+            links: LightLinking::default(),
             light_group: 0,
-            softening: Softening::default(),
+            shadow_terminator: ShadowTerminator::default(),
             occlusion_distance: 0.0,
             is_catcher: false,
         });
         Ok(Some(self.instances.len() - 1))
     }
 
-    /// Says whose part an instance is, other than its own.
+    /// Sets the name of the asset that an instance belongs to, if not its own.
     pub fn set_asset(&mut self, instance: usize, name: &str) {
         self.instances[instance].asset_name = Some(name.into());
     }
 
-    /// Says what an instance shows itself to.
+    /// Sets the kinds of ray that see an instance.
     pub fn set_visible(&mut self, instance: usize, to: Rays) {
         self.instances[instance].visible = to;
     }
 
-    /// Says which lights light an instance, and in which it throws shadows.
-    pub fn set_links(&mut self, instance: usize, links: Links) {
+    /// Sets the lights that light an instance, and those in which it throws shadows.
+    pub fn set_links(&mut self, instance: usize, links: LightLinking) {
         self.instances[instance].links = links;
     }
 
@@ -195,7 +183,7 @@ impl SceneBuilder {
         self.instances[instance].occlusion_distance = distance;
     }
 
-    /// Says that the shadows on an instance alone are wanted.
+    /// Makes an instance a shadow catcher: the shadows on it alone are wanted.
     pub fn catch_shadows(&mut self, instance: usize) {
         self.instances[instance].is_catcher = true;
     }
@@ -205,22 +193,22 @@ impl SceneBuilder {
         self.instances[instance].holds_out = true;
     }
 
-    /// Says which light group what an instance emits is in; 0 is none.
+    /// Sets the light group of what an instance emits; 0 is none.
     pub fn set_light_group(&mut self, instance: usize, group: u16) {
         self.instances[instance].light_group = group;
     }
 
-    /// Says how an instance's smooth faces are helped at the edge of light.
-    pub fn set_softening(&mut self, instance: usize, softening: Softening) {
-        self.instances[instance].softening = softening;
+    /// Sets the shadow terminator of an instance's smooth faces.
+    pub fn set_shadow_terminator(&mut self, instance: usize, shadow_terminator: ShadowTerminator) {
+        self.instances[instance].shadow_terminator = shadow_terminator;
     }
 
-    /// Says what shader graphs may ask of an instance's object.
+    /// Sets the data that shader graphs may ask of an instance's object.
     pub fn set_info(&mut self, instance: usize, info: ObjectInfo) {
         self.instances[instance].info = info;
     }
 
-    /// Says where an instance stands a frame before and a frame after, for the pass of motion.
+    /// Sets the places of an instance a frame before and a frame after, for the pass of motion.
     ///
     /// # Errors
     /// [`SceneError::BadMatrix`].
@@ -233,21 +221,21 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Says where an instance stands at keys that lie evenly over the time that the shutter is open, the middle one where it was
-    /// added. One that cannot be taken between stands still, with a warning.
+    /// Sets the places of an instance at keys that lie evenly over the time that the shutter is open, the middle one where it was added.
+    /// One that cannot be taken between stands still, with a warning.
     pub fn set_keys(&mut self, instance: usize, matrices: &[DMat4]) {
         let raw = &mut self.instances[instance];
         if matrices.iter().all(|m| *m == raw.matrix) {
             return;
         }
-        raw.way = Way::new(matrices);
+        raw.way = AnimatedTransform::new(matrices);
         if raw.way.is_none() {
             let what = "its scale is zero or not finite while the shutter is open; it stands still";
             self.warnings.push(format!("object '{}': {what}", raw.object_name));
         }
     }
 
-    /// Adds a lamp. `matrix` takes its axes to world space; it shines along its -z.
+    /// Adds a lamp. `matrix` takes its axes to world space; it emits along its -z.
     ///
     /// # Errors
     /// [`SceneError::BadMatrix`], [`SceneError::BadLight`].
@@ -265,7 +253,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Says what Blender's own camera frames.
+    /// Sets the frame of Blender's own camera.
     ///
     /// # Errors
     /// [`SceneError::BadMatrix`].
@@ -294,17 +282,20 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Makes room for another image: its index is the next one's. Whatever named it must be forgotten, too, before the next scene.
+    /// Empties the slot of an image; the next image gets its index. Everything that names the index must be forgotten, too, before the next
+    /// scene.
     pub fn forget_texture(&mut self, index: usize) {
         self.textures.forget(index, Arc::new(Texture::empty()));
     }
 
-    /// The same of a material.
+    /// Empties the slot of a material; the next material gets its index. Everything that names the index must be forgotten, too, before the
+    /// next scene.
     pub fn forget_material(&mut self, index: usize) {
         self.materials.forget(index, Material::default_grey());
     }
 
-    /// The same of what [`Self::add_mesh`], [`Self::add_curves`] or [`Self::add_points`] added.
+    /// Empties the slot of a mesh that [`Self::add_mesh`], [`Self::add_curves`] or [`Self::add_points`] added; the next one gets its index.
+    /// Everything that names the index must be forgotten, too, before the next scene.
     pub fn forget_mesh(&mut self, index: usize) {
         self.meshes.forget(index, Arc::default());
     }
@@ -314,8 +305,8 @@ impl SceneBuilder {
         self.build_keeping(origin)
     }
 
-    /// The same; images, materials and meshes stay for the next scene, at their indices. Instances, lamps and the world go, and so
-    /// do the warnings.
+    /// The finished scene, with render space's origin at `origin` (world space); images, materials and meshes stay for the next scene, at
+    /// their indices. Instances, lamps and the world go, and so do the warnings.
     pub fn build_keeping(&mut self, origin: DVec3) -> Scene {
         let place = |m: DMat4| -> Affine3A {
             let moved = DMat4::from_translation(-origin) * m;
@@ -335,8 +326,8 @@ impl SceneBuilder {
                 // Strands and points are round: nothing coarse would show.
                 let mesh = &meshes[raw.mesh];
                 let is_coarse = mesh.is_of_triangles();
-                let softening = if is_coarse { raw.softening } else { Softening::default() };
-                dims |= softening.dims();
+                let shadow_terminator = if is_coarse { raw.shadow_terminator } else { ShadowTerminator::default() };
+                dims |= shadow_terminator.dims();
                 // 0 is what an empty slot has.
                 let mut of_slots = if raw.materials.is_empty() { vec![0] } else { raw.materials };
                 if raw.holds_out {
@@ -359,7 +350,7 @@ impl SceneBuilder {
                     visible: raw.visible,
                     links: raw.links,
                     light_group: raw.light_group,
-                    softening,
+                    shadow_terminator,
                     occlusion_distance: raw.occlusion_distance,
                     is_catcher: raw.is_catcher,
                 };
@@ -390,7 +381,7 @@ impl SceneBuilder {
 
 /// The index of a material that is one of these made to hold out.
 fn holding(materials: &mut Vec<Material>, slot: u32) -> u32 {
-    let holding = Material { holds_out: true, speaks: true, ..materials[slot as usize].clone() };
+    let holding = Material { holds_out: true, emits_or_holds_out: true, ..materials[slot as usize].clone() };
     let known = materials.iter().position(|other| *other == holding);
     known.unwrap_or_else(|| {
         materials.push(holding);

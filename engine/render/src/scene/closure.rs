@@ -1,8 +1,10 @@
-//! Closures: what a surface does with light, as Blender's shader nodes name it.
+//! Closures: the ways in which a surface scatters or emits light, as Blender's shader nodes name them.
 //!
 //! A closure is generic over how its inputs are given: `C` colours, `N` numbers.
 
-/// How the facets of a rough surface are tilted.
+use crate::Rgb;
+
+/// The distribution of the microfacets of a rough surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Distribution {
     /// GGX, each ray meeting one facet.
@@ -16,7 +18,7 @@ pub enum Distribution {
     AshikhminShirley,
 }
 
-/// What a metal's two colours mean.
+/// The meaning of a metal's two colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MetalKind {
     /// Reflectance at normal incidence, and its tint at 82 degrees.
@@ -26,7 +28,7 @@ pub enum MetalKind {
     Conductor,
 }
 
-/// How light goes through a body.
+/// The method of subsurface scattering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SubsurfaceMethod {
     /// A random walk whose free path the radius gives.
@@ -41,7 +43,7 @@ pub enum SubsurfaceMethod {
 }
 
 impl SubsurfaceMethod {
-    /// By Blender's name of since 5.1; `None` for others.
+    /// The method by Blender's name of since 5.1; `None` for others.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "RANDOM_WALK" => Self::RandomWalk,
@@ -62,7 +64,7 @@ pub enum Closure<C, N> {
     Diffuse {
         /// Albedo.
         color: C,
-        /// 0 to 1.
+        /// Roughness, 0 to 1.
         roughness: N,
     },
     /// Lambert's on the far side.
@@ -72,15 +74,15 @@ pub enum Closure<C, N> {
     },
     /// A mirror of facets without Fresnel's law.
     Glossy {
-        /// Of the reflection.
+        /// Colour of the reflection.
         color: C,
-        /// Perceptual.
+        /// Perceptual roughness.
         roughness: N,
-        /// -1 to 1, as the Glossy node has it.
+        /// Anisotropy, -1 to 1, as the Glossy node has it.
         anisotropy: N,
         /// Turns of the tangent.
         rotation: N,
-        /// Of its facets.
+        /// Distribution of the facets.
         distribution: Distribution,
     },
     /// A metal.
@@ -89,51 +91,51 @@ pub enum Closure<C, N> {
         base: C,
         /// Tint near grazing, or the extinction coefficient.
         edge: C,
-        /// Which of both.
+        /// The meaning of the two colours.
         kind: MetalKind,
-        /// Perceptual.
+        /// Perceptual roughness.
         roughness: N,
-        /// 0 to 1, as Principled has it.
+        /// Anisotropy, 0 to 1, as Principled has it.
         anisotropy: N,
         /// Turns of the tangent.
         rotation: N,
-        /// Of its facets.
+        /// Distribution of the facets.
         distribution: Distribution,
-        /// Over it.
+        /// Thin film over the metal.
         film: ThinFilm<N>,
     },
     /// Reflects and refracts by Fresnel's law.
     Glass {
         /// Tint of both.
         color: C,
-        /// Perceptual.
+        /// Perceptual roughness.
         roughness: N,
         /// Index of refraction.
         ior: N,
-        /// Of its facets.
+        /// Distribution of the facets.
         distribution: Distribution,
-        /// Over it.
+        /// Thin film over the glass.
         film: ThinFilm<N>,
     },
     /// Refracts all that is not totally reflected, and reflects nothing.
     Refraction {
         /// Tint.
         color: C,
-        /// Perceptual.
+        /// Perceptual roughness.
         roughness: N,
         /// Index of refraction.
         ior: N,
-        /// Of its facets.
+        /// Distribution of the facets.
         distribution: Distribution,
     },
     /// Lets light through unbent.
     Transparent {
-        /// What of it.
+        /// Transmittance by channel.
         color: C,
     },
     /// A hole in the picture.
     Holdout,
-    /// Shines.
+    /// Emission.
     Emission {
         /// Colour.
         color: C,
@@ -144,7 +146,7 @@ pub enum Closure<C, N> {
     Microfiber {
         /// Tint.
         color: C,
-        /// 0 to 1.
+        /// Roughness, 0 to 1.
         roughness: N,
     },
     /// Cloth, by Ashikhmin's distribution.
@@ -158,41 +160,41 @@ pub enum Closure<C, N> {
     Toon {
         /// Tint.
         color: C,
-        /// 0 to 1: of a right angle.
+        /// Size, 0 to 1: of a right angle.
         size: N,
-        /// How much further it fades.
+        /// Width of the smooth transition behind `size`.
         smooth: N,
-        /// About the mirrored ray.
+        /// True if the disk is about the mirrored ray.
         glossy: bool,
     },
     /// Light that goes into the body and comes out elsewhere.
     Subsurface {
         /// Albedo.
         color: C,
-        /// How far it goes, by channel, times `scale`.
+        /// Distance that the light goes, by channel, times `scale`.
         radius: C,
-        /// Blender units.
+        /// Factor of `radius`, Blender units.
         scale: N,
-        /// Index of refraction where it enters.
+        /// Index of refraction where the light enters.
         ior: N,
-        /// Perceptual, where it enters.
+        /// Perceptual roughness where the light enters.
         roughness: N,
-        /// Forwards or backwards, -1 to 1.
+        /// Anisotropy of the scattering: backwards at -1, forwards at 1.
         anisotropy: N,
-        /// Of its ways.
+        /// Method of the walk.
         method: SubsurfaceMethod,
     },
     /// Mirrored by a fibre, or come through it.
     Hair {
         /// Tint.
         color: C,
-        /// Along the fibre, 0 to 1.
+        /// Roughness along the fibre, 0 to 1.
         roughness_along: N,
-        /// About it, 0 to 1.
+        /// Roughness about the fibre, 0 to 1.
         roughness_about: N,
         /// Radians by which the mirrored cone is tilted.
         offset: N,
-        /// Come through, not mirrored.
+        /// True for light that comes through, false for mirrored light.
         through: bool,
     },
     /// Blender's Principled Hair BSDF, Chiang's model.
@@ -201,10 +203,10 @@ pub enum Closure<C, N> {
     Principled(Principled<C, N>),
 }
 
-/// What gives hair its colour.
+/// The source of hair's colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pigment {
-    /// How much of each channel is absorbed along a radius.
+    /// Absorption by channel along a radius.
     Absorption,
     /// Melanin, and a dye.
     Melanin,
@@ -216,27 +218,27 @@ pub enum Pigment {
 /// Blender's Principled Hair BSDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipledHair<C, N> {
-    /// Which of the colours counts.
+    /// The source of the colour.
     pub pigment: Pigment,
     /// The colour, the dye or the absorption.
     pub color: C,
-    /// How much, 0 to 1.
+    /// Amount of melanin, 0 to 1.
     pub melanin: N,
     /// The share of red, 0 to 1.
     pub melanin_redness: N,
-    /// Along the fibre, 0 to 1.
+    /// Roughness along the fibre, 0 to 1.
     pub roughness: N,
-    /// About it, 0 to 1.
+    /// Roughness about the fibre, 0 to 1.
     pub radial_roughness: N,
-    /// Of the roughness, what the mirrored light is spared, 0 to 1.
+    /// The part of the roughness that mirrored light is spared, 0 to 1.
     pub coat: N,
     /// Index of refraction.
     pub ior: N,
-    /// Radians by which its scales are tilted.
+    /// Radians by which the fibre's scales are tilted.
     pub offset: N,
-    /// How much melanin varies from strand to strand.
+    /// Variation of melanin from strand to strand.
     pub random_color: N,
-    /// How much roughness does.
+    /// Variation of roughness from strand to strand.
     pub random_roughness: N,
     /// The strand's number, 0 to 1.
     pub random: N,
@@ -245,7 +247,7 @@ pub struct PrincipledHair<C, N> {
 /// A film on a surface, thin enough to colour what it reflects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinFilm<N> {
-    /// Nanometres; none at 0.
+    /// Thickness, nanometres; no film at 0.
     pub thickness_nm: N,
     /// Index of refraction.
     pub ior: N,
@@ -258,58 +260,94 @@ pub struct Principled<C, N> {
     pub base_color: C,
     /// 0 dielectric to 1 metal.
     pub metallic: N,
-    /// Perceptual.
+    /// Perceptual roughness.
     pub roughness: N,
     /// Index of refraction.
     pub ior: N,
     /// 0 lets everything through unbent.
     pub alpha: N,
-    /// Of the diffuse base.
+    /// Roughness of the diffuse base.
     pub diffuse_roughness: N,
     /// The part of the base whose light goes into the body.
     pub subsurface_weight: N,
-    /// How far, by channel, times the scale.
+    /// Distance of subsurface scattering by channel, times the scale.
     pub subsurface_radius: C,
-    /// Blender units.
+    /// Factor of `subsurface_radius`, Blender units.
     pub subsurface_scale: N,
     /// Index of refraction where it enters skin; else it is Principled's own.
     pub subsurface_ior: N,
-    /// Forwards or backwards, -1 to 1.
+    /// Anisotropy of the scattering: backwards at -1, forwards at 1.
     pub subsurface_anisotropy: N,
-    /// Of its ways.
+    /// Method of the subsurface walk.
     pub subsurface_method: SubsurfaceMethod,
     /// 0.5 leaves the reflection that the index gives.
     pub specular_ior_level: N,
     /// Tint of reflections at normal incidence (dielectric), near grazing (metal).
     pub specular_tint: C,
-    /// 0 to 1.
+    /// Anisotropy, 0 to 1.
     pub anisotropic: N,
     /// Turns of the tangent.
     pub anisotropic_rotation: N,
     /// 0 opaque to 1 glass.
     pub transmission: N,
-    /// Of the clear coat.
+    /// Weight of the clear coat.
     pub coat_weight: N,
-    /// Perceptual.
+    /// Perceptual roughness of the coat.
     pub coat_roughness: N,
-    /// Index of refraction.
+    /// Index of refraction of the coat.
     pub coat_ior: N,
-    /// What the coat leaves of light that passes it.
+    /// Transmittance of the coat.
     pub coat_tint: C,
-    /// Of the cloth over all.
+    /// Weight of the cloth over all.
     pub sheen_weight: N,
-    /// 0 to 1.
+    /// Roughness of the cloth, 0 to 1.
     pub sheen_roughness: N,
-    /// Tint.
+    /// Tint of the cloth.
     pub sheen_tint: C,
     /// Emitted colour.
     pub emission_color: C,
     /// Emitted radiance is colour times this.
     pub emission_strength: N,
-    /// Over metal, glass and the dielectric.
+    /// Thin film over metal, glass and the dielectric.
     pub film: ThinFilm<N>,
-    /// Whether light goes on from facet to facet.
+    /// True if light goes on from facet to facet.
     pub multiscatter: bool,
+}
+
+impl Default for Principled<Rgb, f32> {
+    /// Blender's Principled BSDF as a new node has it.
+    fn default() -> Self {
+        Self {
+            base_color: Rgb::splat(0.8),
+            metallic: 0.0,
+            roughness: 0.5,
+            ior: 1.5,
+            alpha: 1.0,
+            diffuse_roughness: 0.0,
+            subsurface_weight: 0.0,
+            subsurface_radius: Rgb::new(1.0, 0.2, 0.1),
+            subsurface_scale: 0.05,
+            subsurface_ior: 1.4,
+            subsurface_anisotropy: 0.0,
+            subsurface_method: SubsurfaceMethod::RandomWalk,
+            specular_ior_level: 0.5,
+            specular_tint: Rgb::ONE,
+            anisotropic: 0.0,
+            anisotropic_rotation: 0.0,
+            transmission: 0.0,
+            coat_weight: 0.0,
+            coat_roughness: 0.03,
+            coat_ior: 1.5,
+            coat_tint: Rgb::ONE,
+            sheen_weight: 0.0,
+            sheen_roughness: 0.5,
+            sheen_tint: Rgb::ONE,
+            emission_color: Rgb::ONE,
+            emission_strength: 0.0,
+            film: ThinFilm { thickness_nm: 0.0, ior: 1.33 },
+            multiscatter: true,
+        }
+    }
 }
 
 impl<N> ThinFilm<N> {
@@ -341,7 +379,7 @@ impl<C, N> Closure<C, N> {
         }
     }
 
-    /// The same closure with its inputs given in another way.
+    /// This closure with its inputs converted: colours by `c`, numbers by `n`.
     pub fn map<D, M>(&self, mut c: impl FnMut(&C) -> D, mut n: impl FnMut(&N) -> M) -> Closure<D, M> {
         match self {
             Self::Diffuse { color, roughness } => Closure::Diffuse { color: c(color), roughness: n(roughness) },
@@ -420,12 +458,12 @@ impl<C, N> Closure<C, N> {
 }
 
 impl<C> Closure<C, f32> {
-    /// Whether it is of hair, and so asks for the strand.
+    /// True if the closure is one of hair, which needs the strand.
     pub fn is_hair(&self) -> bool {
         matches!(self, Self::Hair { .. } | Self::PrincipledHair(_))
     }
 
-    /// Whether its facets are stretched along the surface's tangent.
+    /// True if the closure's facets are stretched along the surface's tangent.
     pub fn is_brushed(&self) -> bool {
         match self {
             Self::Glossy { anisotropy, .. } | Self::Metal { anisotropy, .. } => *anisotropy != 0.0,

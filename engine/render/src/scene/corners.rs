@@ -1,28 +1,28 @@
-//! Values at the corners of a mesh's triangles, as often as there are different ones: by vertex where all faces about it share
-//! them, by the corners of Blender's faces, of which two triangles share some, or by triangle. Every corner of every triangle by itself takes two to
-//! six times the memory.
+//! Values at the corners of a mesh's triangles, as often as there are different ones: by vertex where all faces about it share them, by the
+//! corners of Blender's faces, of which two triangles share some, or by triangle. Every corner of every triangle by itself takes two to six
+//! times the memory.
 
 use glam::{Vec2, Vec3, Vec4};
 
 /// Values by what they belong to; [`super::mesh::Mesh::at_corners`] finds those of a triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Corners<T> {
-    /// One a vertex.
+    /// One value for each vertex.
     Vertices(Vec<T>),
-    /// One a corner of a face, as the mesh's `loops` number them.
+    /// One value for each corner of a face, as the mesh's `loops` number them.
     Loops(Vec<T>),
-    /// One a triangle.
+    /// One value for each triangle.
     Triangles(Vec<T>),
-    /// Three a triangle.
+    /// Three values for each triangle.
     Each(Vec<[T; 3]>),
 }
 
-/// What triangles are made of: their vertices, and the corners of faces that theirs are.
+/// The indices of triangles: those of their vertices, and those of the corners of faces.
 #[derive(Clone, Copy, Debug)]
 pub struct Numbers<'a> {
-    /// By triangle.
+    /// Vertices by triangle.
     pub triangles: &'a [[u32; 3]],
-    /// The same; empty where nothing is kept by corners of faces.
+    /// Corners of faces by triangle; empty where nothing is kept by corners of faces.
     pub loops: &'a [[u32; 3]],
 }
 
@@ -39,7 +39,7 @@ impl<T: Copy> Corners<T> {
         }
     }
 
-    /// Why it is not for these triangles and so many vertices; `None` where it is.
+    /// The error of values that do not fit these triangles and so many vertices; `None` if they fit.
     pub(super) fn misfit(&self, numbers: Numbers<'_>, vertices: usize) -> Option<String> {
         let triangles = numbers.triangles.len();
         let (have, need, of) = match self {
@@ -69,7 +69,7 @@ impl<T: Copy> Corners<T> {
         }
     }
 
-    /// Every value once.
+    /// All values, each once.
     pub(super) fn values_mut(&mut self) -> &mut [T] {
         match self {
             Self::Vertices(values) | Self::Loops(values) | Self::Triangles(values) => values,
@@ -77,7 +77,7 @@ impl<T: Copy> Corners<T> {
         }
     }
 
-    /// The same for every corner by itself.
+    /// The values of the three corners of every triangle.
     pub fn each(&self, numbers: Numbers<'_>) -> Vec<[T; 3]> {
         (0..numbers.triangles.len() as u32).map(|triangle| self.at(numbers, triangle)).collect()
     }

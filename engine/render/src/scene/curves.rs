@@ -7,12 +7,12 @@ use super::SceneError;
 use super::mesh::Mesh;
 use glam::{Vec2, Vec3, Vec4};
 
-/// What is drawn of a strand.
+/// The shape of a strand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveShape {
     /// A ribbon that faces whoever looks, its normal that of a round strand: this many even pieces a segment.
     Ribbon {
-        /// At least 1.
+        /// Number of pieces, at least 1.
         pieces: u16,
     },
     /// A round strand, open at its ends.
@@ -21,54 +21,54 @@ pub enum CurveShape {
     ThickLinear,
 }
 
-/// What is known along strands.
+/// Attribute values along strands.
 #[derive(Clone, Debug)]
 pub enum StrandValues {
-    /// At each key; even in between.
+    /// A value at each key; linear in between.
     ByKey(Vec<Vec4>),
-    /// Of each strand.
+    /// A value of each strand.
     ByStrand(Vec<Vec4>),
 }
 
 /// Curves as they arrive.
 #[derive(Clone, Debug)]
 pub struct CurvesDescription {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
-    /// Where, object space, and the radius there.
+    /// Positions in object space, and radii.
     pub keys: Vec<Vec4>,
-    /// By strand the index of its first key; then how many keys there are.
+    /// Index of the first key by strand; then the number of keys.
     pub first_keys: Vec<u32>,
-    /// What is drawn.
+    /// The shape of the strands.
     pub shape: CurveShape,
     /// The number of the first strand: by theirs they get random numbers.
     pub first_number: u32,
     /// UV maps by name, a place by strand: where its root is on what it grows from.
     pub uv_maps: Vec<(String, Vec<Vec2>)>,
-    /// What else is known, by name.
+    /// Attributes by name.
     pub attributes: Vec<(String, StrandValues)>,
-    /// Of the keys, without radius, a frame before and a frame after; `None` where they keep their places.
+    /// Positions of the keys, without radius, a frame before and a frame after; `None` where they keep their places.
     pub moved_keys: Option<[Vec<Vec3>; 2]>,
 }
 
 /// Checked curves: every key finite, every radius at least zero.
 #[derive(Clone, Debug)]
 pub struct Curves {
-    /// Where, object space, and the radius there.
+    /// Positions in object space, and radii.
     pub keys: Vec<Vec4>,
-    /// By strand the index of its first key; then how many keys there are.
+    /// Index of the first key by strand; then the number of keys.
     first_keys: Vec<u32>,
-    /// What is drawn.
+    /// The shape of the strands.
     pub shape: CurveShape,
-    /// By strand, what random numbers are made of.
+    /// The numbers by strand that random numbers are made of.
     numbers: Numbers,
     uv_maps: Vec<(String, Vec<Vec2>)>,
     attributes: Vec<(String, StrandValues)>,
-    /// Of the keys a frame before and a frame after.
+    /// Positions of the keys a frame before and a frame after.
     pub moved_keys: Option<[Vec<Vec3>; 2]>,
 }
 
-/// The strands' numbers.
+/// The numbers of the strands, from which their random numbers are made.
 #[derive(Clone, Debug)]
 enum Numbers {
     From(u32),
@@ -94,7 +94,7 @@ impl Controls {
         a + u * (b + u * (c + u * d))
     }
 
-    /// How place and radius change with `u`.
+    /// The derivative of place and radius by `u`.
     #[inline]
     pub fn slope(&self, u: f32) -> Vec4 {
         let [_, b, c, d] = self.coefficients();
@@ -163,12 +163,12 @@ impl Curves {
         Ok((Self { keys, first_keys, shape, numbers, uv_maps, attributes, moved_keys }, warning))
     }
 
-    /// Whether they are ribbons.
+    /// True if the curves are ribbons.
     pub fn is_flat(&self) -> bool {
         matches!(self.shape, CurveShape::Ribbon { .. })
     }
 
-    /// How many strands there are.
+    /// Number of strands.
     pub fn strand_count(&self) -> usize {
         self.first_keys.len() - 1
     }
@@ -178,7 +178,7 @@ impl Curves {
         self.first_keys[strand as usize]..self.first_keys[strand as usize + 1]
     }
 
-    /// How many segments there are.
+    /// Number of segments.
     pub fn segment_count(&self) -> usize {
         (0..self.strand_count() as u32).map(|strand| self.keys_of(strand).len().saturating_sub(1)).sum()
     }
@@ -188,7 +188,7 @@ impl Curves {
         (self.first_keys.partition_point(|&first| first <= segment) - 1) as u32
     }
 
-    /// What bends a segment of a strand.
+    /// The control points of a segment of a strand.
     pub fn controls(&self, strand: u32, segment: u32) -> Controls {
         let range = self.keys_of(strand);
         let key = |i: u32| self.keys[i as usize];
@@ -202,7 +202,7 @@ impl Curves {
         Controls([key(before), key(segment), key(segment + 1), key(behind)])
     }
 
-    /// How far along its strand a place is, 0 to 1, and how long the strand is; by straight lines between keys.
+    /// The relative length along its strand of a place, 0 to 1, and the length of the strand; by straight lines between keys.
     pub fn intercept(&self, segment: u32, u: f32) -> (f32, f32) {
         let range = self.keys_of(self.strand_of(segment));
         let (mut before, mut length) = ([0.0; 2], 0.0);
@@ -225,7 +225,7 @@ impl Curves {
         2.0 * (a + (b - a) * u)
     }
 
-    /// What is a strand's own, 0 to 1, by its number.
+    /// A random number of the segment's strand, 0 to 1, by the strand's number.
     pub fn random(&self, segment: u32) -> f32 {
         let strand = self.strand_of(segment);
         petzval_nodes::random_of_pair(match &self.numbers {
@@ -254,7 +254,7 @@ impl Curves {
         }
     }
 
-    /// Where in a UV map the root of a segment's strand is.
+    /// The place in a UV map of the root of a segment's strand.
     pub fn uv(&self, map: usize, segment: u32) -> Vec2 {
         self.uv_maps[map].1[self.strand_of(segment) as usize]
     }
@@ -265,7 +265,7 @@ impl Curves {
         [places().fold(Vec3::MAX, Vec3::min), places().fold(Vec3::MIN, Vec3::max)]
     }
 
-    /// What stands in the scene where else a mesh does: one without triangles.
+    /// The curves as a mesh without triangles.
     pub(super) fn into_mesh(self, name: String) -> Mesh {
         Mesh { name, bounds: self.bounds(), curves: Some(Box::new(self)), is_special: true, ..Mesh::default() }
     }

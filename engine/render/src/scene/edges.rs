@@ -1,5 +1,5 @@
-//! What a mesh's edges tell of its vertices: which hang together, and how pointed the surface is there. Both are Blender's
-//! own, step by step, for the numbers are facts of its files.
+//! Vertex data from a mesh's edges: islands of connected vertices, and pointiness. Both are Blender's own, step by step, for the numbers
+//! are facts of its files.
 
 use glam::Vec3;
 use petzval_nodes::random_of;
@@ -7,7 +7,7 @@ use std::collections::HashSet;
 
 /// A number from 0 to 1 by vertex, the same for all that edges join. Edges must name vertices that exist.
 ///
-/// It is the hash of one of the vertices; of which depends on the order of the edges, for of two trees the higher stays.
+/// The number is the hash of one of the vertices; of which depends on the order of the edges, for the higher of two trees stays.
 pub fn random_per_island(vertices: usize, edges: &[[u32; 2]]) -> Vec<f32> {
     let mut parents: Vec<u32> = (0..vertices as u32).collect();
     let mut heights = vec![0u8; vertices];
@@ -39,8 +39,8 @@ fn root(parents: &mut [u32], vertex: u32) -> u32 {
     top
 }
 
-/// From 0 (a hollow) to 1 (a spike) by vertex, one half where the surface is flat: the angle between the normal and the
-/// mean direction of the edges, averaged with that of the neighbours. Vertices at one place count as one.
+/// Pointiness by vertex, from 0 (a hollow) to 1 (a spike), one half where the surface is flat: the angle between the normal and the mean
+/// direction of the edges, averaged with that of the neighbours. Vertices at one place count as one.
 pub fn pointiness(positions: &[Vec3], normals: &[Vec3], edges: &[[u32; 2]]) -> Vec<f32> {
     let count = positions.len();
     let first = welded(positions);
@@ -76,7 +76,7 @@ pub fn pointiness(positions: &[Vec3], normals: &[Vec3], edges: &[[u32; 2]]) -> V
     (0..count).map(|vertex| first[vertex] as usize).map(|at| smooth[at] / (neighbours[at] + 1.0)).collect()
 }
 
-/// For each vertex, the one that stands for all at its place.
+/// The vertex, for each vertex, that stands for all at its place.
 fn welded(positions: &[Vec3]) -> Vec<u32> {
     let sum = |vertex: u32| positions[vertex as usize].element_sum();
     let mut sorted: Vec<u32> = (0..positions.len() as u32).collect();

@@ -3,13 +3,16 @@
 use super::closure::{
     Closure, Distribution, MetalKind, Pigment, Principled, PrincipledHair, SubsurfaceMethod, ThinFilm,
 };
-use super::layer::MOST_LAYERS;
+use super::plain::Plain;
 use super::volume::Volume;
-use crate::luminance;
+use crate::{Rgb, luminance};
 use glam::Vec3A;
 use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Operand, Program, Registers, Slice, compile};
 
-/// What the engine can tell of a point.
+/// Closures that a material may have; further ones are left out.
+pub const MOST_LAYERS: usize = 32;
+
+/// The fields of a point that the engine knows.
 const KNOWN: [Field; 51] = [
     Field::Position,
     Field::Normal,
@@ -74,17 +77,17 @@ pub(super) fn in_words(field: Field) -> String {
     words.collect()
 }
 
-/// Where an input of a closure comes from.
+/// The source of a closure's input.
 #[derive(Clone, Copy, Debug)]
 pub enum Source {
-    /// What the program computes, or a constant of it.
+    /// A result of the program, or a constant of it.
     Of(Operand),
-    /// A finite value for all points: a constant, or what stands for a socket that this Blender does not have.
+    /// A finite value for all points: a constant, or the default of a socket that this Blender does not have.
     Always(Vec3A),
 }
 
 impl Source {
-    /// Its value once the program has run. A number stands in all three parts.
+    /// The source's value once the program has run. A number stands in all three parts.
     #[inline]
     pub fn value(self, program: &Program, registers: &Registers) -> Vec3A {
         match self {
@@ -93,7 +96,7 @@ impl Source {
         }
     }
 
-    /// Its value where that is the same everywhere.
+    /// The source's value if that is spatially constant.
     pub fn constant(self, program: &Program) -> Option<Vec3A> {
         match self {
             Self::Of(operand) => program.constant(operand),
@@ -118,12 +121,12 @@ impl Source {
     }
 }
 
-/// One closure.
+/// A closure and its weight.
 #[derive(Clone, Debug)]
 pub struct GraphLayer {
-    /// What it counts, 0 to 1.
+    /// Weight, 0 to 1.
     pub weight: Source,
-    /// What it does.
+    /// The closure.
     pub closure: Closure<Source, Source>,
     /// A normal of its own, world space.
     pub normal: Option<Source>,
@@ -134,7 +137,7 @@ pub struct GraphLayer {
 }
 
 impl GraphLayer {
-    /// The sources of its weight, its inputs and its directions.
+    /// The sources of the layer's weight, inputs and directions.
     fn sources(&self) -> Vec<Source> {
         let (mut colors, mut numbers) = (Vec::new(), Vec::new());
         self.closure.map(|color| colors.push(*color), |number| numbers.push(*number));
@@ -142,7 +145,7 @@ impl GraphLayer {
         std::iter::once(self.weight).chain(directions).chain(colors).chain(numbers).collect()
     }
 
-    /// The same layer without what it emits; `None` of a closure that does not scatter.
+    /// This layer without emission; `None` of a closure that does not scatter.
     fn scattering(&self) -> Option<Self> {
         let closure = match self.closure {
             Closure::Emission { .. } | Closure::Transparent { .. } | Closure::Holdout => return None,
@@ -155,7 +158,7 @@ impl GraphLayer {
         Some(Self { closure, ..self.clone() })
     }
 
-    /// The same layer, its inputs known by their values where they are the same everywhere.
+    /// This layer with values for the inputs that are spatially constant.
     fn settled(&self, program: &Program) -> Self {
         let settle = |source: &Source| source.settled(program);
         Self {
@@ -171,19 +174,21 @@ impl GraphLayer {
 /// A program and what it is for.
 #[derive(Debug)]
 pub struct Graph {
-    /// To be run at each point.
+    /// The program, to be run at each point.
     pub program: Program,
-    /// The parts of it that are run.
+    /// The parts of the program that are run.
     pub slices: Slices,
     /// The closures, which add up.
     pub layers: Vec<GraphLayer>,
-    /// Those of them that scatter light, without what they emit.
+    /// The closures that scatter light, without what they emit.
     pub scattering: Vec<GraphLayer>,
-    /// Of the material.
+    /// The scattering closures as a plain surface, if they are one.
+    pub plain: Option<Plain>,
+    /// Pass index of the material.
     pub pass_index: i32,
-    /// What its displacement does.
+    /// The method of displacement.
     pub displacement: Displacement,
-    /// What fills the space behind the surface; of the world, all space.
+    /// The medium behind the surface; of the world, in all space.
     pub volume: Option<Volume>,
 }
 
@@ -253,13 +258,13 @@ impl Principled<Source, Source> {
         self.alpha.constant(program) != Some(Vec3A::ONE)
     }
 
-    /// True if it may emit.
+    /// True if the closure may emit.
     pub fn shines(&self, program: &Program) -> bool {
         self.emission_strength.constant(program) != Some(Vec3A::ZERO)
     }
 }
 
-/// What a material's displacement does.
+/// The effect of a material's displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Displacement {
     /// Bends normals.
@@ -267,17 +272,17 @@ pub enum Displacement {
     Bump,
     /// Moves the mesh's vertices.
     Vertices,
-    /// Both.
+    /// Moves vertices, and bends normals.
     Both,
 }
 
 impl Displacement {
-    /// Whether it bends normals.
+    /// True if the displacement bends normals.
     pub fn bends(self) -> bool {
         self != Self::Vertices
     }
 
-    /// Whether it moves vertices.
+    /// True if the displacement moves vertices.
     pub fn moves(self) -> bool {
         self != Self::Bump
     }
@@ -291,7 +296,7 @@ impl PartialEq for Graph {
 }
 
 impl Graph {
-    /// Of a compiled graph; and what of it the engine does otherwise than Blender, or not at all.
+    /// The graph of a compiled program; and reports on parts of it that the engine evaluates otherwise than Blender, or not at all.
     pub fn new(program: Program, pass_index: i32) -> (Self, Vec<String>) {
         let mut reports = Vec::new();
         let mut report = |what: &str| {
@@ -315,13 +320,33 @@ impl Graph {
         for field in program.reads().filter(|field| !KNOWN.contains(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
-        let scattering: Vec<GraphLayer> = layers.iter().filter_map(GraphLayer::scattering).collect();
-        let slices = Slices::new(&program, &layers, &scattering);
-        let displacement = Displacement::default();
-        (Self { program, slices, layers, scattering, pass_index, displacement, volume: None }, reports)
+        (Self::assembled(program, layers, pass_index), reports)
     }
 
-    /// Of all that shaders say: surface and volume become programs of their own, since they are asked at different places.
+    /// A spatially constant graph of closures with weights.
+    pub fn even(closures: impl IntoIterator<Item = (f32, Closure<Rgb, f32>)>) -> Self {
+        let color = |color: &Rgb| Source::Always(Vec3A::from(*color));
+        let number = |number: &f32| Source::Always(Vec3A::splat(*number));
+        let layers = closures.into_iter().map(|(weight, closure)| GraphLayer {
+            weight: number(&weight),
+            closure: closure.map(color, number),
+            normal: None,
+            coat_normal: None,
+            tangent: None,
+        });
+        Self::assembled(Program::default(), layers.collect(), 0)
+    }
+
+    fn assembled(program: Program, layers: Vec<GraphLayer>, pass_index: i32) -> Self {
+        let scattering: Vec<GraphLayer> = layers.iter().filter_map(GraphLayer::scattering).collect();
+        let slices = Slices::new(&program, &layers, &scattering);
+        // A displacement may bend the normal.
+        let plain = program.displacement.is_none().then(|| Plain::of(&scattering, &program)).flatten();
+        let displacement = Displacement::default();
+        Self { program, slices, layers, scattering, plain, pass_index, displacement, volume: None }
+    }
+
+    /// The graph of shaders: surface and volume become programs of their own, since they are evaluated at different places.
     pub fn of(shaders: &Shaders, pass_index: i32) -> (Self, Vec<String>) {
         let (program, told) = compile(&Shaders { volume: None, ..shaders.clone() });
         let (mut graph, mut reports) = Self::new(program, pass_index);
@@ -346,33 +371,33 @@ impl Graph {
         (graph, reports)
     }
 
-    /// Whether there is nothing but a volume: light passes its border as if it were not there.
+    /// True if there is nothing but a volume: light passes its border as if it were not there.
     #[inline]
     pub fn is_only_volume(&self) -> bool {
         self.volume.is_some() && self.program.surface.is_empty()
     }
 
-    /// True if its displacement bends normals.
+    /// True if the graph's displacement bends normals.
     pub fn bends_normals(&self) -> bool {
         self.displacement.bends() && self.program.displacement.is_some()
     }
 
-    /// True if its closures are the same everywhere.
+    /// True if the graph's closures are spatially constant.
     pub fn is_even(&self) -> bool {
         self.slices.scattering.is_empty() && !self.bends_normals()
     }
 
-    /// Whether it moves the vertices of meshes.
+    /// True if the graph's displacement moves the vertices of meshes.
     pub fn moves_vertices(&self) -> bool {
         self.displacement.moves() && self.program.displacement.is_some()
     }
 
-    /// Whether its program asks for any of these.
+    /// True if the graph's program reads any of these fields.
     pub fn reads_any(&self, fields: &[Field]) -> bool {
         self.program.reads().any(|field| fields.contains(&field))
     }
 
-    /// Whether any of its surface may shine.
+    /// True if any of its surface may emit.
     pub fn emits(&self) -> bool {
         let shines = |color: Source, strength: Source| {
             [color, strength].iter().all(|source| source.constant(&self.program) != Some(Vec3A::ZERO))
@@ -384,7 +409,7 @@ impl Graph {
         })
     }
 
-    /// About what it emits, where it varies as if it were white: for choosing between lights.
+    /// Luminance of the emitted radiance, inputs that vary taken as white: for choosing between lights.
     pub fn brightness(&self) -> f32 {
         let about = |source: Source| source.constant(&self.program).unwrap_or(Vec3A::ONE);
         let of = |layer: &GraphLayer| {
@@ -398,7 +423,7 @@ impl Graph {
         self.layers.iter().map(of).sum::<f32>().max(1e-6)
     }
 
-    /// Whether what shines is the same everywhere.
+    /// True if the graph's emission is spatially constant.
     pub fn emits_evenly(&self) -> bool {
         let stands = |source: &Source| source.constant(&self.program).is_some();
         self.layers.iter().all(|layer| match &layer.closure {
@@ -411,7 +436,7 @@ impl Graph {
         })
     }
 
-    /// Whether any of its surface may let light through unbent.
+    /// True if any of its surface may let light through unbent.
     pub fn may_be_transparent(&self) -> bool {
         self.layers.iter().any(|layer| match &layer.closure {
             Closure::Transparent { .. } | Closure::Holdout => true,

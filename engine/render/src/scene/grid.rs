@@ -1,4 +1,4 @@
-//! Values at the points of a lattice in an object's space: what smoke and clouds are made of.
+//! Values at the points of a lattice in an object's space, of which smoke and clouds are made.
 
 use super::SceneError;
 use glam::{Affine3A, Vec3A, Vec4};
@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec3A, Vec4};
 /// One or three numbers at each voxel of a box; 0 outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// By which shaders ask for it: "density", "temperature".
+    /// The name by which shaders read it: "density", "temperature".
     pub name: String,
     /// Voxels along x, y and z.
     pub size: [usize; 3],

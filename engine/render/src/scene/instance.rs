@@ -1,9 +1,9 @@
-//! Where meshes stand, and what is told of each.
+//! Instances: the placement of meshes, and the properties of each.
 
 use super::mesh::Mesh;
 use super::motion::Pose;
-use super::softening::Softening;
-use super::visibility::{Links, Rays};
+use super::shadow_terminator::ShadowTerminator;
+use super::visibility::{LightLinking, Rays};
 use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec3, Vec4};
 
 /// Axes whose squared lengths and products differ by less than this part are scaled alike.
@@ -24,39 +24,39 @@ pub struct Instance {
     pub to_object: Affine3A,
     /// Object-space normals to render space (inverse transpose), unnormalised.
     pub normal_to_render: Mat3A,
-    /// The only user of its mesh, and its matrix does not scale all directions alike: normals are made unit in render space before they are
-    /// interpolated, as by Cycles, which puts such a mesh into the world before it renders.
+    /// True if the instance is the only user of its mesh, and its matrix does not scale all directions alike: normals are made unit in
+    /// render space before they are interpolated, as by Cycles, which puts such a mesh into the world before it renders.
     pub is_stretched: bool,
-    /// The matrix mirrors: front and back are exchanged.
+    /// True if the matrix mirrors: front and back are exchanged.
     pub mirrored: bool,
     /// Material of each slot; never empty.
     pub materials: Vec<u32>,
-    /// What it shows itself to.
+    /// The kinds of ray that see it.
     pub visible: Rays,
-    /// Which lights light it, and in which it throws shadows.
-    pub links: Links,
+    /// The instance's part in light linking.
+    pub links: LightLinking,
     /// The number of the light group of what it emits; 0 is none.
     pub light_group: u16,
-    /// How its smooth faces are helped at the edge of light.
-    pub softening: Softening,
-    /// How far rays go from it that end a path with ambient occlusion; 0: as far as all others.
+    /// Softening of the shadow terminator on its smooth faces.
+    pub shadow_terminator: ShadowTerminator,
+    /// Length of the ambient occlusion rays that end a path and start on the instance; 0: that of all others.
     pub occlusion_distance: f32,
     /// Object space to render space a frame before and a frame after; `None` where it stands still.
     pub moved: Option<Box<[DAffine3; 2]>>,
-    /// What shader graphs may ask of the object.
+    /// Properties of the object that shader graphs may read.
     pub info: ObjectInfo,
-    /// Which of its mesh's shapes it has, where that has several.
+    /// The shape of its mesh at its moment, where the mesh has several.
     pub pose: Pose,
-    /// It stands for what the picture is to be laid over: its shadows alone are wanted.
+    /// True if the instance stands for an object in the photograph that the picture is laid over: only its shadows are wanted.
     pub is_catcher: bool,
 }
 
-/// What Blender's Object Info node tells.
+/// The values of Blender's Object Info node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectInfo {
-    /// In the viewport; with alpha.
+    /// Colour in the viewport; with alpha.
     pub color: Vec4,
-    /// Pass index.
+    /// Pass index of the object.
     pub pass_index: i32,
     /// 0 to 1, another for each object and instance.
     pub random: f32,
@@ -69,13 +69,13 @@ impl Default for ObjectInfo {
 }
 
 impl Instance {
-    /// How far a ray goes from it that ends a path with ambient occlusion, where others go so far.
+    /// Length of a ray from the instance that ends a path with ambient occlusion, if those of other instances have this length.
     #[inline]
     pub fn last_ray_distance(&self, of_others: f32) -> f32 {
         if self.occlusion_distance == 0.0 { of_others } else { self.occlusion_distance }
     }
 
-    /// Puts it elsewhere: `to_world` takes object space to world space, `origin` is render space's.
+    /// Puts the instance elsewhere: `to_world` takes object space to world space, `origin` is render space's.
     pub(super) fn stand(&mut self, to_world: &DAffine3, origin: DVec3) {
         let moved = DAffine3::from_translation(-origin) * *to_world;
         let single = |map: DAffine3| Affine3A::from_mat4(DMat4::from(map).as_mat4());
@@ -88,7 +88,7 @@ impl Instance {
         self.mirrored = linear.determinant() < 0.0;
     }
 
-    /// Whether its matrix scales directions differently, so that angles change.
+    /// True if the instance's matrix scales directions differently, so that angles change.
     pub(super) fn changes_angles(&self) -> bool {
         let Mat3A { x_axis: x, y_axis: y, z_axis: z } = self.to_render.matrix3;
         let most = x.length_squared().max(y.length_squared()).max(z.length_squared());

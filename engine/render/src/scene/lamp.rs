@@ -1,7 +1,7 @@
 //! Blender's lamps as described: point, spot, sun and area.
 
 use super::graph::Graph;
-use super::visibility::{Rays, Sets};
+use super::visibility::{LightSets, Rays};
 use crate::Rgb;
 use glam::{Affine3A, Vec3A};
 use std::sync::Arc;
@@ -11,34 +11,34 @@ use std::sync::Arc;
 pub enum LampKind {
     /// A sphere.
     Point {
-        /// Blender units.
+        /// Radius, Blender units.
         radius: f32,
-        /// A disk that faces whoever looks at it, rather than a sphere.
+        /// True for a disk that faces whoever looks at it, false for a sphere.
         soft: bool,
     },
-    /// A sphere that shines into a cone about the lamp's -z.
+    /// A sphere that emits into a cone about the lamp's -z.
     Spot {
-        /// Blender units.
+        /// Radius, Blender units.
         radius: f32,
-        /// Half of the cone.
+        /// Half of the cone's angle.
         half_angle_rad: f32,
         /// 0 hard to 1 soft.
         blend: f32,
-        /// A disk that faces whoever looks at it, rather than a sphere.
+        /// True for a disk that faces whoever looks at it, false for a sphere.
         soft: bool,
     },
     /// A disk infinitely far along the lamp's +z.
     Sun {
-        /// Half of its angular diameter.
+        /// Half of the sun's angular diameter.
         half_angle_rad: f32,
     },
-    /// A flat shape in the lamp's xy plane that shines along -z.
+    /// A flat shape in the lamp's xy plane that emits along -z.
     Area {
         /// Full sides in lamp space.
         size: [f32; 2],
-        /// An ellipse with these diameters rather than a rectangle.
+        /// True for an ellipse with these diameters, false for a rectangle.
         ellipse: bool,
-        /// Half of the angle that it shines into; pi/2 is a plain Lambert emitter.
+        /// Half of the angle that it emits into; pi/2 is a plain Lambert emitter.
         half_spread_rad: f32,
     },
 }
@@ -48,21 +48,21 @@ pub enum LampKind {
 pub struct Lamp {
     /// The Blender object.
     pub object_name: String,
-    /// Shape.
+    /// Shape of the lamp.
     pub kind: LampKind,
     /// Watts by channel; for a sun, watts per square metre.
     pub color: Rgb,
-    /// What its nodes make of the colour, where they do not leave it as it is.
+    /// The nodes that change the colour; `None` where they leave it as it is.
     pub graph: Option<Arc<Graph>>,
     /// The kinds of ray that find it: of those that a surface scatters, the closures that it lights.
     pub reaches: Rays,
-    /// What it lights, and what throws shadows in its light.
-    pub sets: Sets,
-    /// The number of its light group; 0 is none.
+    /// The objects that the lamp lights, and those that throw shadows in its light.
+    pub sets: LightSets,
+    /// The number of the lamp's light group; 0 is none.
     pub light_group: u16,
-    /// Scatterings after which it no longer lights anything.
+    /// Scatterings after which the lamp no longer lights anything.
     pub max_bounces: u32,
-    /// Is shadowed by objects.
+    /// True if objects shadow the lamp's light.
     pub cast_shadow: bool,
     /// Lamp axes to render space.
     pub to_render: Affine3A,
@@ -76,7 +76,7 @@ impl Default for Lamp {
             color: Rgb::ONE,
             graph: None,
             reaches: Rays::ALL,
-            sets: Sets::EVERYTHING,
+            sets: LightSets::EVERYTHING,
             light_group: 0,
             max_bounces: u32::MAX,
             cast_shadow: true,

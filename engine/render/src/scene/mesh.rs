@@ -14,56 +14,56 @@ pub const GENERATED: &str = ".generated";
 /// A mesh as it arrives; arrays by triangle have one entry a triangle.
 #[derive(Clone, Debug, Default)]
 pub struct MeshDescription {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
-    /// Object space.
+    /// Vertices in object space.
     pub positions: Vec<Vec3>,
     /// Three indices into `positions`, anticlockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
-    /// By triangle, which corners of faces its own are: numbers for [`Corners::Loops`]; empty where there are none.
+    /// Corners of faces by triangle: numbers for [`Corners::Loops`]; empty where there are none.
     pub loops: Vec<[u32; 3]>,
     /// Normals at the corners, object space; `None` is flat.
     pub corner_normals: Option<Corners<Vec3>>,
     /// UV maps by name, in Blender's order.
     pub uv_maps: Vec<Named<Vec2>>,
-    /// What else is known at the corners, by name: what shader graphs ask for.
+    /// Attributes at the corners, by name, for shader graphs.
     pub attributes: Vec<Named<Vec4>>,
     /// Material slot by triangle; `None` is slot 0.
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after; `None` where the mesh keeps its shape.
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
-    /// Its shapes while the shutter is open; `None` where it keeps its shape.
+    /// The mesh's shapes while the shutter is open; `None` where it keeps its shape.
     pub poses: Option<Poses>,
-    /// Values known in its space, for volumes.
+    /// Values known in the mesh's space, for volumes.
     pub grids: Vec<Grid>,
-    /// Its volume is as opaque however large the object is.
+    /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
 }
 
 /// A checked mesh: every index valid, every position finite, every triangle with area.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
-    /// Object space.
+    /// Vertices in object space.
     pub positions: Vec<Vec3>,
     /// Three indices into `positions`, anticlockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
-    /// By triangle, which corners of faces its own are; empty where nothing is kept by these.
+    /// Corners of faces by triangle; empty where nothing is kept by these.
     pub loops: Vec<[u32; 3]>,
     /// Unit normals at the corners, object space.
     pub corner_normals: Option<Corners<Vec3>>,
     /// UV maps by name.
     pub uv_maps: Vec<Named<Vec2>>,
-    /// What else is known at the corners, by name.
+    /// Attributes at the corners, by name.
     pub attributes: Vec<Named<Vec4>>,
     /// Material slot by triangle.
     pub material_slots: Option<Vec<u32>>,
     /// `positions` a frame before and a frame after.
     pub moved_positions: Option<[Vec<Vec3>; 2]>,
-    /// Values known in its space, for volumes.
+    /// Values known in the mesh's space, for volumes.
     pub grids: Vec<Grid>,
-    /// Its volume is as opaque however large the object is.
+    /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
     /// The corners of the box that holds `positions`.
     pub bounds: [Vec3; 2],
@@ -71,9 +71,9 @@ pub struct Mesh {
     pub curves: Option<Box<Curves>>,
     /// A point cloud, instead of triangles.
     pub points: Option<Box<Points>>,
-    /// Its shapes while the shutter is open.
+    /// The mesh's shapes while the shutter is open.
     pub poses: Option<Box<Poses>>,
-    /// It has curves, points or several shapes: one question for what most meshes have none of.
+    /// True if the mesh has curves, points or several shapes: one test for what most meshes do not have.
     pub is_special: bool,
 }
 
@@ -178,7 +178,7 @@ impl Mesh {
         self.material_slots.as_ref().map_or(0, |s| s[triangle as usize])
     }
 
-    /// Whether it is neither hair nor a point cloud.
+    /// True if the mesh is neither hair nor a point cloud.
     pub fn is_of_triangles(&self) -> bool {
         self.curves.is_none() && self.points.is_none()
     }
@@ -196,7 +196,7 @@ impl Mesh {
         corners::named(&self.attributes, name)
     }
 
-    /// For [`Corners::at`].
+    /// The indices for [`Corners::at`].
     #[inline]
     pub fn numbers(&self) -> Numbers<'_> {
         Numbers { triangles: &self.triangles, loops: &self.loops }
@@ -238,12 +238,12 @@ impl Mesh {
     }
 }
 
-/// Whether a point is finite, and near enough for products of coordinates to stay finite in single precision.
+/// True if a point is finite, and near enough for products of coordinates to stay finite in single precision.
 fn within_reach(p: &Vec3) -> bool {
     p.is_finite() && p.abs().max_element() <= 1e12
 }
 
-/// Whether a triangle has area in double precision, with single-precision corners.
+/// True if a triangle has area in double precision, with single-precision corners.
 fn has_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a).length_squared() > 0.0

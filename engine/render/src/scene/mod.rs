@@ -1,5 +1,5 @@
-//! What there is to photograph: a plain description comes in piece by piece ([`SceneBuilder`]), is checked, and
-//! becomes an immutable [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
+//! The scene: a plain description comes in piece by piece ([`SceneBuilder`]), is checked, and becomes an immutable
+//! [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
 
 mod builder;
 pub mod closure;
@@ -10,13 +10,13 @@ pub mod graph;
 pub mod grid;
 mod instance;
 pub mod lamp;
-pub mod layer;
 pub mod material;
 pub mod mesh;
 pub mod motion;
+pub mod plain;
 pub mod points;
+pub mod shadow_terminator;
 mod slots;
-pub mod softening;
 pub mod texture;
 pub mod viewport;
 pub mod visibility;
@@ -35,7 +35,7 @@ use texture::Texture;
 use viewport::Viewport;
 use world::World;
 
-/// What was wrong with a piece of the description.
+/// An error in a piece of the description.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// Arrays of a mesh disagree in length or point outside of one another.
@@ -43,23 +43,23 @@ pub enum SceneError {
     BadMesh {
         /// The mesh's name.
         mesh: String,
-        /// Which array, and how it is wrong.
+        /// The array, and its error.
         what: String,
     },
     /// Arrays of curves disagree in length.
     #[error("curves '{curves}': {what}; export them again or remove them")]
     BadCurves {
-        /// Their name.
+        /// The name of the curves.
         curves: String,
-        /// Which array, and how it is wrong.
+        /// The array, and its error.
         what: String,
     },
     /// Arrays of a point cloud disagree in length.
     #[error("points '{points}': {what}; export them again or remove them")]
     BadPoints {
-        /// Their name.
+        /// The name of the point cloud.
         points: String,
-        /// Which array, and how it is wrong.
+        /// The array, and its error.
         what: String,
     },
     /// An index to an earlier piece that was never added.
@@ -69,9 +69,9 @@ pub enum SceneError {
         object: String,
         /// Mesh, material or image.
         kind: &'static str,
-        /// What it asked for.
+        /// The index that it asked for.
         index: usize,
-        /// How many were added.
+        /// Number of items that were added.
         count: usize,
     },
     /// A matrix with NaN, infinities, or no inverse.
@@ -91,11 +91,11 @@ pub enum SceneError {
     BadImage {
         /// The image's name.
         image: String,
-        /// Values given.
+        /// Number of values that were given.
         pixels: usize,
-        /// Columns.
+        /// Width, pixels.
         width: usize,
-        /// Rows.
+        /// Height, pixels.
         height: usize,
     },
 }
@@ -105,9 +105,9 @@ pub enum SceneError {
 pub struct Scene {
     /// Meshes in object space.
     pub meshes: Vec<Arc<Mesh>>,
-    /// Where they stand. Those of [`Self::placed`] come first, then what stands for moments of what moves.
+    /// The instances. Those of [`Self::placed`] come first, then what stands for moments of what moves.
     pub instances: Vec<Instance>,
-    /// What moves while the shutter is open.
+    /// The instances that move while the shutter is open.
     pub moving: Vec<Moving>,
     /// Materials; the first is the default grey.
     pub materials: Vec<Material>,
@@ -119,9 +119,9 @@ pub struct Scene {
     pub world: World,
     /// World-space position of render space's origin.
     pub origin: DVec3,
-    /// What Blender's own camera frames.
+    /// The picture of Blender's own camera.
     pub viewport: Viewport,
-    /// Whether any instance's [`Softening`] takes light away.
+    /// True if any instance's [`ShadowTerminator`] takes light away.
     pub dims: bool,
 }
 

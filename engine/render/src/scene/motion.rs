@@ -1,8 +1,8 @@
-//! What moves while the shutter is open: where instances stand and which shapes meshes have at keys that lie evenly over that
-//! time, and what that comes to at each moment of it.
+//! Motion while the shutter is open: places of instances and shapes of meshes at keys that lie evenly over that time, interpolated at each
+//! moment of it.
 //!
 //! The shutter's time is cut into moments, and a moving instance stands once in the scene for each of its own: a ray of some
-//! moment meets one of these, and whatever asks for that instance afterwards finds it where the ray met it. How many moments an
+//! moment hits one of these, and whatever asks for that instance afterwards finds it where the ray hit it. How many moments an
 //! instance has goes by how far it moves over the picture.
 
 use super::corners::{Corners, Numbers};
@@ -19,7 +19,7 @@ const MOST_BITS: u32 = 12;
 const PER_PIXEL: f64 = 4.0;
 /// Moments of all instances together, beyond which each has fewer.
 const MOST_IN_ALL: usize = 1 << 20;
-/// Times at which it is asked how far an instance moves.
+/// Times at which the distance that an instance moves is looked up.
 const LOOKS: usize = 32;
 
 /// The moment of a part of the time that the shutter is open, 0 to 1.
@@ -66,19 +66,19 @@ impl Parts {
     }
 }
 
-/// Where something stands at keys that lie evenly over the time that the shutter is open.
+/// Transforms of an instance at keys that lie evenly over the time that the shutter is open.
 #[derive(Clone, Debug)]
-pub struct Way(Vec<Parts>);
+pub struct AnimatedTransform(Vec<Parts>);
 
-impl Way {
-    /// By its matrices; `None` of less than two, or where one is not finite or flattens.
+impl AnimatedTransform {
+    /// The transforms of these matrices; `None` of less than two, or where one is not finite or flattens.
     pub fn new(keys: &[DMat4]) -> Option<Self> {
         let is_fine = |m: &DMat4| m.is_finite() && m.inverse().is_finite() && m.determinant().abs() >= 1e-30;
         (keys.len() > 1 && keys.iter().all(is_fine))
             .then(|| Self(keys.iter().map(|m| Parts::of(&DAffine3::from_mat4(*m))).collect()))
     }
 
-    /// Where it stands after a part of that time, 0 to 1.
+    /// The transform after a part of the shutter's time, 0 to 1.
     pub fn at(&self, part: f64) -> DAffine3 {
         let (key, between) = key_at(self.0.len(), part);
         self.0[key].between(&self.0[key + 1], between)
@@ -99,23 +99,23 @@ fn key_at(count: usize, part: f64) -> (usize, f64) {
 /// The shapes of a mesh at keys that lie evenly over the time that the shutter is open, the middle one its own.
 #[derive(Clone, Debug, Default)]
 pub struct Poses {
-    /// By key, its vertices, object space.
+    /// Vertices by key, object space.
     pub positions: Vec<Vec<Vec3>>,
-    /// By key, normals at the triangles' corners, object space; `None` as in the mesh.
+    /// Normals at the triangles' corners by key, object space; `None` as in the mesh.
     pub corner_normals: Option<Vec<Corners<Vec3>>>,
 }
 
-/// Between which shapes of its mesh an instance is.
+/// The two shapes of its mesh between which an instance is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
-    /// The key before.
+    /// The number of the key before.
     pub key: u32,
-    /// How far it is to the next, 0 to 1.
+    /// The part of the way to the next key, 0 to 1.
     pub part: f32,
 }
 
 impl Poses {
-    /// How many keys there are.
+    /// Number of keys.
     pub fn key_count(&self) -> usize {
         self.positions.len()
     }
@@ -147,14 +147,14 @@ impl Poses {
 /// An instance that moves or changes its shape.
 #[derive(Clone, Debug)]
 pub struct Moving {
-    /// Its own number among the instances.
+    /// Number of the moving instance among the instances.
     pub instance: u32,
     /// The number of the instance that stands for its first moment; the others follow.
     pub first: u32,
-    /// By how many bits a ray's moment is more than the instance's.
+    /// Number of bits by which a ray's moment is finer than the instance's.
     pub shift: u32,
-    /// Where it stands; `None` where it changes its shape alone.
-    pub way: Option<Way>,
+    /// Transforms of the instance; `None` where it changes its shape alone.
+    pub way: Option<AnimatedTransform>,
 }
 
 impl Moving {
@@ -164,7 +164,7 @@ impl Moving {
         self.first + (u32::from(moment) >> self.shift)
     }
 
-    /// How many moments it has.
+    /// Number of moments that it has.
     pub fn count(&self) -> u32 {
         1 << (16 - self.shift)
     }
@@ -208,15 +208,15 @@ impl Scene {
         now
     }
 
-    /// How many moments an instance is to have, as a power of two.
+    /// Number of moments for an instance, as a power of two.
     fn bits_for(&self, moving: &Moving) -> u32 {
         let pixels = self.pixels_moved(moving);
         let bits = (PER_PIXEL * pixels).max(1.0).log2().ceil();
         (bits as u32).clamp(FEWEST_BITS, MOST_BITS)
     }
 
-    /// How far the corners of an instance's box go over the picture, as seen from where the camera is, pixels: the longest of
-    /// their ways.
+    /// The length, in pixels, of the paths of the corners of an instance's box over the picture, as seen from the camera's place: that of
+    /// the longest.
     pub fn pixels_moved(&self, moving: &Moving) -> f64 {
         let instance = &self.instances[moving.instance as usize];
         let mesh = &self.meshes[instance.mesh as usize];
@@ -260,7 +260,7 @@ impl Scene {
         first.map_or(self.instances.len(), |one| one.first as usize)
     }
 
-    /// By instance, the number of that which was added: itself, but for those that stand for moments.
+    /// The number of the instance that was added, by instance: itself, but for those that stand for moments.
     pub fn owners(&self) -> Vec<u32> {
         let mut owners: Vec<u32> = (0..self.placed_count() as u32).collect();
         let stand_in = |one: &Moving| std::iter::repeat_n(one.instance, one.count() as usize);
@@ -270,15 +270,15 @@ impl Scene {
 }
 
 impl Moving {
-    /// With its way, before it has moments.
-    pub(super) fn new(instance: u32, way: Option<Way>) -> Self {
+    /// A moving instance with its way, before it has moments.
+    pub(super) fn new(instance: u32, way: Option<AnimatedTransform>) -> Self {
         Self { instance, first: 0, shift: 0, way }
     }
 
-    /// Over how many keys it goes.
+    /// Number of keys of the motion.
     pub fn key_count(&self, mesh: &Mesh) -> usize {
         let of_shape = mesh.poses.as_ref().map_or(0, |poses| poses.key_count());
-        self.way.as_ref().map_or(0, Way::key_count).max(of_shape)
+        self.way.as_ref().map_or(0, AnimatedTransform::key_count).max(of_shape)
     }
 }
 
@@ -293,7 +293,7 @@ mod tests {
     fn what_turns_keeps_its_size() {
         let scale = DMat4::from_scale(DVec3::new(2.0, 3.0, 0.5));
         let keys = [0.0, FRAC_PI_2].map(|angle| DMat4::from_rotation_z(angle) * scale);
-        let way = Way::new(&keys).unwrap();
+        let way = AnimatedTransform::new(&keys).unwrap();
         let half = way.at(0.5);
         let want = DAffine3::from_mat4(DMat4::from_rotation_z(FRAC_PI_4) * scale);
         assert!(half.abs_diff_eq(want, 1e-9), "{half} {want}");
@@ -301,23 +301,23 @@ mod tests {
         // A mirrored one, too.
         let mirror = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         let keys = [0.0, FRAC_PI_2].map(|angle| DMat4::from_rotation_z(angle) * mirror);
-        let half = Way::new(&keys).unwrap().at(0.5);
+        let half = AnimatedTransform::new(&keys).unwrap().at(0.5);
         assert!(half.abs_diff_eq(DAffine3::from_mat4(DMat4::from_rotation_z(FRAC_PI_4) * mirror), 1e-9), "{half}");
     }
 
     #[test]
     fn keys_are_met_and_bad_ones_refused() {
         let at = |x: f64| DMat4::from_translation(DVec3::new(x, 0.0, 0.0));
-        let way = Way::new(&[at(0.0), at(1.0), at(4.0)]).unwrap();
+        let way = AnimatedTransform::new(&[at(0.0), at(1.0), at(4.0)]).unwrap();
         for (part, x) in [(0.0, 0.0), (0.25, 0.5), (0.5, 1.0), (0.75, 2.5), (1.0, 4.0)] {
             assert!((way.at(part).translation.x - x).abs() < 1e-12, "{part}");
         }
-        assert!(Way::new(&[at(0.0)]).is_none());
-        assert!(Way::new(&[at(0.0), DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0))]).is_none());
-        assert!(Way::new(&[at(0.0), at(f64::NAN)]).is_none());
+        assert!(AnimatedTransform::new(&[at(0.0)]).is_none());
+        assert!(AnimatedTransform::new(&[at(0.0), DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0))]).is_none());
+        assert!(AnimatedTransform::new(&[at(0.0), at(f64::NAN)]).is_none());
     }
 
-    /// As many moments as pixels ask for; each knows whose it is and stands in the middle of its time.
+    /// An instance has as many moments as its motion in pixels needs; each knows its owner and stands in the middle of its time.
     #[test]
     fn an_instance_stands_for_each_of_its_moments() {
         let mut builder = SceneBuilder::new();

@@ -8,29 +8,29 @@ use glam::{Vec3, Vec4};
 /// A point cloud as it arrives.
 #[derive(Clone, Debug, Default)]
 pub struct PointsDescription {
-    /// For messages.
+    /// The name for messages.
     pub name: String,
-    /// Where, object space, and the radius there.
+    /// Positions in object space, and radii.
     pub points: Vec<Vec4>,
-    /// What else is known of each, by name.
+    /// Attributes by name, a value for each point.
     pub attributes: Vec<(String, Vec<Vec4>)>,
     /// The places a frame before and a frame after; `None` where they keep them.
     pub moved_points: Option<[Vec<Vec3>; 2]>,
-    /// As `points`, at keys that lie evenly over the time that the shutter is open; empty where they keep places and radii.
+    /// Positions and radii at keys that lie evenly over the time that the shutter is open; empty where they are constant.
     pub poses: Vec<Vec<Vec4>>,
 }
 
 /// Checked points: all finite, every radius at least zero.
 #[derive(Clone, Debug)]
 pub struct Points {
-    /// Where, object space, and the radius there.
+    /// Positions in object space, and radii.
     pub points: Vec<Vec4>,
-    /// What random numbers are made of, where it is not the number itself.
+    /// The numbers that seed random numbers, where they are not the points' indices.
     numbers: Option<Vec<u32>>,
     attributes: Vec<(String, Vec<Vec4>)>,
     /// The places a frame before and a frame after.
     pub moved_points: Option<[Vec<Vec3>; 2]>,
-    /// By key over the time that the shutter is open; empty where nothing changes.
+    /// Positions and radii by key over the time that the shutter is open; empty where nothing changes.
     poses: Vec<Vec<Vec4>>,
 }
 
@@ -92,12 +92,12 @@ impl Points {
         self.poses[key][point].lerp(self.poses[key + 1][point], pose.part)
     }
 
-    /// How many keys there are over the time that the shutter is open; 0 where nothing changes.
+    /// Number of keys over the time that the shutter is open; 0 where nothing changes.
     pub fn key_count(&self) -> usize {
         self.poses.len()
     }
 
-    /// What is a point's own, 0 to 1, by its number.
+    /// A random number of a point, 0 to 1, by the point's number.
     pub fn random(&self, point: u32) -> f32 {
         let number = self.numbers.as_ref().map_or(point, |numbers| numbers[point as usize]);
         petzval_nodes::random_of_pair([number, 0])
@@ -109,7 +109,7 @@ impl Points {
         Some(values[point as usize])
     }
 
-    /// What stands in the scene where else a mesh does: one without triangles.
+    /// The points as a mesh without triangles.
     pub(super) fn into_mesh(self, name: String) -> Mesh {
         let places = |points: &[Vec4]| points.iter().map(|point| point.truncate()).collect();
         let poses = (!self.poses.is_empty()).then(|| {

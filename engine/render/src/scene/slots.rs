@@ -35,7 +35,7 @@ impl<T> Slots<T> {
         }
     }
 
-    /// All of them, an empty one at each empty place.
+    /// All items, an empty one at each empty place.
     pub(super) fn all(&self) -> &[T] {
         &self.all
     }

@@ -5,21 +5,21 @@ use crate::Rgb;
 use glam::{Vec2, Vec4, Vec4Swizzles};
 use std::sync::LazyLock;
 
-/// What an image repeats like outside of the unit square (Blender's Image Texture node).
+/// The continuation of an image outside of the unit square (Blender's Image Texture node).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Extension {
-    /// Tiles.
+    /// Repeats the image.
     #[default]
     Repeat,
     /// Continues its edge pixels.
     Extend,
-    /// Is transparent black.
+    /// Transparent black outside.
     Clip,
     /// Tiles, every other one mirrored.
     Mirror,
 }
 
-/// How the value between pixels is found.
+/// The interpolation between pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
     /// Bilinear.
@@ -46,7 +46,7 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// From eight-bit RGBA.
+    /// A texture of eight-bit RGBA.
     ///
     /// # Errors
     /// [`SceneError::BadImage`] where the number of values is not `width * height * 4`.
@@ -56,7 +56,7 @@ impl Texture {
         Ok(Self { name: name.into(), width, height, pixels: Pixels::Bytes { rgba, srgb } })
     }
 
-    /// From floating-point RGBA; values that are not finite become 0.
+    /// A texture of floating-point RGBA; values that are not finite become 0.
     ///
     /// # Errors
     /// As [`Texture::from_bytes`].
@@ -79,7 +79,7 @@ impl Texture {
         &self.name
     }
 
-    /// Columns and rows.
+    /// Width and height of the image, pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }

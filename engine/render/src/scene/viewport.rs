@@ -1,16 +1,16 @@
-//! What Blender's own camera frames. Shader graphs may ask for places in its space and on its picture; which lens
-//! takes the photograph does not matter to them.
+//! The picture of Blender's own camera. Shader graphs may ask for places in its space and on its picture; which lens takes the photograph
+//! does not matter to them.
 
 use glam::{Affine3A, DAffine3, DMat4, DVec2, DVec3, Vec2, Vec3A};
 
 /// A perspective camera, as the scene's description has it.
 #[derive(Clone, Copy, Debug)]
 pub struct ViewportDescription {
-    /// Its axes to the world; it looks along its -z. Scale counts nothing.
+    /// The viewport's axes to the world; it looks along its -z. Scale counts nothing.
     pub matrix: DMat4,
-    /// Its focal length over its picture's width and height.
+    /// Focal length over the picture's width and height.
     pub focal: DVec2,
-    /// Where its axis meets the picture, from 0 to 1 both ways.
+    /// The point of the picture on the camera's axis, from 0 to 1 both ways.
     pub center: DVec2,
     /// Columns and rows of pixels.
     pub pixels: [u32; 2],
@@ -22,12 +22,12 @@ impl Default for ViewportDescription {
     }
 }
 
-/// The same as shader graphs ask for it.
+/// A [`ViewportDescription`] in the form that shader graphs read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewport {
-    /// Blender's world to the camera's space, in which z grows away from the camera.
+    /// The transform from Blender's world to the camera's space, in which z grows away from the camera.
     pub from_world: Affine3A,
-    /// Render space to the same.
+    /// The transform from render space to the camera's space, in which z grows away from the camera.
     pub from_render: Affine3A,
     focal: Vec2,
     center: Vec2,
@@ -55,7 +55,7 @@ impl Viewport {
         }
     }
 
-    /// Where on the picture a place of the camera's space is seen, from 0 to 1 both ways; zero beside the camera.
+    /// The place on the picture of a place of the camera's space, from 0 to 1 both ways; zero beside the camera.
     pub fn window(&self, place: Vec3A) -> Vec3A {
         if place.z == 0.0 {
             return Vec3A::ZERO;
@@ -64,12 +64,12 @@ impl Viewport {
         (at * self.focal + self.center).extend(0.0).into()
     }
 
-    /// How wide a pixel is at distance 1, in the middle of the picture.
+    /// Width of a pixel at distance 1, in the middle of the picture.
     pub fn pixel_angle_rad(&self) -> f32 {
         0.5 * (self.pixel.x + self.pixel.y)
     }
 
-    /// How wide a pixel is across the line of sight at a place of the camera's space: the mean of both ways, world units.
+    /// Width of a pixel across the line of sight at a place of the camera's space: the mean of both ways, world units.
     pub fn pixel_width(&self, place: Vec3A) -> f32 {
         let ahead = place / place.z.abs().max(1e-6);
         let step = |to: Vec3A| (ahead + to).normalize_or_zero().distance(ahead.normalize_or_zero());

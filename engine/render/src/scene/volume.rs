@@ -1,11 +1,10 @@
-//! What fills space, as a compiled shader graph: closures whose inputs a program computes at each point.
+//! A participating medium as a compiled shader graph: closures whose inputs a program computes at each point.
 
-use super::graph::{Source, in_words};
-use super::layer::MOST_LAYERS;
+use super::graph::{MOST_LAYERS, Source, in_words};
 use glam::Vec3A;
 use petzval_nodes::{Field, Layer, LayerKind, Program};
 
-/// What of a point changes along a ray through a volume.
+/// The fields of a point that change along a ray through a volume.
 const VARYING: [Field; 14] = [
     Field::Position,
     Field::Generated,
@@ -23,7 +22,7 @@ const VARYING: [Field; 14] = [
     Field::RandomPerIsland,
 ];
 
-/// What Blender knows in volumes and this engine does not.
+/// The fields that Blender knows in volumes and this engine does not.
 const UNKNOWN: [Field; 10] = [
     Field::InstancerGenerated,
     Field::InstancerUv,
@@ -37,7 +36,7 @@ const UNKNOWN: [Field; 10] = [
     Field::ParticleAngularVelocity,
 ];
 
-/// How light that a volume scatters is spread over directions, as Blender's nodes name them.
+/// A phase function, by the names of Blender's nodes.
 #[derive(Clone, Copy, Debug)]
 pub enum Phase {
     /// Henyey and Greenstein 1941.
@@ -54,7 +53,7 @@ pub enum Phase {
     },
     /// Draine 2003: dust.
     Draine {
-        /// As Henyey and Greenstein's.
+        /// The parameter g, as in Henyey and Greenstein's.
         anisotropy: Source,
         /// 0 is Henyey and Greenstein's; 1 with no anisotropy is Rayleigh's.
         alpha: Source,
@@ -63,7 +62,7 @@ pub enum Phase {
     Rayleigh,
     /// Fog, after Jendersie and d'Eon 2023.
     Mie {
-        /// Of the droplets, micrometres.
+        /// Diameter of the droplets, micrometres.
         diameter_um: Source,
     },
 }
@@ -73,34 +72,34 @@ pub enum Phase {
 pub enum VolumeClosure {
     /// Absorbs what its colour lacks of white, times its density.
     Absorption {
-        /// What is left.
+        /// The colour that is not absorbed.
         color: Source,
-        /// Per unit.
+        /// Density, per unit.
         density: Source,
     },
     /// Scatters its colour times its density, and absorbs nothing.
     Scatter {
         /// Albedo.
         color: Source,
-        /// Per unit.
+        /// Density, per unit.
         density: Source,
-        /// Where to.
+        /// The phase function.
         phase: Phase,
     },
     /// Coefficients as they are.
     Coefficients {
-        /// Absorbed.
+        /// Absorption coefficient.
         absorption: Source,
-        /// Scattered.
+        /// Scattering coefficient.
         scattering: Source,
-        /// Emitted.
+        /// Emission coefficient.
         emission: Source,
-        /// Where scattered light goes.
+        /// The phase function.
         phase: Phase,
     },
     /// Smoke and fire.
     Principled(Box<PrincipledVolume>),
-    /// Emits.
+    /// Emission.
     Emission {
         /// Colour.
         color: Source,
@@ -114,32 +113,32 @@ pub enum VolumeClosure {
 pub struct PrincipledVolume {
     /// Albedo.
     pub color: Source,
-    /// The grid that it is multiplied by, if the object has it.
+    /// The grid that the colour is multiplied by, if the object has it.
     pub color_grid: String,
-    /// Per unit.
+    /// Density, per unit.
     pub density: Source,
-    /// The grid that it is multiplied by.
+    /// The grid that the density is multiplied by.
     pub density_grid: String,
     /// Mean cosine.
     pub anisotropy: Source,
     /// Tint of what goes through.
     pub absorption_color: Source,
-    /// Radiance per unit, times the next.
+    /// Radiance per unit, times [`Self::emission_color`].
     pub emission_strength: Source,
-    /// Colour.
+    /// Colour of the emission.
     pub emission_color: Source,
-    /// 1: as a black body.
+    /// Intensity of the emission as a black body, 1 for a black body's own.
     pub blackbody: Source,
-    /// Of that.
+    /// Tint of the black body's emission.
     pub blackbody_tint: Source,
-    /// Kelvin.
+    /// Temperature of the black body, kelvin.
     pub temperature: Source,
-    /// The grid that it is multiplied by.
+    /// The grid that the temperature is multiplied by.
     pub temperature_grid: String,
 }
 
 impl PrincipledVolume {
-    /// The grids that it asks for.
+    /// The grids that the volume asks for.
     pub fn grids(&self) -> [&str; 3] {
         [&self.color_grid, &self.density_grid, &self.temperature_grid]
     }
@@ -148,27 +147,28 @@ impl PrincipledVolume {
 /// A closure and what it counts.
 #[derive(Clone, Debug)]
 pub struct VolumeLayer {
-    /// 0 to 1.
+    /// Weight, 0 to 1.
     pub weight: Source,
-    /// What it does.
+    /// The closure.
     pub closure: VolumeClosure,
 }
 
 /// A program and the closures whose inputs it computes.
 #[derive(Debug)]
 pub struct Volume {
-    /// To be run at each point.
+    /// The program, to be run at each point.
     pub program: Program,
-    /// They add up.
+    /// The layers, which add up.
     pub layers: Vec<VolumeLayer>,
-    /// Of the material.
+    /// Pass index of the material.
     pub pass_index: i32,
-    /// No node asks for the place, so that it is the same along a ray, unless grids make it vary.
+    /// True if no node asks for the place, so that the volume is constant along a ray, unless grids make it vary.
     pub is_even: bool,
 }
 
 impl Volume {
-    /// Of a compiled graph, `None` where that has no volume; and what of it is done otherwise than in Blender.
+    /// The volume of a compiled graph, `None` where that has none; and reports on parts of it that are evaluated
+    /// otherwise than in Blender.
     pub fn new(program: Program, pass_index: i32) -> (Option<Self>, Vec<String>) {
         let mut reports = Vec::new();
         let layers: Vec<VolumeLayer> =
@@ -199,7 +199,7 @@ impl Volume {
         principled.flat_map(|principled| principled.grids()).filter(|name| !name.is_empty())
     }
 
-    /// Whether any of it may emit.
+    /// True if any closure of the volume may emit.
     pub fn emits(&self) -> bool {
         let is_dark = |source: Source| source.constant(&self.program) == Some(Vec3A::ZERO);
         self.layers.iter().any(|layer| match &layer.closure {

@@ -18,11 +18,11 @@ pub struct World {
     pub texture: Option<u32>,
     /// World direction to image direction.
     pub rotation: Mat3A,
-    /// What it shows itself to.
+    /// The kinds of ray that see it.
     pub visible: Rays,
-    /// The number of its light group; 0 is none.
+    /// The number of the world's light group; 0 is none.
     pub light_group: u16,
-    /// What the camera sees of it where nodes compute it; the rest is then what surfaces see.
+    /// The world as the camera sees it, where nodes compute it; the rest is then what surfaces see.
     pub graph: Option<Arc<Graph>>,
 }
 
@@ -56,8 +56,8 @@ impl World {
     }
 }
 
-/// Where a direction is found on Blender's equirectangular images: the middle is +x, u falls with the azimuth
-/// from +x towards +y, v rises with the elevation.
+/// The place of a direction on Blender's equirectangular images: the middle is +x, u falls with the azimuth from +x
+/// towards +y, v rises with the elevation.
 #[inline]
 pub fn direction_to_equirectangular(d: Vec3A) -> Vec2 {
     // Both angles at once, in the lanes of a register.

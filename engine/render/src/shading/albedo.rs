@@ -1,5 +1,5 @@
-//! How much light a rough boundary sends back in all, by roughness and angle: tables that let one layer know
-//! what another leaves, and give back what single scattering between facets loses.
+//! Albedo of a rough boundary, by roughness and angle: tables that tell one layer what another leaves, and restore the
+//! energy that single scattering between facets loses.
 
 use super::fresnel;
 use super::microfacet::{Ggx, reflect, refract};
@@ -21,17 +21,17 @@ pub struct AlbedoTable {
 }
 
 impl AlbedoTable {
-    /// Of facets that reflect everything: 1 less what is lost between them.
+    /// The table of facets that reflect everything: 1 less the loss between them.
     pub fn reflection() -> Self {
         Self::reflecting(|_| 1.0)
     }
 
-    /// Of dielectric reflection alone, relative index `eta`.
+    /// The table of dielectric reflection alone, relative index `eta`.
     pub fn dielectric_reflection(eta: f32) -> Self {
         Self::reflecting(|cos| fresnel::dielectric(cos, eta))
     }
 
-    /// Of reflection that is as strong as is said for the cosine of light to a facet.
+    /// The table of reflection by a law of the cosine of light to a facet.
     pub fn reflecting(law: impl Fn(f32) -> f32) -> Self {
         Self::new(|ggx, wo, h| {
             let wi = reflect(wo, h);
@@ -39,7 +39,7 @@ impl AlbedoTable {
         })
     }
 
-    /// Of a dielectric boundary, reflection and transmission together, into relative index `eta`.
+    /// The table of a dielectric boundary, reflection and transmission together, into relative index `eta`.
     pub fn dielectric_boundary(eta: f32) -> Self {
         Self::new(|ggx, wo, h| {
             let f = fresnel::dielectric(wo.dot(h), eta);

@@ -8,7 +8,7 @@ use std::sync::{Arc, LazyLock, OnceLock};
 /// is off by less than 0.002.
 const STEPS: usize = 32;
 
-/// What a table needs to know of one index (above 1).
+/// The tables of one index (above 1).
 struct Dielectric {
     reflection: AlbedoTable,
     // Entering and leaving.
@@ -29,8 +29,8 @@ pub fn prepare(eta: f32) {
     step_at(step + 1);
 }
 
-/// How far a dielectric's mean reflectance at that angle has risen from that at normal incidence to 1; as in Cycles an
-/// index below 1 has that of its inverse.
+/// The rise of a dielectric's mean reflectance at an angle, from 0 at normal incidence to 1; as in Cycles an index below 1 has that of its
+/// inverse.
 pub fn rise(eta: f32, roughness: f32, cos: f32) -> f32 {
     let single = reflection().at(roughness, cos).max(1e-3);
     let at = |d: &Dielectric| {
@@ -48,8 +48,8 @@ pub fn metal_terms(roughness: f32, cos: f32) -> [f32; 2] {
     [0, 1].map(|term| TERMS[term].at(roughness, cos) / single)
 }
 
-/// What a dielectric boundary, reflection and transmission together, keeps of the light at that angle without what goes
-/// on from facet to facet, and on average over all angles.
+/// The part of the light that single scattering at a dielectric boundary keeps, reflection and transmission together: at an angle, and on
+/// average over all angles.
 pub fn boundary(eta: f32, roughness: f32, cos: f32) -> (f32, f32) {
     let side = usize::from(eta < 1.0);
     let kept = between(eta, |d| d.boundary[side].at(roughness, cos));

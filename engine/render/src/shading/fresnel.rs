@@ -1,4 +1,4 @@
-//! How much light a smooth boundary reflects.
+//! Reflectance of smooth boundaries.
 
 use crate::Rgb;
 
@@ -30,8 +30,8 @@ pub fn ior_from_f0(f0: f32) -> f32 {
     (1.0 + root) / (1.0 - root)
 }
 
-/// How far the dielectric curve has risen from its value at normal incidence (0) to 1 at grazing: what Principled
-/// interpolates between a tinted `f0` and white.
+/// The rise of the dielectric curve from its value at normal incidence (0) to 1 at grazing: the weight by which
+/// Principled interpolates between a tinted `f0` and white.
 #[inline]
 pub fn dielectric_rise(cos_i: f32, eta: f32) -> f32 {
     let f0 = f0_from_ior(eta);
@@ -47,12 +47,12 @@ pub struct F82Tint {
 }
 
 impl F82Tint {
-    /// From reflectance at normal incidence and the tint near grazing.
+    /// The curve of reflectance at normal incidence and the tint near grazing.
     pub fn new(f0: Rgb, tint: Rgb) -> Self {
         Self::new_unbounded(f0, tint.min(Rgb::ONE))
     }
 
-    /// The same for a tint that may be brighter than white.
+    /// The curve of reflectance at normal incidence and a tint near grazing that may be brighter than white.
     pub fn new_unbounded(f0: Rgb, tint: Rgb) -> Self {
         // The dip term (1 - c) ^ 6 c is greatest at c = 1/7.
         const SIX_SEVENTHS: f32 = 6.0 / 7.0;
@@ -67,7 +67,7 @@ impl F82Tint {
         self.of(Self::terms(cos_i))
     }
 
-    /// Of a cosine what reflectance is linear in: the rise, and the dip near grazing.
+    /// The terms at a cosine in which reflectance is linear: the rise, and the dip near grazing.
     #[inline]
     pub fn terms(cos_i: f32) -> [f32; 2] {
         let m = (1.0 - cos_i).clamp(0.0, 1.0);
@@ -109,7 +109,7 @@ pub fn conductor_as_tinted(n: Rgb, k: Rgb) -> F82Tint {
     F82Tint::new_unbounded(f0, tint)
 }
 
-/// About the cosine-weighted average of [`conductor`].
+/// An approximation of the cosine-weighted average of [`conductor`].
 pub fn conductor_average(n: Rgb, k: Rgb) -> Rgb {
     conductor_as_tinted(n, k).average().clamp(Rgb::ZERO, Rgb::ONE)
 }

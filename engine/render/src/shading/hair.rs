@@ -6,13 +6,13 @@ use crate::Rgb;
 use crate::scene::closure::{Pigment, PrincipledHair};
 use glam::Vec3A;
 
-/// What a radius of hair with nothing but dark or red melanin absorbs (d'Eon et al. 2011, "An energy-conserving hair reflectance
+/// Absorption along a radius of hair with nothing but dark or red melanin (d'Eon et al. 2011, "An energy-conserving hair reflectance
 /// model", section 6.1).
 const EUMELANIN: Rgb = Rgb::new(0.506, 0.841, 1.653);
 const PHEOMELANIN: Rgb = Rgb::new(0.343, 0.733, 1.924);
 
 impl Mixture {
-    /// Of the Hair shader.
+    /// Adds the lobe of the Hair shader.
     pub(super) fn add_hair(&mut self, weight: Rgb, roughness: [f32; 2], tilt: f32, through: bool) {
         let Some((strand, tangent)) = self.strand() else { return };
         let (along, tilt) = match (tangent, strand.edge) {
@@ -46,13 +46,13 @@ impl Mixture {
     }
 }
 
-/// Along a fibre z, and across it on the viewer's side x.
+/// The frame of a fibre: z along the fibre, x across it on the viewer's side.
 fn frame(along: Vec3A, wo: Vec3A) -> [Vec3A; 3] {
     let y = along.cross(wo).try_normalize().unwrap_or_else(|| along.any_orthonormal_vector());
     [y.cross(along), y, along]
 }
 
-/// What a radius absorbs.
+/// Absorption along a radius.
 fn absorption(hair: &PrincipledHair<Rgb, f32>, radial_roughness: f32) -> Rgb {
     match hair.pigment {
         Pigment::Absorption => hair.color.max(Rgb::ZERO),
@@ -66,7 +66,7 @@ fn absorption(hair: &PrincipledHair<Rgb, f32>, radial_roughness: f32) -> Rgb {
     }
 }
 
-/// For hair that looks of that colour together (Chiang et al. 2016, section 4.2).
+/// Absorption of hair that has that colour together (Chiang et al. 2016, section 4.2).
 fn of_reflectance(color: Rgb, radial_roughness: f32) -> Rgb {
     let x = radial_roughness;
     let per_logarithm = ((((0.245 * x + 5.574) * x - 10.73) * x + 2.532) * x - 0.215) * x + 5.969;

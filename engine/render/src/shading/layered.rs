@@ -13,11 +13,11 @@ use crate::Rgb;
 use crate::scene::closure::{Distribution, MetalKind, Principled, SubsurfaceMethod};
 use glam::Vec3A;
 
-/// Weights that count.
+/// Least weight that counts.
 const LEAST: f32 = 1e-5;
 
 impl Mixture {
-    /// All of it about one normal, but for the coat, which has its own; what its alpha lets through is counted elsewhere.
+    /// Adds all of Principled about one normal, but for the coat, which has its own; what its alpha lets through is counted elsewhere.
     pub(super) fn add_principled(&mut self, weight: f32, p: &Principled<Rgb, f32>, normal: Vec3A) {
         let here = self.here;
         let mut left = Rgb::splat(weight * p.alpha.clamp(0.0, 1.0));
@@ -144,12 +144,12 @@ fn specular_index(p: &Principled<Rgb, f32>) -> (f32, f32) {
     (f0, if ior < 1.0 { 1.0 / eta } else { eta })
 }
 
-/// What facets that reflect everything keep without the light that goes on between them.
+/// The part of the light that single scattering between perfectly reflecting facets keeps.
 fn single_kept(alpha: [f32; 2], cos: f32) -> f32 {
     energy::reflection().at(mean_roughness(alpha), cos)
 }
 
-/// What a layer of that albedo leaves below it: its brightest channel takes from all alike.
+/// The weight below a layer of an albedo: the layer's brightest channel takes from all alike.
 fn beneath(weight: Rgb, albedo: Rgb) -> Rgb {
     let part = |a: f32, w: f32| if w > 0.0 { a / w } else { 0.0 };
     let taken = part(albedo.x, weight.x).max(part(albedo.y, weight.y)).max(part(albedo.z, weight.z));

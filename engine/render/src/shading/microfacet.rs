@@ -16,22 +16,22 @@ pub struct Ggx {
 }
 
 impl Ggx {
-    /// From Blender's perceptual roughness: alpha is its square.
+    /// The distribution of Blender's perceptual roughness: alpha is its square.
     pub fn from_roughness(roughness: f32) -> Self {
         Self { alpha: roughness * roughness }
     }
 
-    /// That wide.
+    /// The distribution of a width.
     pub fn of_width(alpha: f32) -> Self {
         Self { alpha }
     }
 
-    /// Alpha.
+    /// The width alpha.
     pub fn width(&self) -> f32 {
         self.alpha
     }
 
-    /// So narrow that it is treated as a perfect mirror.
+    /// True if the distribution is so narrow that it is treated as a perfect mirror.
     #[inline]
     pub fn is_mirror(&self) -> bool {
         self.alpha < MIRROR_BELOW

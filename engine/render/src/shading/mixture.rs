@@ -7,7 +7,7 @@ use super::fresnel::{self, F82Tint};
 use super::lobe::{Fresnel, Lobe, Slopes};
 use super::subsurface::{Body, Entry};
 use super::thin_film::Film;
-use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Past, Scattering};
+use super::{BsdfSample, Caustics, Features, LobeDecomposition, LobeShares, Past, Scattering};
 use crate::Rgb;
 use crate::scene::closure::{Closure, Distribution, MetalKind, ThinFilm};
 use crate::scene::visibility::Rays;
@@ -23,26 +23,26 @@ const LEAST: f32 = 1e-5;
 /// The BSDF of one point seen from one direction.
 pub struct Mixture {
     lobes: ArrayVec<Lobe, MOST_LOBES>,
-    /// Whether light may go into bodies; else they are diffuse.
+    /// True if light may go into bodies; else they are diffuse.
     pub(super) walks: bool,
-    /// Whether a diffuse scattering lies between the camera and here: profiles of bodies are not told from diffuse then.
+    /// True if a diffuse scattering lies between the camera and here: profiles of bodies are not told from diffuse then.
     is_blurred: bool,
     pub(super) here: Here,
     strand: Option<(Strand, Option<Vec3A>)>,
 }
 
-/// Where a mixture is, and how it is looked at.
+/// The point of a mixture, and its view.
 #[derive(Clone, Copy)]
 pub(super) struct Here {
     pub(super) wo: Vec3A,
-    /// On the side of `wo`.
+    /// The triangle's normal, on the side of `wo`.
     pub(super) geometric_normal: Vec3A,
-    /// Interpolated, on the triangle's side.
+    /// The interpolated normal, on the triangle's side.
     pub(super) smooth_normal: Vec3A,
     pub(super) backfacing: bool,
-    /// Where stretched facets lie along.
+    /// The direction along which facets are stretched.
     tangent: Vec3A,
-    /// What coats lie about.
+    /// The normal of coats.
     pub(super) coat_normal: Vec3A,
     pub(super) caustics: Caustics,
 }
@@ -85,22 +85,22 @@ impl Mixture {
         mixture
     }
 
-    /// What the path that comes here has been through, for closures that are added from now on.
+    /// Sets the path's past, for closures that are added from now on.
     pub fn set_past(&mut self, past: Past) {
         (self.here.caustics, self.is_blurred) = (past.caustics, past.is_blurred);
     }
 
-    /// Of closures that are added from now on: the normal of coats, and along what stretched facets lie.
+    /// Sets the normal of coats, and the direction of stretched facets, for closures that are added from now on.
     pub fn set_directions(&mut self, coat_normal: Vec3A, tangent: Vec3A) {
         (self.here.coat_normal, self.here.tangent) = (coat_normal, tangent);
     }
 
-    /// What hair there is, for closures of hair that are added from now on, and what their own tangent is if they have one.
+    /// Sets the strand, for closures of hair that are added from now on, and their own tangent if they have one.
     pub fn set_strand(&mut self, strand: Strand, tangent: Option<Vec3A>) {
         self.strand = Some((strand, tangent));
     }
 
-    /// These.
+    /// The strand and its tangent, as [`Self::set_strand`] has set them.
     pub(super) fn strand(&self) -> Option<(Strand, Option<Vec3A>)> {
         self.strand
     }
@@ -204,14 +204,14 @@ impl Mixture {
         }
     }
 
-    /// What scatters where light comes out of a body.
+    /// The BSDF at a point where light comes out of a body.
     pub fn exit(point: &SurfacePoint) -> Self {
         let mut mixture = Self::new(point, point.geometric_normal, Vec3A::ZERO, false);
         mixture.push(Lobe::lambert(Rgb::ONE, point.shading_normal, point.geometric_normal));
         mixture
     }
 
-    /// What the lobes that some kinds of ray reach scatter on one side.
+    /// Value and density on one side of the lobes that some kinds of ray reach.
     fn evaluate_on(&self, above: bool, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
         self.lobes.iter().filter(|lobe| rays.any_of(lobe.rays())).fold((Rgb::ZERO, 0.0), |(value, pdf), lobe| {
             let (of_lobe, own) = lobe.evaluate(wi, above, self.here.smooth_normal);
@@ -233,7 +233,7 @@ impl Mixture {
         Some((lobe, ((u_lobe - below) / lobe.chance).clamp(0.0, 1.0)))
     }
 
-    /// Once all closures are added: their chances.
+    /// Normalizes the probabilities of the lobes and multiplies their weights by `kept`, once all closures are added.
     pub fn finish(&mut self, kept: f32) {
         let total: f32 = self.lobes.iter().map(|lobe| lobe.chance).sum();
         for lobe in &mut self.lobes {
@@ -242,7 +242,7 @@ impl Mixture {
         }
     }
 
-    /// Makes lobes with a peak at least so wide, once all are there. What they scatter in all, and their chances, stay those of
+    /// Makes lobes with a peak at least so wide, once all are there. Their albedos, and the probabilities of their choice, stay those of
     /// their own width, as in Cycles (`bsdf_blur` in bsdf.h).
     #[cold]
     #[inline(never)]
@@ -285,13 +285,13 @@ impl Here {
         }
     }
 
-    /// Beyond over before.
+    /// Index of refraction beyond the surface over that before it.
     pub(super) fn relative_index(&self, ior: f32) -> f32 {
         let ior = ior.max(1e-5);
         if self.backfacing { 1.0 / ior } else { ior }
     }
 
-    /// What the light that goes on from facet to facet adds, over what meets one; `average` is the mean reflectance.
+    /// Factor on single scattering that adds the light that goes on from facet to facet; `average` is the mean reflectance.
     pub(super) fn restored(
         &self,
         alpha: [f32; 2],
@@ -410,7 +410,7 @@ pub(super) fn slopes(alpha: [f32; 2], distribution: Distribution) -> Slopes {
     Slopes::new(alpha, distribution)
 }
 
-impl Parted for Mixture {
+impl LobeDecomposition for Mixture {
     #[cold]
     #[inline(never)]
     fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares {

@@ -1,5 +1,5 @@
-//! How a surface scatters light: Fresnel terms, microfacets and other lobes, Blender's Principled BSDF made of them, and
-//! mixtures of any closures.
+//! Scattering at surfaces: Fresnel terms, microfacets and other lobes, Blender's Principled BSDF made of them, and mixtures of any
+//! closures.
 //!
 //! Each scattering model comes in three: sample, density, evaluate. Directions point away from the surface: `wo`
 //! to where the path came from, `wi` to where it goes (pbrt's words).
@@ -22,7 +22,7 @@ mod thin_film;
 use crate::Rgb;
 use crate::scene::visibility::Rays;
 use glam::Vec3A;
-pub use parted::{Features, LobeShares, Parted};
+pub use parted::{Features, LobeDecomposition, LobeShares};
 
 /// A direction to go on in.
 #[derive(Clone, Copy, Debug)]
@@ -33,57 +33,57 @@ pub struct BsdfSample {
     pub weight: Rgb,
     /// Density per steradian; meaningless where `mirror`.
     pub pdf: f32,
-    /// A single direction, which no light sample can find.
+    /// True for a single direction, which no light sample can find.
     pub mirror: bool,
-    /// Through the surface.
+    /// True if the direction goes through the surface.
     pub transmitted: bool,
-    /// By a lobe without a peak.
+    /// True if a diffuse lobe chose it.
     pub matte: bool,
 }
 
-/// Whether surfaces that a path meets after a diffuse scattering mirror or bend light.
+/// The caustics that are computed: light that surfaces reflect or refract after a diffuse scattering of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Caustics {
-    /// They mirror it.
+    /// True if reflective caustics are computed.
     pub reflective: bool,
-    /// They bend it.
+    /// True if refractive caustics are computed.
     pub refractive: bool,
 }
 
 impl Caustics {
-    /// All there are.
+    /// All caustics.
     pub const ALL: Self = Self { reflective: true, refractive: true };
 }
 
-/// What a path has been through, as far as surfaces that it meets then scatter otherwise.
+/// The past of a path, as far as the scattering of surfaces depends on it.
 #[derive(Clone, Copy, Debug)]
 pub struct Past {
-    /// What mirrors and bends light.
+    /// The surfaces that reflect and refract light.
     pub caustics: Caustics,
-    /// Whether one of its scatterings was diffuse.
+    /// True if one of its scatterings was diffuse.
     pub is_blurred: bool,
 }
 
-/// What scatters light at one point seen from one direction.
+/// The scattering of light at one point seen from one direction.
 pub trait Scattering {
     /// The normal that scattering is about, where light from behind it does not matter; `None` where light may
     /// come through.
     fn receiving_normal(&self) -> Option<Vec3A>;
 
-    /// Whether nothing but mirror lobes scatters here: no light sample can be of use.
+    /// True if only mirror lobes scatter here: light samples are of no use.
     fn is_mirror(&self) -> bool;
 
     /// BSDF times cosine, and the density with which [`Scattering::sample`] chooses `wi`. Mirror lobes count nothing.
     fn evaluate(&self, wi: Vec3A) -> (Rgb, f32);
 
-    /// The same of those closures alone that light of some kinds of ray reaches: `rays` says which.
+    /// [`Scattering::evaluate`] of only those closures that light of some kinds of ray reaches: `rays` says which.
     fn evaluate_some(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32);
 
-    /// The same where the triangle counts as lying along its smooth normal: light that this sees comes from above.
+    /// [`Scattering::evaluate_some`] as if the triangle lay along its smooth normal: light on the side of that normal comes from above.
     fn evaluate_smooth(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32);
 
-    /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here.
-    /// What the choice of the lobe leaves of `u_lobe` chooses between mirrored and refracted.
+    /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here. The rest of `u_lobe`, after the
+    /// choice of the lobe, chooses between reflection and refraction.
     fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample>;
 
     /// A way into the body, where the lobe that [`Scattering::sample`] would choose is one of light that comes out
@@ -92,9 +92,9 @@ pub trait Scattering {
         None
     }
 
-    /// What the mirror lobes together send along one mirrored or refracted direction, and the chance with which
-    /// [`Scattering::sample`] chooses it. For paths from the light, which know both ends of a mirror before they look at
-    /// it from the camera's side.
+    /// The value of the mirror lobes together along one reflected or refracted direction, and the probability with which
+    /// [`Scattering::sample`] chooses it. For paths from the light, which know both ends of a mirror before they look at it from the
+    /// camera's side.
     fn mirror(&self, transmitted: bool, wi: Vec3A) -> (Rgb, f32);
 
     /// The index of refraction beyond the surface over that on the side of `wo`.

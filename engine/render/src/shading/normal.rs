@@ -16,7 +16,7 @@ pub fn reflecting(geometric: Vec3A, normal: Vec3A, wo: Vec3A) -> Vec3A {
     raised(geometric, normal, wo, along, least)
 }
 
-/// In the plane of both normals, with the triangle's as z and the angle a of the normal to it, the mirrored ray's height
+/// The normal raised in the plane of both normals: with the triangle's as z and the angle a of the normal to it, the mirrored ray's height
 /// is wo.x sin 2a + wo.z cos 2a.
 #[cold]
 fn raised(geometric: Vec3A, normal: Vec3A, wo: Vec3A, along: f32, least: f32) -> Vec3A {

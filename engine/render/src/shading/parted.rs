@@ -1,22 +1,22 @@
-//! What scatters light, by kinds of lobe: for passes of light and colour, and for what a denoiser is told.
+//! Scattering by kinds of lobe: for passes of light and colour, and for the denoiser's features.
 
 use crate::Rgb;
 use crate::scene::visibility::Rays;
 use glam::Vec3A;
 
-/// What the lobes of each kind scatter in one direction.
+/// The light that the lobes of each kind scatter in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LobeShares {
-    /// Without a peak, on either side.
+    /// Light of lobes without a peak, on either side.
     pub diffuse: Rgb,
-    /// About a peak, on the side of the lobe's normal.
+    /// Light of lobes about a peak, on the side of the lobe's normal.
     pub glossy: Rgb,
-    /// All else.
+    /// Light of all other lobes.
     pub transmission: Rgb,
 }
 
 impl LobeShares {
-    /// Of a single direction, mirrored or refracted.
+    /// The shares of a single direction, mirrored or refracted.
     pub fn mirror(transmitted: bool) -> Self {
         let [glossy, transmission] = if transmitted { [Rgb::ZERO, Rgb::ONE] } else { [Rgb::ONE, Rgb::ZERO] };
         Self { glossy, transmission, ..Self::default() }
@@ -41,16 +41,16 @@ impl LobeShares {
     }
 }
 
-/// What a denoiser is told of a surface.
+/// The features of a surface for a denoiser.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Features {
-    /// What its lobes scatter that are no mirrors, or nearly.
+    /// Albedo of the lobes that are no mirrors, or nearly mirrors.
     pub albedo: Rgb,
-    /// What its mirrors do.
+    /// Albedo of the mirrors.
     pub mirrored: Rgb,
     /// The mean of their normals.
     pub normal: Vec3A,
-    /// Mirrors are most of it: what is seen in them tells more.
+    /// True if mirrors are most of the surface, by the probability of their choice: what is seen in them tells more.
     pub goes_on: bool,
 }
 
@@ -58,7 +58,7 @@ pub struct Features {
 const NARROW: f32 = 0.075 * 0.075;
 
 impl Features {
-    /// Adds a lobe: what it scatters, the chance with which it is chosen, its normal and the square of its width.
+    /// Adds a lobe: its albedo, the probability with which it is chosen, its normal and the square of its width.
     pub(super) fn add(&mut self, albedo: Rgb, chance: f32, normal: Vec3A, width_squared: f32, broad: &mut f32) {
         self.normal += normal * chance;
         if width_squared > NARROW {
@@ -76,19 +76,19 @@ impl Features {
     }
 }
 
-/// What can tell its lobes apart.
-pub trait Parted {
-    /// What they scatter from `wi`, as [`super::Scattering::evaluate_some`] does, or if it `is_beyond` the triangle's horizon
+/// A BSDF that can tell its lobes apart.
+pub trait LobeDecomposition {
+    /// Light of the lobes from `wi`, as [`super::Scattering::evaluate_some`] does, or if it `is_beyond` the triangle's horizon
     /// [`super::Scattering::evaluate_smooth`]. Mirrors count nothing.
     fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares;
 
-    /// What they scatter of white light from everywhere: diffuse, glossy, transmission. As a surface without roughness
-    /// where no table says better, as Cycles has it.
+    /// Albedos of the lobes for white light from everywhere: diffuse, glossy, transmission. As a surface without roughness where no table
+    /// says better, as Cycles has it.
     fn albedos(&self) -> [Rgb; 3];
 
-    /// What a denoiser is told.
+    /// The features for a denoiser.
     fn features(&self) -> Features;
 
-    /// Of the diffuse lobes that scatter here and not elsewhere: their colours together, and the mean of their normals by these.
+    /// The colours of the diffuse lobes that scatter here and not elsewhere, together, and the mean of their normals by these.
     fn diffuse(&self) -> (Rgb, Vec3A);
 }

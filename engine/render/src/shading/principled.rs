@@ -5,10 +5,9 @@ use super::albedo::{AlbedoTable, give_back};
 use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::microfacet::{Ggx, reflect, refract};
-use super::{BsdfSample, Caustics, Features, LobeShares, Parted, Scattering, normal};
-use crate::nodes::MaterialValues;
+use super::{BsdfSample, Caustics, Features, LobeDecomposition, LobeShares, Scattering, normal};
 use crate::sampler::warp;
-use crate::scene::material::{Input, Material};
+use crate::scene::plain::{Plain, PlainValues};
 use crate::scene::visibility::Rays;
 use crate::surface::SurfacePoint;
 use crate::{Rgb, luminance};
@@ -16,14 +15,16 @@ use glam::{Vec3A, Vec4};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
-/// What of a material depends on its constants alone: made once for each index of refraction in a scene.
+/// Tables of a plain surface, which depend on its index of refraction alone: made once for each index in a scene.
 #[derive(Clone, Debug)]
 pub struct PrincipledTables {
     /// Relative index of the specular coat, after the specular level.
     coat_eta: f32,
-    /// Its reflectance at normal incidence, before the tint.
+    /// Reflectance of the coat at normal incidence, before the tint.
     coat_f0: f32,
     ior: f32,
+    /// True if the base is coated, as in [`Plain`].
+    is_coated: bool,
     reflection: Arc<AlbedoTable>,
     coat: AlbedoTable,
     // Entering and leaving; `None` where nothing is transmitted.
@@ -32,12 +33,12 @@ pub struct PrincipledTables {
 
 impl PrincipledTables {
     /// `reflection` is [`AlbedoTable::reflection`], shared by all.
-    pub fn new(material: &Material, reflection: Arc<AlbedoTable>) -> Self {
-        let ior = material.ior;
+    pub fn new(plain: &Plain, reflection: Arc<AlbedoTable>) -> Self {
+        let ior = plain.ior;
         let mut coat_f0 = fresnel::f0_from_ior(ior);
         let mut coat_eta = ior;
-        if material.specular_ior_level != 0.5 {
-            coat_f0 = (coat_f0 * 2.0 * material.specular_ior_level).min(0.99);
+        if plain.specular_ior_level != 0.5 {
+            coat_f0 = (coat_f0 * 2.0 * plain.specular_ior_level).min(0.99);
             let eta = fresnel::ior_from_f0(coat_f0);
             coat_eta = if ior < 1.0 { 1.0 / eta } else { eta };
         }
@@ -45,27 +46,23 @@ impl PrincipledTables {
             coat_eta,
             coat_f0,
             ior,
+            is_coated: plain.is_coated,
             reflection,
             coat: AlbedoTable::dielectric_reflection(coat_eta),
-            boundary: transmits(material).then(|| [ior, 1.0 / ior].map(AlbedoTable::dielectric_boundary)),
+            boundary: plain.may_transmit.then(|| [ior, 1.0 / ior].map(AlbedoTable::dielectric_boundary)),
         }
     }
 
-    /// What tells one set of tables from another.
-    pub fn key(material: &Material) -> (u32, u32, bool) {
-        (material.ior.to_bits(), material.specular_ior_level.to_bits(), transmits(material))
+    /// A key that is the same for plain surfaces with the same tables.
+    pub fn key(plain: &Plain) -> (u32, u32, bool, bool) {
+        (plain.ior.to_bits(), plain.specular_ior_level.to_bits(), plain.may_transmit, plain.is_coated)
     }
-}
-
-/// Whether any of a material's surface may be glass.
-fn transmits(material: &Material) -> bool {
-    material.transmission != Input::Constant(0.0)
 }
 
 /// The BSDF of one point seen from one direction.
 #[derive(Clone)]
 pub struct Bsdf {
-    /// About the normal of the facets, where there are any, else of the diffuse base.
+    /// Axes about the normal of the facets, where there are any, else of the diffuse base.
     frame: [Vec3A; 3],
     /// The normal of the diffuse base in these axes. That of facets is turned, where a mirror would send light into the surface.
     base_normal: Vec3A,
@@ -76,15 +73,15 @@ pub struct Bsdf {
     diffuse: Rgb,
     // Chance of each lobe: metal, glass, coat, diffuse.
     chance: [f32; 4],
-    /// Nothing where the surface is diffuse alone, as most are.
+    /// The lobes of facets; `None` if the surface is diffuse only, as most are.
     facets: Option<Facets>,
 }
 
-/// What lobes of facets need.
+/// The data of lobes of facets.
 #[derive(Clone)]
 struct Facets {
     ggx: Ggx,
-    /// In the axes of the frame.
+    /// The view in the axes of the frame.
     wo: Vec3A,
     /// [`Ggx::lambda`] of `wo`.
     lambda_o: f32,
@@ -99,29 +96,22 @@ struct Facets {
 }
 
 impl Bsdf {
-    /// At a point whose inputs have been evaluated; `wo` is the unit direction to where the path came from.
+    /// The BSDF at a point; `wo` is the unit direction to where the path came from. `values.weight` is not in it: [`Self::scale`].
     #[inline]
-    pub fn new(
-        material: &Material,
-        values: &MaterialValues,
-        tables: &PrincipledTables,
-        point: &SurfacePoint,
-        wo: Vec3A,
-    ) -> Self {
-        Self::with_caustics(material, values, tables, point, wo, Caustics::ALL)
+    pub fn new(tables: &PrincipledTables, values: &PlainValues, point: &SurfacePoint, wo: Vec3A) -> Self {
+        Self::with_caustics(tables, values, point, wo, Caustics::ALL)
     }
 
-    /// The same; what mirrors or bends light may be left out.
+    /// The BSDF without those lobes that mirror or refract light, where caustics are left out.
     #[inline]
     pub fn with_caustics(
-        material: &Material,
-        values: &MaterialValues,
         tables: &PrincipledTables,
+        values: &PlainValues,
         point: &SurfacePoint,
         wo: Vec3A,
         caustics: Caustics,
     ) -> Self {
-        let has_facets = values.metallic > 0.0 || values.transmission > 0.0 || material.specular;
+        let has_facets = values.metallic > 0.0 || values.transmission > 0.0 || tables.is_coated;
         let normal = if has_facets {
             normal::reflecting(point.geometric_normal, point.shading_normal, wo)
         } else {
@@ -140,7 +130,7 @@ impl Bsdf {
             facets: None,
         };
         if has_facets {
-            bsdf.add_facets(material, values, tables, point.backfacing, warp::to_local(&frame, wo), caustics);
+            bsdf.add_facets(tables, values, point.backfacing, warp::to_local(&frame, wo), caustics);
         } else if luminance(bsdf.diffuse) <= 0.0 {
             bsdf.chance = [0.0; 4];
         }
@@ -150,9 +140,8 @@ impl Bsdf {
     /// Metal, glass and coat, and what they leave to the diffuse base.
     fn add_facets(
         &mut self,
-        material: &Material,
-        values: &MaterialValues,
         tables: &PrincipledTables,
+        values: &PlainValues,
         backfacing: bool,
         wo: Vec3A,
         Caustics { reflective, refractive }: Caustics,
@@ -160,9 +149,11 @@ impl Bsdf {
         let cos = wo.z.max(1e-4);
         let ggx = Ggx::from_roughness(values.roughness);
         let r = values.roughness;
+        // A diffuse base alone may be brighter than white, as in Cycles.
+        let base = values.base_color.min(Rgb::ONE);
         let dielectric = 1.0 - values.metallic;
         let opaque = dielectric * (1.0 - values.transmission);
-        let has_coat = material.specular && opaque > 0.0 && reflective;
+        let has_coat = tables.is_coated && opaque > 0.0 && reflective;
         // What single scattering loses is given back in proportion.
         let (single, average) = if values.metallic > 0.0 || has_coat {
             (tables.reflection.at(r, cos), tables.reflection.average(r))
@@ -173,7 +164,7 @@ impl Bsdf {
 
         let (mut metal, mut metal_weight, mut metal_chance) = (F82Tint::default(), Rgb::ZERO, 0.0);
         if values.metallic > 0.0 && reflective {
-            metal = F82Tint::new(values.base_color, material.specular_tint);
+            metal = F82Tint::new(base, Rgb::ONE);
             metal_weight = restored(metal.average()) * values.metallic;
             metal_chance = luminance(metal.at(cos)) * values.metallic;
         }
@@ -181,7 +172,7 @@ impl Bsdf {
         let glass_chance = if reflective || refractive { dielectric * values.transmission } else { 0.0 };
         let (mut glass_weight, mut glass_tint) = (Rgb::ZERO, Rgb::ZERO);
         if glass_chance > 0.0 {
-            glass_tint = Rgb::from(values.base_color.to_array().map(f32::sqrt));
+            glass_tint = Rgb::from(base.to_array().map(f32::sqrt));
             // What passes is most of it.
             let restored = tables.boundary.as_ref().map_or(Rgb::ONE, |b| {
                 let table = &b[usize::from(backfacing)];
@@ -197,8 +188,7 @@ impl Bsdf {
         if has_coat {
             let give_back = restored(Rgb::splat(fresnel::dielectric_average(tables.coat_eta))).x;
             coat_weight = opaque * give_back;
-            let f0_tinted = luminance(material.specular_tint).min(1.0);
-            coat_albedo = (tables.coat.at(r, cos) * give_back).min(1.0) * f0_tinted.max(0.0);
+            coat_albedo = (tables.coat.at(r, cos) * give_back).min(1.0);
         }
         self.diffuse = values.base_color * (opaque * (1.0 - coat_albedo));
         let chance = Vec4::new(metal_chance, glass_chance, coat_albedo * opaque, luminance(self.diffuse));
@@ -212,15 +202,32 @@ impl Bsdf {
             metal_weight,
             glass_weight,
             glass_tint,
-            glass_reflection_tint: if reflective { material.specular_tint.min(Rgb::ONE) } else { Rgb::ZERO },
+            glass_reflection_tint: if reflective { Rgb::ONE } else { Rgb::ZERO },
             coat_weight,
-            coat_f0: (tables.coat_f0 * material.specular_tint).min(Rgb::ONE),
+            coat_f0: Rgb::splat(tables.coat_f0).min(Rgb::ONE),
             coat_eta: tables.coat_eta,
         });
     }
 
-    /// Makes facets at least so wide. What they scatter in all, and the chances of the lobes, stay those of their own width, as in
-    /// Cycles (`bsdf_blur` in bsdf.h).
+    /// Multiplies all that the BSDF scatters.
+    #[inline]
+    pub fn scale(&mut self, factor: f32) {
+        if factor == 1.0 {
+            return;
+        }
+        self.diffuse *= factor;
+        if factor <= 0.0 {
+            self.chance = [0.0; 4];
+        }
+        if let Some(f) = &mut self.facets {
+            f.metal_weight *= factor;
+            f.glass_weight *= factor;
+            f.coat_weight *= factor;
+        }
+    }
+
+    /// Makes facets at least so wide. Their albedos, and the probabilities of the lobes, stay those of their own width, as in Cycles
+    /// (`bsdf_blur` in bsdf.h).
     pub fn widen(&mut self, alpha: f32) {
         let Some(f) = self.facets.as_mut().filter(|f| f.ggx.width() < alpha) else { return };
         // Where glass passes light all but unbent, half vectors would be lost to rounding.
@@ -231,7 +238,7 @@ impl Bsdf {
         f.lambda_o = f.ggx.lambda(f.wo);
     }
 
-    /// Leaves those lobes that light of these kinds reaches; the chances of the others are lost.
+    /// Keeps only the lobes that light of these kinds reaches; the probabilities of the others are lost.
     fn keep(&mut self, rays: Rays) {
         if !rays.any_of(Rays::DIFFUSE) {
             (self.diffuse, self.chance[3]) = (Rgb::ZERO, 0.0);
@@ -245,7 +252,7 @@ impl Bsdf {
         }
     }
 
-    /// What metal, glass, glass on its far side, and coat scatter in all.
+    /// Albedos of metal, glass, glass on its far side, and coat.
     fn facet_albedos(&self) -> [Rgb; 4] {
         let Some(f) = &self.facets else { return [Rgb::ZERO; 4] };
         let (roughness, cos) = (f.ggx.width().sqrt(), f.wo.z.max(0.0));
@@ -311,8 +318,7 @@ impl Bsdf {
         self.facets.as_ref().filter(|f| !f.ggx.is_mirror() && self.cos_o > 0.0)
     }
 
-    /// What a facet met at that cosine reflects in all lobes, and the chance of reflecting there. A material seldom has
-    /// all lobes.
+    /// The light that a facet at a cosine reflects in all lobes, and the probability of reflecting there. A material seldom has all lobes.
     #[inline]
     fn reflected(&self, f: &Facets, cos: f32) -> (Rgb, f32) {
         let mut value = Rgb::ZERO;
@@ -335,7 +341,7 @@ impl Bsdf {
         let world = warp::to_world(&self.frame, wi).normalize();
         let above = self.geometric_normal.dot(world) > 0.0;
         // A tilted facet can bend light back to the side it came from, or mirror it below the surface: that
-        // light would meet another facet, which the restored energy accounts for.
+        // light would hit another facet, which the restored energy accounts for.
         if above == transmit || (!matte && (wi.z > 0.0) == transmit) {
             return None;
         }
@@ -350,7 +356,7 @@ impl Bsdf {
         })
     }
 
-    /// The same where the surface is diffuse and nothing else: density and value are one but for the colour.
+    /// The sample of a surface that is purely diffuse: value over density is the colour.
     fn finish_lambert(&self, wi: Vec3A) -> Option<BsdfSample> {
         let world = warp::to_world(&self.frame, wi).normalize();
         let seen = wi.z > 0.0 && self.geometric_normal.dot(world) > 0.0;
@@ -366,7 +372,7 @@ impl Bsdf {
     }
 }
 
-impl Parted for Bsdf {
+impl LobeDecomposition for Bsdf {
     #[cold]
     #[inline(never)]
     fn shares(&self, wi: Vec3A, reaches: Rays, is_beyond: bool) -> LobeShares {

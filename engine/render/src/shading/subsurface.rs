@@ -1,4 +1,4 @@
-//! Bodies that light goes into: how it enters, and what it meets there.
+//! Bodies that light goes into: how it enters, and what it hits there.
 
 use super::microfacet::{Ggx, refract};
 use crate::Rgb;
@@ -7,19 +7,19 @@ use crate::scene::closure::SubsurfaceMethod;
 use glam::Vec3A;
 use std::f32::consts::FRAC_1_PI;
 
-/// What is in a body, by channel.
+/// The medium in a body, by channel.
 #[derive(Clone, Copy, Debug)]
 pub struct Medium {
-    /// Per Blender unit.
+    /// Extinction per Blender unit.
     pub extinction: Rgb,
-    /// Of a single scattering.
+    /// Albedo of a single scattering.
     pub albedo: Rgb,
     /// Henyey and Greenstein's g.
     pub anisotropy: f32,
 }
 
 impl Medium {
-    /// One that scatters to all sides alike, and looks the same after many scatterings (similarity theory).
+    /// The medium that scatters to all sides alike, and looks the same after many scatterings (similarity theory).
     pub fn even(&self) -> Self {
         let scattering = self.albedo * (1.0 - self.anisotropy);
         let kept = Rgb::ONE - self.albedo * self.anisotropy;
@@ -30,27 +30,27 @@ impl Medium {
 /// Light on its way into a body.
 #[derive(Clone, Copy, Debug)]
 pub enum Entry {
-    /// It walks through.
+    /// Light walks through the body.
     Walk {
-        /// Unit.
+        /// Direction into the body, unit.
         direction: Vec3A,
-        /// What it carries.
+        /// Light that the path carries.
         light: Rgb,
-        /// What it meets.
+        /// The medium of the walk.
         medium: Medium,
     },
-    /// It comes out beside, by a profile.
+    /// Light comes out beside, by a profile.
     Beside {
-        /// What it carries.
+        /// Light that the path carries.
         light: Rgb,
-        /// How far, by channel.
+        /// The distribution of distances, by channel.
         profile: Profile,
-        /// Numbers for how far and where to.
+        /// Random numbers for distance and direction.
         u: [f32; 2],
     },
 }
 
-/// How a body takes light in.
+/// A body that light enters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
     inside: Inside,
@@ -58,12 +58,12 @@ pub(super) struct Body {
     pub(super) channels: Rgb,
 }
 
-/// What light does in a body.
+/// The transport of light in a body.
 #[derive(Clone, Copy, Debug)]
 enum Inside {
     Walk {
         medium: Medium,
-        /// What makes up for channels whose albedo is too low for the walk, over the surface's albedo.
+        /// Factor that makes up for channels whose albedo is too low for the walk, over the surface's albedo.
         scale: Rgb,
         ior: f32,
         alpha: f32,
@@ -80,7 +80,7 @@ const LEAST_RADIUS: f32 = 1e-8;
 const LEGACY_PATH: f32 = 0.25 * FRAC_1_PI;
 
 impl Body {
-    /// Of a surface's albedo, and the radius by channel; `None` where no channel has any.
+    /// The body of a surface's albedo and the radius by channel; `None` where no channel has any.
     pub(super) fn new(
         albedo: Rgb,
         radius: Rgb,
@@ -121,7 +121,7 @@ impl Body {
         Some(Self { inside: Inside::Walk { medium, scale, ior, alpha, is_skin }, channels })
     }
 
-    /// Whether light comes out beside the place where it goes in.
+    /// True if light comes out beside the place where it goes in, by a profile.
     pub(super) fn is_profile(&self) -> bool {
         matches!(self.inside, Inside::Profile(_))
     }
@@ -161,7 +161,7 @@ pub struct Profile {
 impl Profile {
     /// Beyond so many d there is no light.
     const CUT: f32 = 16.0;
-    /// The light within.
+    /// The part of the light within [`Self::CUT`].
     const WITHIN: f32 = 0.996_379;
 
     /// A distance by a channel that a uniform number chooses, and the farthest there is for the channel.

@@ -43,12 +43,12 @@ impl Complex {
     }
 }
 
-/// What is below a film.
+/// The material below a film.
 #[derive(Clone, Copy, Debug)]
 enum Below {
-    /// Of that relative index.
+    /// A dielectric of that relative index.
     Dielectric(f32),
-    /// Of that index and extinction coefficient; its reflectance may be that of a tinted metal.
+    /// A metal of that index and extinction coefficient; its reflectance may be that of a tinted metal.
     Metal { n: Rgb, k: Rgb, near_grazing: Option<Rgb> },
 }
 
@@ -64,17 +64,17 @@ impl Film {
     /// Films thinner than this, nm, are none.
     pub(super) const LEAST_NM: f32 = 0.1;
 
-    /// Over a dielectric; both indices are relative to the medium above.
+    /// A film over a dielectric; both indices are relative to the medium above.
     pub(super) fn over_dielectric(thickness_nm: f32, index: f32, eta: f32) -> Self {
         Self::new(thickness_nm, index, Below::Dielectric(eta))
     }
 
-    /// Over a metal of known index.
+    /// A film over a metal of known index.
     pub(super) fn over_conductor(thickness_nm: f32, index: f32, n: Rgb, k: Rgb) -> Self {
         Self::new(thickness_nm, index, Below::Metal { n, k, near_grazing: None })
     }
 
-    /// Over a metal of which two reflectances are known: its index is guessed from them (Gulbrandsen 2014).
+    /// A film over a metal of which two reflectances are known: its index is guessed from them (Gulbrandsen 2014).
     pub(super) fn over_tinted(thickness_nm: f32, index: f32, f0: Rgb, metal: F82Tint) -> Self {
         let g = metal.at(1.0 / 7.0);
         let r = f0.min(Rgb::splat(0.999));
@@ -131,7 +131,8 @@ impl Film {
         }
     }
 
-    /// The same over a dielectric whose reflectance at normal incidence is tinted to `f0`.
+    /// Reflectance at the cosine `cos` over a dielectric whose reflectance at normal incidence, `real_f0`, is tinted to
+    /// `f0`.
     pub(super) fn tinted(&self, cos: f32, real_f0: f32, f0: Rgb) -> Rgb {
         let f = self.at(cos);
         if real_f0 <= 1e-5 || f == Rgb::ONE {
@@ -141,7 +142,7 @@ impl Film {
         f * (Rgb::ONE + (f0 / real_f0 - 1.0) * near)
     }
 
-    /// Of both polarisations.
+    /// Reflectance, the mean of both polarisations.
     fn sum(&self, above: [(f32, Complex); 2], below: [[(f32, Complex); 2]; 3], path_nm: f32) -> Rgb {
         let transforms: [[Vec3; 2]; ORDERS] = std::array::from_fn(|order| sensitivity((order + 1) as f32 * path_nm));
         let mut total = Rgb::ZERO;
@@ -186,7 +187,7 @@ fn polarised(n1: f32, c1: f32, normal: Complex, n2: Complex) -> [(f32, Complex);
     [perpendicular, parallel]
 }
 
-/// What the three channels see of a wave that is shifted by an optical path: cosine and sine parts.
+/// The response of the three channels to a wave that is shifted by an optical path: cosine and sine parts.
 fn sensitivity(path_nm: f32) -> [Vec3; 2] {
     static TABLE: LazyLock<Vec<[Vec3; 2]>> = LazyLock::new(|| {
         let mut table = vec![[Vec3::ZERO; 2]; STEPS];

@@ -1,4 +1,4 @@
-//! Which wavelengths the film sees, and what the scene's light at each of them adds to the picture's colour.
+//! The wavelengths that the film sees, and the contribution of the scene's light at each of them to the picture's colour.
 //!
 //! The scene is described in three colours, a dispersing lens wants wavelengths. A scene colour (r, g, b) is taken for
 //! the spectrum (r b_r + g b_g + b b_b) D65, with the basis of Mallett and Yuksel 2019: it is linear, and white is D65
@@ -19,23 +19,22 @@ const REC_709_FROM_XYZ: [[f64; 3]; 3] = [
     [0.055_643_4, -0.204_025_9, 1.057_225_2],
 ];
 
-/// How many wavelengths a spectral film tells apart. More makes set-up slower (one lens, one set of indices
-/// each); fewer shows as separate images of a bright point where the lens disperses by more pixels than this.
+/// Number of wavelengths that a spectral film tells apart. More makes set-up slower (one lens, one set of indices each); fewer shows as
+/// separate images of a bright point where the lens disperses by more pixels than this.
 pub const SPECTRAL_COUNT: usize = 48;
 
-/// How many wavelengths a path can carry at a time: a [`FilmSpectrum`] falls into sets of so many. Divides
-/// [`SPECTRAL_COUNT`].
+/// Number of wavelengths that a path can carry at a time: a [`FilmSpectrum`] falls into sets of so many. Divides [`SPECTRAL_COUNT`].
 pub const SET_SIZE: usize = 8;
 
-/// Where three indices stand for the whole spectrum: the dominant wavelengths of the Rec.709 primaries, nm.
+/// Wavelengths of three indices that stand for the whole spectrum: the dominant wavelengths of the Rec.709 primaries, nm.
 const PRIMARIES_NM: [f64; 3] = [464.2, 549.1, 611.4];
 
 /// One wavelength that the film samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmWavelength {
-    /// In air, as glass catalogues count it, nm.
+    /// Wavelength in air, as glass catalogues count it, nm.
     pub nm: f64,
-    /// What radiance of a scene colour adds to the picture's; averages to the identity over all wavelengths.
+    /// Contribution of radiance of a scene colour to the picture's; averages to the identity over all wavelengths.
     pub response: Mat3,
 }
 
@@ -67,7 +66,8 @@ impl FilmSpectrum {
         Self::visible_in(SPECTRAL_COUNT)
     }
 
-    /// The same in that many bands, a multiple of [`SET_SIZE`]: fewer do where the lens disperses little.
+    /// The visible spectrum in `count` bands of equal importance to the film, a multiple of [`SET_SIZE`]: fewer do where the lens disperses
+    /// little.
     pub fn visible_in(count: usize) -> Self {
         // The chance of a wavelength is the size of the film's answer to white: no sample outweighs the others.
         let fine = 20;
@@ -96,7 +96,7 @@ impl FilmSpectrum {
         Self { wavelengths }
     }
 
-    /// The same behind something that makes `tint` of each scene colour.
+    /// This spectrum behind something that makes `tint` of each scene colour.
     pub fn tinted(mut self, tint: Mat3) -> Self {
         for line in &mut self.wavelengths {
             line.response = tint * line.response;
@@ -115,13 +115,12 @@ impl FilmSpectrum {
         ((u * self.wavelengths.len() as f32) as usize).min(self.wavelengths.len() - 1)
     }
 
-    /// How many sets of wavelengths, each spread evenly over the spectrum, there are: set s holds the numbers s,
-    /// s + sets, s + 2 sets, ...
+    /// Number of sets of wavelengths, each spread evenly over the spectrum: set s holds the numbers s, s + sets, s + 2 sets, ...
     pub fn sets(&self) -> usize {
         self.wavelengths.len().div_ceil(SET_SIZE)
     }
 
-    /// How many wavelengths are in each set: at most [`SET_SIZE`].
+    /// Number of wavelengths in each set: at most [`SET_SIZE`].
     pub fn set_size(&self) -> usize {
         self.wavelengths.len() / self.sets()
     }

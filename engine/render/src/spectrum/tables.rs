@@ -5,7 +5,7 @@
 
 /// First wavelength, nm.
 pub(super) const FIRST_NM: f64 = 380.0;
-/// From row to row, nm.
+/// Step from row to row, nm.
 pub(super) const STEP_NM: f64 = 5.0;
 
 /// The observer's x, y and z; D65; the spectra that a linear Rec.709 colour's red, green and blue stand for under D65.

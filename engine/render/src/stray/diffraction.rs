@@ -1,4 +1,4 @@
-//! What diffraction does to a picture: softness at small openings, and the spikes of bright points.
+//! Diffraction in a picture: softness at small openings, and the spikes of bright points.
 //!
 //! The picture has the lens's aberrations and its defocus already, by rays. Diffraction multiplies its contrast at the frequency ν by the
 //! overlap of the pupil with itself for the shift λν ([`petzval_optics::diffraction`]); docs/diffraction.md holds that product against
@@ -23,15 +23,15 @@ use table::Table;
 
 /// Pupils whose breadths, over their areas, differ by less than this part from that of the middle are taken for the same.
 const ALIKE: f64 = 0.1;
-/// Directions in which they are compared.
+/// Directions in which the pupils are compared.
 const COMPARED: usize = 16;
-/// Where kernels are made of a picture whose pupil changes, fractions of its width or height.
+/// Places of the kernels of a picture whose pupil changes, fractions of its width or height.
 const PLACES: [f32; 3] = [-0.5, 0.0, 0.5];
 
 /// The diffraction of a lens in a picture.
 pub struct Diffraction {
     size: [usize; 2],
-    /// mm.
+    /// Width and height of a pixel, mm.
     pixel: [f64; 2],
     spectrum: FilmSpectrum,
     /// Pupils by row and column of [`PLACES`], from below; or one for all of the picture.
@@ -39,8 +39,8 @@ pub struct Diffraction {
 }
 
 impl Diffraction {
-    /// Of the lens of a camera, for a picture of that many pixels. Blades are the description's: that blur was made with a round opening
-    /// does not keep them from throwing light aside.
+    /// The diffraction of the lens of a camera, for a picture of that many pixels. Blades are the description's: that blur was made with a
+    /// round opening does not keep them from throwing light aside.
     ///
     /// # Errors
     /// As [`crate::camera::Camera::new`].
@@ -65,17 +65,18 @@ impl Diffraction {
         Ok(Self { size, pixel, spectrum, pupils })
     }
 
-    /// Of pupils: one for all of the picture, or nine, of the places [`PLACES`] by rows from below. A pixel is so wide and so high, mm.
+    /// The diffraction of pupils: one for all of the picture, or nine, of the places [`PLACES`] by rows from below. `pixel_mm` is a pixel's
+    /// width and height.
     pub fn of_outlines(pupils: Vec<Outline>, spectrum: FilmSpectrum, pixel_mm: [f64; 2], size: [usize; 2]) -> Self {
         Self { size, pixel: pixel_mm, spectrum, pupils }
     }
 
-    /// How many kernels the picture takes.
+    /// Number of kernels of the picture.
     pub fn zones(&self) -> usize {
         self.pupils.len()
     }
 
-    /// What it changes in a picture, rows from below: the picture spread, less the picture.
+    /// The change of a picture by diffraction, rows from below: the picture spread, less the picture.
     pub fn change(&self, picture: &[Rgb]) -> Vec<Rgb> {
         let [width, height] = self.size;
         let mut spreading = Spreading::new(picture, self.size);
@@ -98,7 +99,7 @@ fn share(at: f32, place: usize) -> f32 {
     (1.0 - (at - PLACES[place]).abs() / step).max(0.0)
 }
 
-/// Whether two pupils throw light aside alike.
+/// True if two pupils diffract light alike.
 fn is_alike(one: &Outline, other: &Outline) -> bool {
     let shifts = |outline: &Outline| Shifts { first: 1e-4 * outline.width(), per_octave: 1.0, count: 8 };
     (0..COMPARED).all(|i| {

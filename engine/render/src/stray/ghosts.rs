@@ -1,8 +1,8 @@
 //! The picture of all ghosts of some sources.
 //!
-//! For every source and every path with reflections it is first found where the ghost lies and how bright it is; the weakest are left
-//! out, as many as together stay below a bound. The others are traced as grids ([`petzval_optics::ghosts::packet`]) in as many
-//! wavelengths as their colours lie apart, and their pieces laid on the picture.
+//! The place and brightness of the ghost are found first, for every source and every path with reflections; the weakest are left out, as
+//! many as together stay below a bound. The others are traced as grids ([`petzval_optics::ghosts::packet`]) in as many wavelengths as their
+//! colours lie apart, and their pieces laid on the picture.
 
 mod choose;
 mod raster;
@@ -27,19 +27,19 @@ const LEAST_BANDS: usize = 6;
 const MOST_BANDS: usize = 24;
 /// Ghosts of a source that blurs them less are those of its middle.
 const BLUR_PX: f64 = 1.5;
-/// So many ghosts are traced before their pieces are laid: memory.
+/// Number of ghosts that are traced before their pieces are laid: memory.
 const AT_ONCE: usize = 16;
 
-/// What was done.
+/// A report on the simulation of ghosts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Sources looked at.
+    /// Number of sources that were looked at.
     pub sources: usize,
     /// Ghosts of all sources that reach the film.
     pub found: usize,
-    /// Of those, simulated.
+    /// Ghosts that were simulated.
     pub simulated: usize,
-    /// What the others could add to a pixel at most, in the picture's units.
+    /// Bound of the light that the others could add to a pixel, in the picture's units.
     pub left_out: f32,
 }
 
@@ -80,7 +80,7 @@ fn turns(lens: &StrayLens, reflections: Reflections) -> Vec<Vec<usize>> {
 
 /// The paths in the bands that they are asked for.
 struct Paths {
-    /// By number of bands and path.
+    /// Tracers by number of bands and path.
     tracers: HashMap<(usize, usize), Vec<GhostTracer>>,
 }
 
@@ -98,7 +98,7 @@ impl Paths {
     }
 }
 
-/// Into how many bands a ghost is parted.
+/// Number of bands into which a ghost is divided.
 fn bands(one: &Candidate) -> usize {
     // Each band comes from another place of the source.
     let for_blur = if one.blur_px > BLUR_PX { 2.0 * one.blur_px } else { 0.0 };
@@ -144,12 +144,12 @@ fn triangles(lens: &StrayLens, source: &Source, one: &Candidate, paths: &Paths) 
     found
 }
 
-/// What a look at some of the sources tells.
+/// The results of a look at some of the sources.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Glimpse {
     /// The value that the brightest ghost has in the picture, luminance; 0 where none reaches the film.
     pub brightest: f32,
-    /// Sources looked at.
+    /// Number of sources that were looked at.
     pub sources: usize,
     /// Paths of each that were tried.
     pub paths: usize,

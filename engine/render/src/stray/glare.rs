@@ -1,7 +1,7 @@
 //! Veiling glare: light that surfaces scatter because they are not quite smooth or not quite clean, and light that the barrel and the
 //! film throw back.
 //!
-//! Of each surface of the lens, to first order ([`petzval_optics::scatter`]):
+//! The scattered light of each surface of the lens, to first order ([`petzval_optics::scatter`]):
 //!
 //! - *Roughness* of σ rms sends the part (2π σ Δn / λ)² aside (Bennett and Porteus 1961, here in transmission), shaped as Harvey and
 //!   Shack have it, (1 + (β / l)²)^(s / 2) of the sine β, with l = 0.01 at 550 nm and s = −1.5, as is usual of polished glass (Pfisterer,
@@ -14,7 +14,7 @@
 //!   everywhere that comes from elsewhere, laid evenly over the picture, in the light that falls on the lens's front from inside
 //!   and outside of the picture. Reflections between surfaces of the glass are not in it: they are ghosts.
 //!
-//! What is scattered is taken from the direct light.
+//! Scattered light is taken from the direct light.
 
 use super::sampled::Sampled;
 use super::spread;
@@ -30,7 +30,7 @@ use std::f64::consts::{PI, TAU};
 const SHOULDER: f64 = 0.01;
 const SLOPE: f64 = -1.5;
 const AT_NM: f64 = 550.0;
-/// Of what a particle catches, the part that it throws on.
+/// The part of the light that a particle catches which it throws on.
 const THROWN_ON: f64 = 0.5;
 /// Sizes of particles to the double.
 const SIZES_PER_OCTAVE: u32 = 8;
@@ -47,13 +47,13 @@ pub struct Glare {
     size: [usize; 2],
     pixel_mm: [f64; 2],
     scattering: Scattering,
-    /// Of red, green and blue.
+    /// The halos of red, green and blue.
     colours: [Halo; 3],
 }
 
-/// What surfaces scatter of one wavelength.
+/// The light of one wavelength that surfaces scatter.
 struct Halo {
-    /// All of it, as a part of the light.
+    /// The scattered light, as a part of all light.
     part: f64,
     /// The first distance, mm.
     first_mm: f64,
@@ -62,7 +62,7 @@ struct Halo {
 }
 
 impl Glare {
-    /// Of the lens of a camera, for a picture of that many pixels.
+    /// The glare of the lens of a camera, for a picture of that many pixels.
     ///
     /// # Errors
     /// As [`crate::camera::Camera::new`].
@@ -71,7 +71,7 @@ impl Glare {
         Ok(Self::of_surfaces(&survey.scatterers(), d.scattering, survey.pixel_mm(), [width as usize, height as usize]))
     }
 
-    /// Of surfaces. A pixel is so wide and so high, mm.
+    /// The glare of surfaces. `pixel_mm` is a pixel's width and height.
     pub fn of_surfaces(surfaces: &[Scatterer], scattering: Scattering, pixel_mm: [f64; 2], size: [usize; 2]) -> Self {
         let three = FilmSpectrum::three();
         // From blue to red, as the film's wavelengths are.
@@ -92,8 +92,8 @@ impl Glare {
         self.colours[1].part + self.scattering.veiling_index
     }
 
-    /// What it changes in a picture, rows from below. `front_light` is the irradiance on the lens's front over that of a world as bright all over
-    /// as the picture is without its brightest places (as the plan measures it); `None`: the picture's own light.
+    /// The change of a picture by glare, rows from below. `front_light` is the irradiance on the lens's front over that of a world as
+    /// bright all over as the picture is without its brightest places (as the plan measures it); `None`: the picture's own light.
     pub fn change(&self, picture: &[Rgb], front_light: Option<f64>) -> Vec<Rgb> {
         let taken = Rgb::from([0, 1, 2].map(|c| self.colours[c].part as f32));
         let mut change = if taken.max_element() > 0.0 {
@@ -180,7 +180,7 @@ impl Halo {
 
 /// Scattered light by the sine of the angle, up to 1, per unit of solid angle (of sines).
 struct Shape {
-    /// By logarithm.
+    /// Values by logarithm of the sine.
     values: Vec<f64>,
     whole: f64,
 }
@@ -205,7 +205,7 @@ impl Shape {
         Self { values, whole }
     }
 
-    /// All of it one.
+    /// Harvey's shape with this shoulder, whose integral is 1.
     fn harvey(shoulder: f64) -> Self {
         let mut shape = Self::of(|sine| (1.0 + (sine / shoulder).powi(2)).powf(0.5 * SLOPE));
         shape.values.iter_mut().for_each(|value| *value /= shape.whole);
@@ -213,7 +213,7 @@ impl Shape {
         shape
     }
 
-    /// Of the dust on a surface of that level; `None`: there is none.
+    /// The shape of the dust on a surface of that level; `None`: there is none.
     fn dust(level: f64, nm: f64) -> Option<Self> {
         if level.is_nan() || level <= 1.0 {
             return None;

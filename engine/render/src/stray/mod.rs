@@ -1,8 +1,8 @@
 //! Light that strays: what reflections between surfaces, scattering and the wave nature of light add to a picture that rays alone have
 //! made.
 //!
-//! It is found once, after the last sample, from the picture and the scene's sources, and kept apart from it: what is shown is the
-//! sum. Each part is a difference that may be weighed by itself.
+//! Stray light is computed once, after the last sample, from the picture and the scene's sources, and kept apart from it: what is shown is
+//! the sum. Each part is a difference that may be weighed by itself.
 
 pub mod diffraction;
 pub mod ghosts;
@@ -14,7 +14,7 @@ pub mod spread;
 use crate::Rgb;
 use crate::camera::Camera;
 use crate::camera::straying::StrayLens;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use diffraction::Diffraction;
 use glare::Glare;
 use std::time::Instant;
@@ -22,15 +22,15 @@ use std::time::Instant;
 /// A picture as the film has it: linear, rows from below.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Columns.
+    /// Width, pixels.
     pub width: u32,
-    /// Rows.
+    /// Height, pixels.
     pub height: u32,
-    /// By pixel.
+    /// Light by pixel.
     pub light: Vec<Rgb>,
 }
 
-/// What strays is looked for.
+/// The kinds of stray light that are computed.
 #[derive(Default)]
 pub struct Strays {
     /// Reflections between surfaces.
@@ -39,15 +39,15 @@ pub struct Strays {
     pub diffraction: Option<Diffraction>,
     /// Light scattered by surfaces, dust, barrel and film.
     pub glare: Option<Glare>,
-    /// For glare: [`Glare::change`] says what.
+    /// Light on the front, for glare: see [`Glare::change`].
     pub front_light: Option<f64>,
 }
 
-/// How many reflections a ghost's path has at most. Paths of four are a hundred times as many as those of two, and each takes
-/// from its light twice what a surface reflects.
+/// Number of reflections of a ghost's path at most. Paths of four are a hundred times as many as those of two, and each takes from its
+/// light twice what a surface reflects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reflections {
-    /// As most ghosts that are seen have.
+    /// Two, as most visible ghosts have.
     #[default]
     Two,
     /// Two or four: for lenses without coatings, and the sun.
@@ -63,19 +63,19 @@ impl Reflections {
         }
     }
 
-    /// Of that number, if there is one.
+    /// The variant of that number, if there is one.
     pub fn of(count: usize) -> Option<Self> {
         [Self::Two, Self::Four].into_iter().find(|one| one.counts().last() == Some(&count))
     }
 }
 
-/// What of reflections is looked for.
+/// Settings of the simulation of ghosts.
 pub struct Ghosts {
     /// The lens, whatever camera made the picture.
     pub lens: StrayLens,
     /// Light that may be left out, as a radiance of the scene.
     pub tolerance: f32,
-    /// How many a path has at most.
+    /// Number of reflections of a path at most.
     pub reflections: Reflections,
 }
 
@@ -91,10 +91,10 @@ pub enum StrayPass {
 }
 
 impl StrayPass {
-    /// All of them.
+    /// All passes.
     pub const ALL: [Self; 3] = [Self::Ghosts, Self::Glare, Self::Diffraction];
 
-    /// For programs.
+    /// Name of the pass for programs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ghosts => "GHOSTS",
@@ -104,15 +104,15 @@ impl StrayPass {
     }
 }
 
-/// What was found.
+/// The stray light that was found.
 #[derive(Clone, Debug, Default)]
-pub struct Strayed {
+pub struct StrayLight {
     parts: Vec<Part>,
-    /// Of ghosts.
+    /// The report on ghosts.
     pub ghosts: Option<ghosts::Report>,
 }
 
-/// One kind of it.
+/// One kind of stray light.
 #[derive(Clone, Debug)]
 struct Part {
     pass: StrayPass,
@@ -120,8 +120,8 @@ struct Part {
     seconds: f64,
 }
 
-impl Strayed {
-    /// What was looked for, and the wall time that each took, s.
+impl StrayLight {
+    /// The kinds of stray light that were computed, and the wall time that each took, s.
     pub fn times(&self) -> impl Iterator<Item = (StrayPass, f64)> {
         self.parts.iter().map(|part| (part.pass, part.seconds))
     }
@@ -144,28 +144,28 @@ impl Strayed {
 /// A picture that is finished but for what strays, and how it came about.
 pub struct Straight<'a> {
     /// The scene.
-    pub stage: &'a Stage,
+    pub stage: &'a PreparedScene,
     /// The camera in the middle of the exposure.
     pub camera: &'a Camera,
-    /// What it took.
+    /// The picture that the camera took.
     pub picture: &'a Picture,
-    /// By what the camera's light is multiplied in the picture, and by pixel as well; without these, by one.
+    /// Factor of the camera's light in the picture.
     pub exposure: f32,
-    /// As above.
+    /// A further factor of the camera's light by pixel; without these, one.
     pub gains: &'a [f32],
 }
 
 impl Straight<'_> {
-    /// By what the camera's light is multiplied at a pixel.
+    /// Factor of the camera's light at a pixel.
     pub fn scale(&self, pixel: usize) -> f32 {
         self.exposure * self.gains.get(pixel).copied().unwrap_or(1.0)
     }
 }
 
 impl Strays {
-    /// Finds them; `None` where `stopped` said so.
-    pub fn find(&self, straight: &Straight<'_>, stopped: &(dyn Fn() -> bool + Sync)) -> Option<Strayed> {
-        let mut found = Strayed::default();
+    /// Finds the stray light; `None` where `stopped` said so.
+    pub fn find(&self, straight: &Straight<'_>, stopped: &(dyn Fn() -> bool + Sync)) -> Option<StrayLight> {
+        let mut found = StrayLight::default();
         let mut start = Instant::now();
         let mut keep = |pass: StrayPass, light: Vec<Rgb>| {
             let seconds = std::mem::replace(&mut start, Instant::now()).elapsed().as_secs_f64();

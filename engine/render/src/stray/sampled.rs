@@ -9,14 +9,14 @@ use rayon::prelude::*;
 /// The transfer function of a kernel, less what it takes from the light that is not spread.
 pub(super) struct Sampled {
     sides: [usize; 2],
-    /// By column of the spectrum, then by row.
+    /// Values by column of the spectrum, then by row.
     values: Vec<Rgb>,
     taken: Rgb,
 }
 
 impl Sampled {
-    /// `kernel` says what part of a pixel's light arrives so many pixels to the right and up, or to the left and down; `taken` is all that it
-    /// takes, also what arrives beyond the picture.
+    /// `kernel` says what part of a pixel's light arrives so many pixels to the right and up, or to the left and down; `taken` is all that
+    /// it takes, also what arrives beyond the picture.
     pub(super) fn new(size: [usize; 2], taken: Rgb, kernel: impl Fn(usize, usize) -> Rgb + Sync) -> Self {
         let sides = spread::padded(size);
         let [width, height] = sides;

@@ -1,12 +1,12 @@
-//! Where light comes from that is bright enough to stray: what the picture shows brightly (lamps, sky, surfaces that shine or mirror
-//! something), and what it does not show, beside it or because Blender hides lamps from cameras.
+//! Sources of light that is bright enough to stray: those that the picture shows brightly (lamps, sky, surfaces that emit or reflect), and
+//! those that it does not show, beside it or because Blender hides lamps from cameras.
 
 use super::Straight;
 use crate::accel::Ray;
 use crate::camera::Camera;
 use crate::camera::straying::StrayLens;
-use crate::integrator::Stage;
-use crate::nodes::Way;
+use crate::integrator::PreparedScene;
+use crate::nodes::PathState;
 use crate::sampler::evenly::Evenly;
 use crate::scene::visibility::Rays;
 use crate::{Rgb, luminance};
@@ -33,15 +33,15 @@ const HIDDEN: f32 = 0.5;
 /// A source of light that strays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// Lens space.
+    /// The place of the source, lens space.
     pub place: beam::Source,
-    /// On the front glass, facing the source: radiance times steradians.
+    /// Irradiance on the front glass, facing the source: radiance times steradians.
     pub irradiance: Rgb,
-    /// Of an even disc as wide as the source, seen from the lens.
+    /// Radius of an even disc as wide as the source, seen from the lens.
     pub radius_rad: f32,
-    /// Render space, unit.
+    /// Direction towards the source, render space, unit.
     pub towards: DVec3,
-    /// Where the picture shows it, pixels from its lower left corner; `None` where it does not.
+    /// Place of the source in the picture, pixels from the lower left corner; `None` if the picture does not show it.
     pub pixel: Option<Vec2>,
 }
 
@@ -78,14 +78,14 @@ struct Cluster {
     irradiance: Rgb,
 }
 
-/// Lamps, shining surfaces and bright places of the sky that light the lens from its front.
-fn of_lights(stage: &Stage, lens: &StrayLens, least: f32) -> Vec<Source> {
+/// Lamps, emitting surfaces and bright places of the sky that light the lens from its front.
+fn of_lights(stage: &PreparedScene, lens: &StrayLens, least: f32) -> Vec<Source> {
     let (front, forwards) = (lens.front().as_vec3a(), lens.forwards().as_vec3a());
     let to = stage.lights.receiver_between(front);
     let points = Evenly::<3>::default();
     let sample = |i: u32| {
         let [choice, u, v] = points.point(i).map(|u| u as f32);
-        let sample = stage.lights.sample(&stage.scene, &to, choice, [u, v], Way::CAMERA)?;
+        let sample = stage.lights.sample(&stage.scene, &to, choice, [u, v], PathState::CAMERA)?;
         let light = sample.radiance / (sample.pdf * SAMPLES as f32);
         if !(light.is_finite() && luminance(light) > 0.0 && sample.wi.dot(forwards) > 0.0) {
             return None;
@@ -195,18 +195,18 @@ struct Spot {
     /// Sums by luminance of where the others lie from there, and of these distances squared.
     places: Vec2,
     squares: f32,
-    /// Of luminance, and of light.
+    /// Sums of luminance, and of light.
     weight: f32,
     light: Rgb,
 }
 
-/// What a pixel looks along.
+/// The ray that a pixel looks along.
 struct View {
-    /// About the middle of the rays that come to it.
+    /// The ray, near the middle of the rays that come to the pixel.
     ray: Ray,
-    /// Of a pixel, seen from the lens.
+    /// Solid angle of a pixel, seen from the lens.
     solid_angle_sr: f32,
-    /// What the camera gets there of a white world of radiance one.
+    /// The camera's light there of a white world of radiance one.
     white: f32,
 }
 

@@ -1,9 +1,9 @@
 //! Light of every pixel spread over the picture, by a kernel that is given as a transfer function: a convolution by FFT.
 //!
-//! What comes out is the *change* of the picture, so that the bits of a pixel which gives and gets nothing stay as they are, and a
-//! compositor can weigh it. The transform has zeros beyond the picture, as wide and high as it: what is thrown out on one side does not
-//! come in on the other. What is beyond the picture's edge is not known; for each pixel it counts as what the pixel itself is, so that an
-//! even picture stays even up to its edges.
+//! The result is the *change* of the picture, so that the bits of a pixel which gives and gets nothing stay as they are, and a compositor
+//! can weigh it. The transform has zeros beyond the picture, as wide and high as it: what is thrown out on one side does not come in on the
+//! other. What is beyond the picture's edge is not known; for each pixel it counts as what the pixel itself is, so that an even picture
+//! stays even up to its edges.
 //!
 //! Rows and columns are shared out among threads, each is summed in one order: the bits do not depend on how many there are.
 
@@ -15,12 +15,12 @@ use std::sync::Arc;
 
 /// Columns or rows that go together: a line of the cache.
 const BLOCK: usize = 8;
-/// Of the picture: red, green, blue, and what an even white one would have there.
+/// Channels of the picture: red, green, blue, and that of an even white one.
 const CHANNELS: usize = 4;
-/// Of the change: three colours of the picture's, and three of an even white one's.
+/// Channels of the change: three colours of the picture's, and three of an even white one's.
 const CHANGES: usize = 6;
 
-/// What a kernel does to each frequency.
+/// The transfer function of a kernel.
 pub trait Transfer: Sync {
     /// The change of the frequencies `across`, in cycles a pixel (0 to 1/2), and `up` (-1/2 to 1/2): the matrix by which the spectrum of
     /// red, green and blue is multiplied, less the identity. One for each of `up`. The kernel is real and looks alike after half a
@@ -30,11 +30,12 @@ pub trait Transfer: Sync {
 
 /// A part of the picture and the kernel of its light.
 pub struct Zone<'a> {
-    /// The part of a pixel's light that is spread so: the product of these by column and row. All zones' together are 1.
+    /// The part of a pixel's light that is spread by this kernel, by column: the product of this and [`Self::rows`]. All zones' together
+    /// are 1.
     pub columns: Vec<f32>,
-    /// By row.
+    /// The part of a pixel's light that is spread by this kernel, by row.
     pub rows: Vec<f32>,
-    /// How it is spread.
+    /// The transfer function.
     pub transfer: &'a dyn Transfer,
 }
 
@@ -46,7 +47,7 @@ pub struct Spreading<'a> {
 }
 
 impl<'a> Spreading<'a> {
-    /// Of a picture of `width` by `height` pixels, rows from below.
+    /// The spreading of a picture of `width` by `height` pixels, rows from below.
     pub fn new(picture: &'a [Rgb], [width, height]: [usize; 2]) -> Self {
         let fft = (width * height > 0 && picture.len() == width * height).then(|| Transforms::new(width, height));
         let count = fft.as_ref().map_or(0, |fft| fft.frequencies * CHANGES * height);
@@ -61,13 +62,13 @@ impl<'a> Spreading<'a> {
         }
     }
 
-    /// What that changed.
+    /// The change of the picture by all zones.
     pub fn finish(self) -> Vec<Rgb> {
         self.fft.map_or_else(|| vec![Rgb::ZERO; self.picture.len()], |fft| fft.back(&self.changes, self.picture))
     }
 }
 
-/// What one kernel for the whole of it changes in a picture.
+/// The change of a picture by one kernel for the whole of it.
 pub fn change(picture: &[Rgb], [width, height]: [usize; 2], transfer: &dyn Transfer) -> Vec<Rgb> {
     let mut spreading = Spreading::new(picture, [width, height]);
     spreading.add(&Zone { columns: vec![1.0; width], rows: vec![1.0; height], transfer });
@@ -98,9 +99,9 @@ pub(super) fn padded([width, height]: [usize; 2]) -> [usize; 2] {
 struct Transforms {
     width: usize,
     height: usize,
-    /// Of rows and columns with their zeros.
+    /// Sizes of rows and columns with their zeros.
     sides: [usize; 2],
-    /// Of a row's spectrum.
+    /// Number of frequencies of a row's spectrum.
     frequencies: usize,
     row: Arc<dyn RealToComplex<f32>>,
     row_back: Arc<dyn ComplexToReal<f32>>,

@@ -4,10 +4,10 @@ use crate::cameras::camera;
 use glam::{DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model};
-use petzval_render::integrator::{Integrator, Stage};
+use petzval_render::integrator::{Integrator, PreparedScene};
 use petzval_render::job::{Job, Settings, Statistics};
 use petzval_render::pipeline::Pipeline;
-use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
 use petzval_render::scene::{SceneBuilder, world::World};
 use std::path::Path;
@@ -46,17 +46,11 @@ fn settings(samples: u32, noise_threshold: f32, seed: u32) -> Settings {
 }
 
 fn glow(r: f32, g: f32, b: f32) -> Material {
-    Material {
-        emission_color: Input::Constant(Rgb::new(r, g, b)),
-        emission_strength: 1.0,
-        base_color: Input::Constant(Rgb::ZERO),
-        specular: false,
-        ..Material::default_grey()
-    }
+    Material::diffuse("glow", Rgb::ZERO, Rgb::new(r, g, b))
 }
 
 /// Triangles of one material: place, and how large.
-fn stage(groups: &[(Material, Vec<(DVec3, f64)>)], world: f32) -> Arc<Stage> {
+fn stage(groups: &[(Material, Vec<(DVec3, f64)>)], world: f32) -> Arc<PreparedScene> {
     let mut builder = SceneBuilder::new();
     let triangle = MeshDescription {
         name: "triangle".into(),
@@ -66,14 +60,14 @@ fn stage(groups: &[(Material, Vec<(DVec3, f64)>)], world: f32) -> Arc<Stage> {
     };
     let mesh = builder.add_mesh(triangle).unwrap();
     for (material, places) in groups {
-        let material = builder.add_material(material.clone()).unwrap();
+        let material = builder.add_material(material.clone());
         for &(place, size) in places {
             let at = DMat4::from_translation(place) * DMat4::from_scale(DVec3::splat(size));
             builder.add_instance("triangle", mesh, at, &[material], true, true).unwrap();
         }
     }
     builder.set_world(World { color: Rgb::splat(world), ..Default::default() }).unwrap();
-    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+    Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 fn part(i: u32, step: f64) -> f64 {
@@ -81,20 +75,20 @@ fn part(i: u32, step: f64) -> f64 {
 }
 
 /// Sparks that are far smaller than a pixel, as rare to samples as they are bright.
-fn sparks() -> Arc<Stage> {
+fn sparks() -> Arc<PreparedScene> {
     // A pixel is 0.045 wide at this distance; a triangle is a 25th of that.
     let place = |i: u32| DVec3::new(2.0 * (part(i, 0.618) - 0.5), 1.3 * (part(i, 0.7548) - 0.5), -3.0);
     stage(&[(glow(400.0, 400.0, 400.0), (0..40).map(|i| (place(i), 0.0064)).collect())], 0.1)
 }
 
 /// Bodies of many colours before and behind the plane of focus; grey ones, lit by the others, in one half of the picture.
-fn bodies() -> Arc<Stage> {
+fn bodies() -> Arc<PreparedScene> {
     let place = |i: u32| {
         let z = 1.0 + 5.0 * part(i, 0.57);
         (DVec3::new(0.7 * (part(i, 0.618) - 0.5) * z, 0.5 * (part(i, 0.755) - 0.5) * z, -z), 0.04 * z)
     };
     let group = |material: Material, k: u32| (material, (0..10).map(|i| place(4 * i + k)).collect());
-    let wall = (Material { specular: false, ..Material::default_grey() }, vec![(DVec3::new(-1.5, 0.0, -7.0), 2.0)]);
+    let wall = (Material::diffuse("wall", Rgb::splat(0.8), Rgb::ZERO), vec![(DVec3::new(-1.5, 0.0, -7.0), 2.0)]);
     let colours = [glow(2.0, 2.0, 2.0), glow(9.0, 0.2, 0.1), glow(0.1, 6.0, 0.3), glow(0.2, 0.3, 12.0)];
     let mut groups: Vec<_> = colours.into_iter().zip(0..).map(|(m, k)| group(m, k)).collect();
     groups.push(wall);
@@ -107,7 +101,7 @@ struct Done {
     statistics: Statistics,
 }
 
-fn finished(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Job {
+fn finished(stage: &Arc<PreparedScene>, d: &CameraDescription, s: Settings) -> Job {
     let job = Job::start(stage.clone(), camera(d, s.width, s.height), s).unwrap();
     assert!(job.wait(Duration::from_secs(600)));
     let statistics = job.statistics();
@@ -115,7 +109,7 @@ fn finished(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Job {
     job
 }
 
-fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Done {
+fn render(stage: &Arc<PreparedScene>, d: &CameraDescription, s: Settings) -> Done {
     let job = finished(stage, d, s);
     Done { picture: job.film().picture(), counts: job.film().sample_counts(), statistics: job.statistics() }
 }
@@ -146,8 +140,8 @@ fn mean_of(lists: &[Vec<f64>]) -> Vec<(f64, f64)> {
     (0..lists[0].len()).map(entry).collect()
 }
 
-/// What one would do first, and what must not be done: a block has enough samples when its own say so.
-fn naive(stage: &Arc<Stage>, d: &CameraDescription, threshold: f32, most: u32, seed: u32) -> Vec<[f32; 4]> {
+/// The naive method, which must not be used: a block has enough samples when its own say so.
+fn naive(stage: &Arc<PreparedScene>, d: &CameraDescription, threshold: f32, most: u32, seed: u32) -> Vec<[f32; 4]> {
     let whole = |from: u32, to: u32| {
         render(stage, d, Settings { sample_offset: from, ..settings(to - from, 0.0, seed) }).picture
     };
@@ -258,7 +252,7 @@ fn all_pipelines_are_true_in_the_mean() {
     }
 }
 
-/// Also where light lands beyond what a block keeps, and what is shown on the way.
+/// The bits do not depend on the number of threads, also where light lands beyond what a block keeps, and in the pictures on the way.
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let stage = bodies();
@@ -310,8 +304,8 @@ fn small_pictures_and_few_samples() {
 }
 
 /// A wall on the left that a lamp behind the camera lights, before an even sky.
-fn lit_wall() -> Arc<Stage> {
-    let grey = Material { specular: false, ..Material::default_grey() };
+fn lit_wall() -> Arc<PreparedScene> {
+    let grey = Material::diffuse("grey", Rgb::splat(0.8), Rgb::ZERO);
     let wall = (grey, vec![(DVec3::new(-1.5, 0.0, -3.0), 1.3)]);
     let lamp = (glow(20.0, 20.0, 20.0), vec![(DVec3::new(-1.0, 0.5, 1.0), 0.5)]);
     stage(&[wall, lamp], 0.2)

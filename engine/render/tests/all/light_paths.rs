@@ -9,12 +9,12 @@ use petzval_render::camera::clip::Clip;
 use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::film::Film;
 use petzval_render::integrator::{
-    Integrator, Stage,
+    Integrator, PreparedScene,
     bidirectional::Techniques,
     path::{Approximations, KindLimits, Limits},
 };
-use petzval_render::job::{Beside, Job, Settings};
-use petzval_render::pipeline::{Pipeline, Shot, render_tile};
+use petzval_render::job::{Job, OutputOptions, Settings};
+use petzval_render::pipeline::{Pipeline, RenderContext, render_tile};
 use petzval_render::sampler::{
     pattern::Pattern,
     raster::Raster,
@@ -56,9 +56,9 @@ fn settings(integrator: Integrator, samples: u32, seed: u32) -> Settings {
     }
 }
 
-fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4]> {
+fn render(stage: &Arc<PreparedScene>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4]> {
     let camera = camera(d, s.width, s.height);
-    let beside = Beside { clip: Clip::new(d, &camera), ..Beside::default() };
+    let beside = OutputOptions { clip: Clip::new(d, &camera), ..OutputOptions::default() };
     let job = Job::start_with(stage.clone(), vec![camera], s, beside).unwrap();
     assert!(job.wait(Duration::from_secs(600)));
     let statistics = job.statistics();
@@ -67,7 +67,13 @@ fn render(stage: &Arc<Stage>, d: &CameraDescription, s: Settings) -> Vec<[f32; 4
 }
 
 /// Light that ends in the lens after at least one scattering, alone.
-fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, max_bounces: u32) -> Vec<[f32; 4]> {
+fn light_alone(
+    stage: &PreparedScene,
+    d: &CameraDescription,
+    samples: u32,
+    seed: u32,
+    max_bounces: u32,
+) -> Vec<[f32; 4]> {
     let camera = camera(d, WIDTH, HEIGHT);
     let raster = Raster::new(WIDTH, HEIGHT, PixelFilter::new(Filter::BlackmanHarris(1.5)));
     let limits = Limits {
@@ -81,7 +87,7 @@ fn light_alone(stage: &Stage, d: &CameraDescription, samples: u32, seed: u32, ma
         roulette: 1.0,
     };
     let light_paths = Some(Techniques::LightAlone);
-    let shot = Shot {
+    let shot = RenderContext {
         stage,
         cameras: std::slice::from_ref(&camera),
         clip: None,
@@ -164,7 +170,7 @@ fn compare(a: &[Vec<f64>], b: &[Vec<f64>]) -> Comparison {
 const RENDERS: u32 = 12;
 
 /// Renders both ways and compares.
-fn agree(name: &str, stage: &Arc<Stage>, d: &CameraDescription, path_samples: u32, samples: u32) {
+fn agree(name: &str, stage: &Arc<PreparedScene>, d: &CameraDescription, path_samples: u32, samples: u32) {
     let many = |integrator, samples: u32, first: u32| -> Vec<Vec<f64>> {
         (0..RENDERS).map(|k| blocks(&render(stage, d, settings(integrator, samples, first + k)))).collect()
     };
@@ -176,10 +182,9 @@ fn agree(name: &str, stage: &Arc<Stage>, d: &CameraDescription, path_samples: u3
     check(name, &c);
 }
 
-/// With twelve renders each, a z follows Student's distribution with 22 or fewer degrees of freedom: one of three beyond
-/// 3.5 has a chance of 0.6 %, one of a hundred blocks beyond 5 of 0.5 %, and with the least noise that they are given,
-/// less. A whole picture's 3.5 standard errors are 1 % (glowing meshes, leaves) to 3 % (box) of its mean, and 6 % for a
-/// caustic; a block's 5 are 5 to 25 % of its own.
+/// A z of twelve renders each follows Student's distribution with 22 or fewer degrees of freedom: one of three beyond 3.5 has a probability
+/// of 0.6 %, one of a hundred blocks beyond 5 of 0.5 %, and with the least noise that they are given, less. A whole picture's 3.5 standard
+/// errors are 1 % (glowing meshes, leaves) to 3 % (box) of its mean, and 6 % for a caustic; a block's 5 are 5 to 25 % of its own.
 fn check(name: &str, c: &Comparison) {
     assert!(c.whole_z.iter().all(|z| z.abs() < 3.5), "{name}: whole picture {:?}, means {:?}", c.whole_z, c.means);
     assert!(c.rms_z < 1.3 && c.largest_z < 5.0, "{name}: blocks {} {}", c.rms_z, c.largest_z);
@@ -216,7 +221,7 @@ fn a_point_is_where_the_camera_sees_it() {
     let made = centre(&light_alone(&stage, &d, 64, 2, 0));
     // Right of the middle and above it, in a picture whose rows start from below.
     assert!(seen[1] > 30.0 && seen[2] > 20.0, "{seen:?}");
-    // Some thousand of the camera's samples meet the square's few pixels.
+    // Some thousand of the camera's samples hit the square's few pixels.
     assert!((made[0] / seen[0] - 1.0).abs() < 0.03, "{made:?} {seen:?}");
     assert!((made[1] - seen[1]).abs() < 0.05 && (made[2] - seen[2]).abs() < 0.05, "{made:?} {seen:?}");
 }
@@ -258,7 +263,7 @@ fn lamps_of_all_kinds() {
     agree("lamps", &scenes::many_lamps(), &description(FIGURE_3), 12, 5);
 }
 
-/// The near and the far part of a scene are left out the same way; what is left out still shines, and shades.
+/// The near and the far part of a scene are left out in the same way; the parts left out still emit, and throw shadows.
 #[test]
 fn what_is_clipped() {
     let stage = scenes::box_under_a_lamp();

@@ -1,4 +1,4 @@
-//! What only whole renders show, in one program: what is generic in the engine is compiled once.
+//! Tests that only whole renders can make, in one program: the generic code of the engine is compiled once.
 
 mod adaptive_sampling;
 mod cameras;

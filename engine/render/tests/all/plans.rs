@@ -7,10 +7,10 @@ use petzval_optics::coating::Coating;
 use petzval_render::Rgb;
 use petzval_render::camera::scattering::Scattering;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
-use petzval_render::plan::{Decision, Effect, Plan, PlanError, Way, Wishes, Word};
+use petzval_render::plan::{CameraKind, Decision, Effect, EffectMode, Plan, PlanError, PlanOptions};
 use petzval_render::scene::SceneBuilder;
 use petzval_render::scene::lamp::LampKind;
 use petzval_render::scene::world::World;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 /// A wall at a depth before the camera, which stands at the origin.
-fn wall(depth: f64) -> Arc<Stage> {
+fn wall(depth: f64) -> Arc<PreparedScene> {
     let mut room = scenes::Room { builder: SceneBuilder::new() };
     let place = DMat4::from_translation(DVec3::new(0.0, 0.0, -depth)) * DMat4::from_scale(DVec3::splat(10.0 * depth));
     room.put(scenes::square(), scenes::plain(0.7, 0.6, 0.5), place);
@@ -42,44 +42,44 @@ fn triplet() -> CameraDescription {
 
 /// A picture to be planned.
 struct Shot {
-    stage: Arc<Stage>,
+    stage: Arc<PreparedScene>,
     d: CameraDescription,
     moving: Vec<CameraDescription>,
     size: [u32; 2],
 }
 
 impl Shot {
-    fn plan(&self, wishes: &Wishes) -> Result<Plan, PlanError> {
+    fn plan(&self, wishes: &PlanOptions) -> Result<Plan, PlanError> {
         Plan::new(&self.stage, &self.d, &self.moving, self.size, wishes, false, None)
     }
 
-    /// By its own measure: the other error of colour is left out.
+    /// The decision on an effect by its own measure: the other error of colour is left out.
     fn decision(&self, effect: Effect) -> Decision {
-        let mut own = Wishes::default();
+        let mut own = PlanOptions::default();
         match effect {
-            Effect::LateralColour => own.say(Effect::AxialColour, Word::Off),
-            Effect::AxialColour => own.say(Effect::LateralColour, Word::Off),
+            Effect::LateralColour => own.say(Effect::AxialColour, EffectMode::Off),
+            Effect::AxialColour => own.say(Effect::LateralColour, EffectMode::Off),
             _ => {}
         }
         self.plan(&own).unwrap().decision(effect).clone()
     }
 }
 
-fn at_quality(quality: f64) -> Wishes {
-    let mut wishes = Wishes::default();
+fn at_quality(quality: f64) -> PlanOptions {
+    let mut wishes = PlanOptions::default();
     wishes.quality = quality;
     wishes
 }
 
 /// Lenses colour what they let through by more than pictures of some tens of pixels show of anything else.
-fn no_colour_at_quality(quality: f64) -> Wishes {
+fn no_colour_at_quality(quality: f64) -> PlanOptions {
     let mut wishes = at_quality(quality);
-    wishes.say(Effect::Transmission, Word::Off);
+    wishes.say(Effect::Transmission, EffectMode::Off);
     wishes
 }
 
-fn wishes(words: &[(Effect, Word)]) -> Wishes {
-    let mut wishes = Wishes::default();
+fn wishes(words: &[(Effect, EffectMode)]) -> PlanOptions {
+    let mut wishes = PlanOptions::default();
     words.iter().for_each(|(effect, word)| wishes.say(*effect, *word));
     wishes
 }
@@ -88,7 +88,7 @@ fn shot(d: CameraDescription, depth: f64, width: u32) -> Shot {
     Shot { stage: wall(depth), d, moving: Vec::new(), size: [width, width * 2 / 3] }
 }
 
-/// For each effect a picture in which it grows with one number from 0 to 1.
+/// A picture for each effect in which the effect grows with one number from 0 to 1.
 fn growing(effect: Effect, x: f64) -> Shot {
     let between = |low: f64, high: f64| low * (high / low).powf(x);
     match effect {
@@ -139,8 +139,7 @@ fn growing(effect: Effect, x: f64) -> Shot {
     }
 }
 
-/// What is a little too small is left out or only comes along, what is a little larger is called for, and the measure says
-/// which is which.
+/// An effect a little too small is left out or only comes along, one a little larger is called for, and the measure tells them apart.
 #[test]
 fn each_effect_is_called_for_where_it_begins_to_matter() {
     for effect in Effect::ALL.into_iter().filter(|effect| effect.is_available()) {
@@ -168,12 +167,12 @@ fn each_effect_is_called_for_where_it_begins_to_matter() {
     }
 }
 
-/// What is left out of a picture is not prepared, either: the plan's camera is the smaller one.
+/// Effects that are left out of a picture are not prepared, either: the plan's camera is the smaller one.
 #[test]
 fn what_is_left_out_is_not_made() {
     let limit = |effect: Effect, x: f64| {
         let shot = growing(effect, x);
-        let plan = shot.plan(&Wishes::default()).unwrap();
+        let plan = shot.plan(&PlanOptions::default()).unwrap();
         let d = plan.applied(&shot.d);
         (Camera::new(&d, shot.size[0], shot.size[1]).unwrap(), plan, d)
     };
@@ -195,7 +194,7 @@ fn what_is_left_out_is_not_made() {
 fn errors_of_colour_add_up() {
     let colours = [Effect::LateralColour, Effect::AxialColour];
     let small = || shot(CameraDescription { f_number: Some(8.0), ..triplet() }, 3.0, 100);
-    let plan = small().plan(&Wishes::default()).unwrap();
+    let plan = small().plan(&PlanOptions::default()).unwrap();
     let [lateral, axial] = colours.map(|effect| plan.decision(effect).measure.unwrap());
     let (larger, smaller) = if lateral >= axial { (colours[0], colours[1]) } else { (colours[1], colours[0]) };
     let (one, both) = (lateral.max(axial), lateral + axial);
@@ -203,7 +202,7 @@ fn errors_of_colour_add_up() {
     // Of the tolerance at quality 1, half a pixel; an effect counts a quarter more than what was measured of it.
     let limited = |size: f64| at_quality(0.5 / (1.25 * size));
     let mut alone = limited(1.02 * one);
-    alone.say(smaller, Word::Off);
+    alone.say(smaller, EffectMode::Off);
     for (wishes, is_on) in
         [(limited(0.98 * both), true), (limited(1.02 * one), true), (limited(1.02 * both), false), (alone, false)]
     {
@@ -214,12 +213,12 @@ fn errors_of_colour_add_up() {
     }
 }
 
-/// More wavelengths where colours are farther apart, so that neighbours' images touch.
+/// More wavelengths are used where colours are farther apart, so that neighbours' images touch.
 #[test]
 fn wavelengths_are_as_many_as_their_images_need() {
     let mut last = 0;
     for width in [200, 1000, 3000, 8000] {
-        let plan = shot(triplet(), 3.0, width).plan(&Wishes::default()).unwrap();
+        let plan = shot(triplet(), 3.0, width).plan(&PlanOptions::default()).unwrap();
         let spread = plan.lens.unwrap().lateral_colour.value.max(plan.lens.unwrap().axial_colour.value);
         let count = plan.camera.wavelengths();
         assert!(count >= last && (count == 1 || count.is_multiple_of(8)));
@@ -229,7 +228,7 @@ fn wavelengths_are_as_many_as_their_images_need() {
     assert!(last > 8);
     // What the user chose to part the light into stays.
     let three = CameraDescription { spectrum: Spectrum::Three, ..triplet() };
-    assert_eq!(shot(three, 3.0, 3000).plan(&Wishes::default()).unwrap().camera.wavelengths(), 3);
+    assert_eq!(shot(three, 3.0, 3000).plan(&PlanOptions::default()).unwrap().camera.wavelengths(), 3);
 }
 
 /// The user's word goes before every measure, and quality before every tolerance.
@@ -242,35 +241,35 @@ fn the_user_has_the_last_word() {
         if matches!(effect, Effect::MotionBlur | Effect::Diaphragm) {
             continue;
         }
-        let on = small().plan(&wishes(&[(effect, Word::On)])).unwrap();
+        let on = small().plan(&wishes(&[(effect, EffectMode::On)])).unwrap();
         assert!(on.decision(effect).is_on, "{effect:?}");
-        let off = large().plan(&wishes(&[(effect, Word::Off)])).unwrap();
+        let off = large().plan(&wishes(&[(effect, EffectMode::Off)])).unwrap();
         assert!(!off.decision(effect).is_on, "{effect:?}: {:?}", off.decision(effect));
         assert!(off.decision(effect).why.contains("as asked"));
     }
     let fine = at_quality(100.0);
     assert!(small().plan(&fine).unwrap().camera.wavelengths() > 1);
-    assert_eq!(small().plan(&Wishes::default()).unwrap().camera.wavelengths(), 1);
+    assert_eq!(small().plan(&PlanOptions::default()).unwrap().camera.wavelengths(), 1);
     for quality in [0.0, -1.0, f64::NAN, 1e9] {
         let error = small().plan(&at_quality(quality)).unwrap_err();
         assert!(matches!(error, PlanError::Quality(_)), "{error}");
     }
     for effect in Effect::ALL.into_iter().filter(|effect| !effect.is_available()) {
-        let error = large().plan(&wishes(&[(effect, Word::On)])).unwrap_err();
+        let error = large().plan(&wishes(&[(effect, EffectMode::On)])).unwrap_err();
         assert!(matches!(error, PlanError::NotYet(e) if e == effect), "{error}");
     }
     // Light that comes from the other end needs the lens as it is.
     let shot = large();
     let two_way =
-        |words: &[(Effect, Word)]| Plan::new(&shot.stage, &shot.d, &[], shot.size, &wishes(words), true, None);
-    assert!(matches!(two_way(&[(Effect::Distortion, Word::Off)]), Err(PlanError::Conflict(_))));
-    assert_eq!(two_way(&[(Effect::Vignetting, Word::Off)]).unwrap().camera.way, Way::Exact);
+        |words: &[(Effect, EffectMode)]| Plan::new(&shot.stage, &shot.d, &[], shot.size, &wishes(words), true, None);
+    assert!(matches!(two_way(&[(Effect::Distortion, EffectMode::Off)]), Err(PlanError::Conflict(_))));
+    assert_eq!(two_way(&[(Effect::Vignetting, EffectMode::Off)]).unwrap().camera.way, CameraKind::Exact);
     let pinhole = Shot { d: CameraDescription { model: Model::Pinhole, ..triplet() }, ..large() };
-    assert_eq!(pinhole.plan(&Wishes::default()).unwrap().camera.way, Way::Given);
-    assert!(matches!(pinhole.plan(&wishes(&[(Effect::Distortion, Word::On)])), Err(PlanError::Conflict(_))));
+    assert_eq!(pinhole.plan(&PlanOptions::default()).unwrap().camera.way, CameraKind::Given);
+    assert!(matches!(pinhole.plan(&wishes(&[(Effect::Distortion, EffectMode::On)])), Err(PlanError::Conflict(_))));
 }
 
-fn picture(stage: &Arc<Stage>, d: &CameraDescription, size: [u32; 2], samples: u32) -> Vec<[f32; 4]> {
+fn picture(stage: &Arc<PreparedScene>, d: &CameraDescription, size: [u32; 2], samples: u32) -> Vec<[f32; 4]> {
     let settings =
         Settings { width: size[0], height: size[1], samples, pipeline: Pipeline::Auto, ..Settings::default() };
     let job = Job::start(stage.clone(), camera(d, size[0], size[1]), settings).unwrap();
@@ -279,7 +278,7 @@ fn picture(stage: &Arc<Stage>, d: &CameraDescription, size: [u32; 2], samples: u
     job.film().picture()
 }
 
-/// Where nothing of a lens can be seen a pinhole stands for it: the same picture, shifted film and all.
+/// A pinhole stands for a lens of which nothing can be seen: the same picture, shifted film and all.
 #[test]
 fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
     let d = CameraDescription {
@@ -292,7 +291,7 @@ fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
     let shot = Shot { stage: stage.clone(), d: d.clone(), moving: Vec::new(), size: [48, 32] };
     let plan = shot.plan(&no_colour_at_quality(0.4)).unwrap();
     let told: Vec<&str> = plan.decisions.iter().map(|d| d.why.as_str()).collect();
-    assert!(matches!(plan.camera.way, Way::Pinhole { .. }), "{told:#?}");
+    assert!(matches!(plan.camera.way, CameraKind::Pinhole { .. }), "{told:#?}");
     let simple = picture(&stage, &plan.applied(&d), shot.size, 256);
     let exact = picture(&stage, &d, shot.size, 256);
     let block = |picture: &[[f32; 4]], i: usize| -> f64 {
@@ -317,16 +316,16 @@ fn no_pinhole_stands_for_a_lens_that_squeezes() {
         size: [48, 32],
     };
     let way = |d: CameraDescription| small(d).plan(&no_colour_at_quality(0.3)).unwrap().camera.way;
-    assert!(matches!(way(triplet()), Way::Pinhole { .. }));
-    assert_eq!(way(lens("anamorphic-2x-double-gauss", 2.0)), Way::Exact);
-    assert_eq!(way(CameraDescription { tilt_rad: 0.1, ..triplet() }), Way::Exact);
+    assert!(matches!(way(triplet()), CameraKind::Pinhole { .. }));
+    assert_eq!(way(lens("anamorphic-2x-double-gauss", 2.0)), CameraKind::Exact);
+    assert_eq!(way(CameraDescription { tilt_rad: 0.1, ..triplet() }), CameraKind::Exact);
     assert_eq!(
         way(CameraDescription { scale_mm_per_unit: DVec3::new(1000.0, 1000.0, 900.0), ..triplet() }),
-        Way::Exact
+        CameraKind::Exact
     );
 }
 
-/// Where a lamp is seen, and that one behind the camera is not.
+/// Lamps in the picture are found at their places, and those behind the camera are not.
 #[test]
 fn sources_are_found_in_the_picture() {
     let lamp = |z: f64, power: f32| {
@@ -336,7 +335,7 @@ fn sources_are_found_in_the_picture() {
         room.light(scenes::lamp(kind, power), DMat4::from_translation(DVec3::new(0.6, 0.4, z)));
         Shot { stage: room.finish(), d: triplet(), moving: Vec::new(), size: [300, 200] }
     };
-    let plan = |z: f64| lamp(z, 100.0).plan(&Wishes::default()).unwrap();
+    let plan = |z: f64| lamp(z, 100.0).plan(&PlanOptions::default()).unwrap();
     let (before, behind) = (plan(-4.0), plan(4.0));
     let place = before.look.brightest[0].place.unwrap();
     // 50 mm before 36 mm of film, to a place of the grid: 1/64 and 1/36 of the picture.
@@ -387,12 +386,12 @@ fn glare_is_the_lenss_part_of_the_light_on_the_front() {
     assert!(aside > 2.0 * none && (behind / none - 1.0).abs() < 0.02, "{none} {aside} {behind}");
 }
 
-/// The same plan, whatever the number of threads and however often.
+/// A plan does not depend on the number of threads and on how often it is made.
 #[test]
 fn plans_are_repeated_to_the_bit() {
     let shot = || Shot { stage: scenes::box_under_a_lamp(), d: triplet(), moving: Vec::new(), size: [640, 427] };
     let told = |plan: &Plan| format!("{:?} {:?} {:?} {:?}", plan.decisions, plan.camera, plan.lens, plan.look);
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let first = one.install(|| told(&shot().plan(&Wishes::default()).unwrap()));
-    assert_eq!(first, told(&shot().plan(&Wishes::default()).unwrap()));
+    let first = one.install(|| told(&shot().plan(&PlanOptions::default()).unwrap()));
+    assert_eq!(first, told(&shot().plan(&PlanOptions::default()).unwrap()));
 }

@@ -2,12 +2,14 @@
 
 use glam::{DMat4, DVec3, Vec2, Vec3};
 use petzval_render::Rgb;
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
+use petzval_render::scene::closure::{Closure, Principled};
 use petzval_render::scene::corners::Corners;
+use petzval_render::scene::graph::Graph;
 use petzval_render::scene::lamp::{Lamp, LampKind};
-use petzval_render::scene::material::{Channel, ImageInput, Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::mesh::MeshDescription;
-use petzval_render::scene::texture::{Extension, Interpolation, Texture};
+use petzval_render::scene::texture::Texture;
 use petzval_render::scene::{SceneBuilder, visibility::Rays, world::World};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -18,17 +20,13 @@ pub(crate) struct Room {
 }
 
 pub(crate) fn plain(r: f32, g: f32, b: f32) -> Material {
-    Material { base_color: Input::Constant(Rgb::new(r, g, b)), specular: false, ..Material::default_grey() }
+    Material::diffuse("plain", Rgb::new(r, g, b), Rgb::ZERO)
 }
 
 pub(crate) fn glossy(metallic: f32, transmission: f32, roughness: f32) -> Material {
-    Material {
-        base_color: Input::Constant(Rgb::new(0.9, 0.8, 0.7)),
-        metallic: Input::Constant(metallic),
-        transmission: Input::Constant(transmission),
-        roughness: Input::Constant(roughness),
-        ..Material::default_grey()
-    }
+    let base_color = Rgb::new(0.9, 0.8, 0.7);
+    let principled = Principled { base_color, metallic, transmission, roughness, ..Principled::default() };
+    Material::principled("glossy", principled)
 }
 
 /// A square of side 2 in the xy plane that faces +z, with UVs.
@@ -101,7 +99,7 @@ impl Room {
     }
 
     pub(crate) fn put(&mut self, mesh: MeshDescription, material: Material, place: DMat4) {
-        let m = self.builder.add_material(material).unwrap();
+        let m = self.builder.add_material(material);
         let mesh = self.builder.add_mesh(mesh).unwrap();
         self.builder.add_instance("object", mesh, place, &[m], true, true).unwrap();
     }
@@ -110,8 +108,8 @@ impl Room {
         self.builder.add_lamp(lamp, place).unwrap();
     }
 
-    pub(crate) fn finish(self) -> Arc<Stage> {
-        Arc::new(Stage::new(self.builder.build(DVec3::ZERO)))
+    pub(crate) fn finish(self) -> Arc<PreparedScene> {
+        Arc::new(PreparedScene::new(self.builder.build(DVec3::ZERO)))
     }
 }
 
@@ -120,7 +118,7 @@ fn area(side: f32, half_spread_rad: f32) -> LampKind {
 }
 
 /// Matte and glossy things under an area lamp; closed in by walls, so that light goes round.
-pub(crate) fn box_under_a_lamp() -> Arc<Stage> {
+pub(crate) fn box_under_a_lamp() -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(square(), plain(0.8, 0.2, 0.2), place([-1.2, 0.0, -4.0], [0.0, FRAC_PI_2, 0.0], 2.0));
     room.put(square(), plain(0.2, 0.8, 0.2), place([1.2, 0.0, -4.0], [0.0, -FRAC_PI_2, 0.0], 2.0));
@@ -131,7 +129,7 @@ pub(crate) fn box_under_a_lamp() -> Arc<Stage> {
 }
 
 /// A glass ball and a mirror ball that gather light on the floor.
-pub(crate) fn caustic(kind: LampKind) -> Arc<Stage> {
+pub(crate) fn caustic(kind: LampKind) -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.0), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));
     room.put(ball(24), glossy(1.0, 0.0, 0.0), place([-0.4, -0.35, -3.6], [0.0; 3], 0.25));
@@ -139,8 +137,8 @@ pub(crate) fn caustic(kind: LampKind) -> Arc<Stage> {
     room.finish()
 }
 
-/// The same with a rough surface on both.
-pub(crate) fn rough_caustic() -> Arc<Stage> {
+/// A rough glass ball and a rough mirror ball under an area lamp.
+pub(crate) fn rough_caustic() -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.35), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));
     room.put(ball(24), glossy(1.0, 0.0, 0.3), place([-0.4, -0.35, -3.6], [0.0; 3], 0.25));
@@ -149,13 +147,9 @@ pub(crate) fn rough_caustic() -> Arc<Stage> {
 }
 
 /// Glowing meshes: an open one and a closed one.
-pub(crate) fn emissive() -> Arc<Stage> {
+pub(crate) fn emissive() -> Arc<PreparedScene> {
     let mut room = Room::new();
-    let glowing = |strength: f32| Material {
-        emission_color: Input::Constant(Rgb::new(1.0, 0.6, 0.3)),
-        emission_strength: strength,
-        ..plain(0.5, 0.5, 0.5)
-    };
+    let glowing = |strength: f32| Material::diffuse("glowing", Rgb::splat(0.5), Rgb::new(1.0, 0.6, 0.3) * strength);
     room.put(square(), glowing(6.0), place([0.6, 0.2, -4.0], [0.3, 0.5, 0.1], 0.3));
     room.put(ball(8), glowing(3.0), place([-0.5, -0.3, -3.6], [0.0; 3], 0.2));
     room.put(ball(16), glossy(0.0, 0.0, 0.1), place([0.1, -0.35, -3.0], [0.0; 3], 0.2));
@@ -163,7 +157,7 @@ pub(crate) fn emissive() -> Arc<Stage> {
 }
 
 /// A sun, and a dim sky of one colour.
-pub(crate) fn sun(half_angle_rad: f32) -> Arc<Stage> {
+pub(crate) fn sun(half_angle_rad: f32) -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(24), glossy(0.0, 1.0, 0.0), place([0.3, -0.3, -3.2], [0.0; 3], 0.25));
     room.put(ball(16), plain(0.6, 0.6, 0.6), place([-0.4, -0.3, -3.4], [0.0; 3], 0.3));
@@ -173,7 +167,7 @@ pub(crate) fn sun(half_angle_rad: f32) -> Arc<Stage> {
 }
 
 /// A sky with a bright patch.
-pub(crate) fn image_sky() -> Arc<Stage> {
+pub(crate) fn image_sky() -> Arc<PreparedScene> {
     let mut room = Room::new();
     let (w, h) = (32, 16);
     let bright = |i: usize| if (6..9).contains(&(i % w)) && (11..13).contains(&(i / w)) { 30.0 } else { 0.2 };
@@ -187,35 +181,35 @@ pub(crate) fn image_sky() -> Arc<Stage> {
 }
 
 /// A leaf with an alpha map and a half-transparent sheet in the light of a lamp, one of them before the camera.
-pub(crate) fn leaves() -> Arc<Stage> {
+pub(crate) fn leaves() -> Arc<PreparedScene> {
     let mut room = Room::new();
     let (w, h) = (8, 8);
     let alpha = |i: usize| if (i % w + i / w).is_multiple_of(3) { 0.2 } else { 0.9 };
     let pixels: Vec<f32> = (0..w * h).flat_map(|i| [0.2, 0.7, 0.2, alpha(i)]).collect();
     let t = room.builder.add_texture(Texture::from_floats("leaf", w, h, &pixels, false).unwrap()) as u32;
-    let image = |channel| ImageInput {
-        texture: t,
-        uv_map: None,
-        mapping: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        interpolation: Interpolation::Linear,
-        extension: Extension::Repeat,
-        channel,
-    };
-    let leaf = Material {
-        base_color: Input::Image(image(Channel::Color)),
-        alpha: Input::Image(image(Channel::Alpha)),
-        ..plain(0.0, 0.0, 0.0)
-    };
+    let nodes = format!(
+        r#"{{"nodes": [
+            {{"type": "ShaderNodeMixShader", "inputs": {{"Fac": {{"node": 3, "socket": "Alpha"}},
+                "Shader": {{"node": 1, "socket": "BSDF"}}, "Shader_001": {{"node": 2, "socket": "BSDF"}}}}}},
+            {{"type": "ShaderNodeBsdfTransparent", "inputs": {{"Color": [1, 1, 1]}}}},
+            {{"type": "ShaderNodeBsdfDiffuse", "inputs": {{"Color": {{"node": 3, "socket": "Color"}}, "Roughness": 0}}}},
+            {{"type": "ShaderNodeTexImage", "options": {{"image": {t}}}}}
+        ], "surface": {{"node": 0, "socket": "Shader"}}}}"#
+    );
+    let (graph, reports) = Graph::of(&petzval_nodes::Graph::from_json(&nodes).unwrap(), 0);
+    assert_eq!(reports, Vec::<String>::new());
+    let leaf = Material::new("leaf", Arc::new(graph));
     room.put(square(), leaf.clone(), place([0.3, 0.2, -3.4], [-1.2, 0.2, 0.0], 0.5));
     room.put(square(), leaf, place([-0.4, 0.0, -2.8], [0.1, 0.3, 0.2], 0.3));
-    let sheet = Material { alpha: Input::Constant(0.4), ..plain(0.8, 0.3, 0.3) };
+    let red = Closure::Diffuse { color: Rgb::new(0.8, 0.3, 0.3), roughness: 0.0 };
+    let sheet = Material::even("sheet", [(0.4, red), (0.6, Closure::Transparent { color: Rgb::ONE })]);
     room.put(square(), sheet, place([0.0, 0.6, -3.6], DOWN, 0.6));
     room.light(lamp(area(0.4, 1.5), 30.0), place([0.2, 1.2, -3.5], DOWN, 1.0));
     room.finish()
 }
 
 /// Balls and spots of light, hard and soft, one of them without extent.
-pub(crate) fn many_lamps() -> Arc<Stage> {
+pub(crate) fn many_lamps() -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(16), glossy(1.0, 0.0, 0.15), place([0.0, -0.3, -3.5], [0.0; 3], 0.3));
     let kinds = [
@@ -233,7 +227,7 @@ pub(crate) fn many_lamps() -> Arc<Stage> {
 }
 
 /// Matte things alone, lit by an area lamp that the camera does not see.
-pub(crate) fn matte() -> Arc<Stage> {
+pub(crate) fn matte() -> Arc<PreparedScene> {
     let mut room = Room::new();
     room.put(ball(16), plain(0.8, 0.4, 0.2), place([0.5, -0.2, -3.4], [0.0; 3], 0.35));
     room.put(square(), plain(0.2, 0.3, 0.8), place([-0.5, 0.4, -3.8], [0.2, 0.4, 0.3], 0.3));
@@ -243,7 +237,7 @@ pub(crate) fn matte() -> Arc<Stage> {
 }
 
 /// A small matte square above and to the right, under a sun behind the camera.
-pub(crate) fn small_square() -> Arc<Stage> {
+pub(crate) fn small_square() -> Arc<PreparedScene> {
     let mut room = Room { builder: SceneBuilder::new() };
     room.put(square(), plain(0.8, 0.8, 0.8), place([0.6, 0.35, -3.5], [0.0; 3], 0.05));
     room.light(lamp(LampKind::Sun { half_angle_rad: 0.0 }, 100.0), place([0.0; 3], [0.0; 3], 1.0));
@@ -252,7 +246,7 @@ pub(crate) fn small_square() -> Arc<Stage> {
 
 /// Glowing triangles of several colours before and behind the plane of focus, in a grey glowing world: nothing is lit,
 /// all is seen.
-pub(crate) fn triangles() -> Arc<Stage> {
+pub(crate) fn triangles() -> Arc<PreparedScene> {
     let triangle = MeshDescription {
         name: "triangle".into(),
         positions: vec![Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],
@@ -265,11 +259,7 @@ pub(crate) fn triangles() -> Arc<Stage> {
         let part = |factor: f64| (f64::from(i) * factor).fract();
         let depth = 1.0 + 5.0 * part(0.57);
         let at = [2.0 * (part(0.618) - 0.5) * depth, 1.5 * (part(0.755) - 0.5) * depth, -depth];
-        let glow = Material {
-            emission_color: Input::Constant(Rgb::from(colours[i as usize % 4])),
-            emission_strength: 1.0,
-            ..plain(0.0, 0.0, 0.0)
-        };
+        let glow = Material::diffuse("glow", Rgb::ZERO, Rgb::from(colours[i as usize % 4]));
         room.put(triangle.clone(), glow, place(at, [0.0; 3], 0.25));
     }
     room.builder.set_world(World { color: Rgb::splat(0.5), ..Default::default() }).unwrap();

@@ -34,7 +34,7 @@ impl Big {
         (!number.is_nan() && !number.is_inf()).then_some(Self(number))
     }
 
-    /// The `f64` nearest to it, infinite beyond their range. Subnormal results may be one unit off.
+    /// The `f64` nearest to the number, infinite beyond their range. Subnormal results may be one unit off.
     pub fn to_f64(&self) -> f64 {
         let Some((words, _, sign, exponent, _)) = self.0.as_raw_parts() else { return f64::NAN };
         let Some((&top, rest)) = words.split_last() else { return 0.0 };
@@ -93,12 +93,12 @@ impl Big {
         self.0.is_zero()
     }
 
-    /// x < 0.
+    /// True if x < 0.
     pub fn is_negative(&self) -> bool {
         self.0.is_negative() && !self.is_zero()
     }
 
-    /// x > 0.
+    /// True if x > 0.
     pub fn is_positive(&self) -> bool {
         self.0.is_positive() && !self.is_zero()
     }

@@ -43,14 +43,14 @@ impl Shape {
     }
 }
 
-/// A ray that meets a surface, exact as given. Lengths in mm, in the frame of the surface.
+/// A ray that hits a surface, exact as given. Lengths in mm, in the frame of the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// The surface.
     pub shape: Shape,
     /// A point on the ray.
     pub origin: [f64; 3],
-    /// Where the ray goes; of any length but 0. The exact direction is this one divided by its exact length.
+    /// Direction of the ray; of any length but 0. The exact direction is this one divided by its exact length.
     pub direction: [f64; 3],
     /// sign(N · D) of the crossing that is meant, N towards +z at the vertex: +1 or −1.
     pub side: f64,
@@ -67,14 +67,14 @@ pub struct Case {
 }
 
 impl Case {
-    /// The same case with every number rounded to `f32`: what a tracer in single precision is given exactly.
+    /// This case with every number rounded to `f32`: the exact input of a tracer in single precision.
     pub fn as_f32(&self) -> Self {
         let mut case = self.clone();
         case.for_each_number(|x| *x = f64::from(*x as f32));
         case
     }
 
-    /// True if no number of it is infinite or NaN.
+    /// True if no number of the case is infinite or NaN.
     pub fn is_finite(&self) -> bool {
         let mut is_finite = true;
         self.clone().for_each_number(|x| is_finite &= x.is_finite());

@@ -11,7 +11,7 @@ pub(super) struct Inputs {
     pub(super) direction: Vector,
     pub(super) n1: Big,
     pub(super) n2: Big,
-    /// As in [`Case`]; the rest of it is read from there.
+    /// The case, from which all other numbers are read.
     pub(super) case: Case,
 }
 

@@ -18,10 +18,10 @@ pub(super) fn plus_times(a: Triple, b: Triple, x: f64) -> Triple {
     [a[0] + b[0] * x, a[1] + b[1] * x, a[2] + b[2] * x]
 }
 
-/// What a change of one number of the surface by 1 does.
+/// Changes by a change of one number of the surface by 1.
 #[derive(Clone, Copy)]
 pub(super) struct Derivative {
-    /// The number itself.
+    /// Value of the number.
     pub(super) number: f64,
     /// Change of the surface's function G at the hit.
     pub(super) value: f64,
@@ -38,7 +38,7 @@ pub(super) struct Local {
     pub(super) gradient: Triple,
     /// Second derivatives of G; symmetric.
     hessian: [Triple; 3],
-    /// Its numbers in the order of [`Case::for_each_number`].
+    /// Derivatives by the case's numbers, in the order of [`Case::for_each_number`].
     pub(super) numbers: Vec<Derivative>,
     /// 1 − (1 + k) c² r² of an asphere's or a toroid's profile, which ends at 0, and the derivative by r.
     pub(super) profile_end: Option<(f64, f64)>,
@@ -52,7 +52,7 @@ pub(crate) struct ProfileAt {
     pub(crate) slope: f64,
     /// The derivative of `slope`, divided by r.
     bend: f64,
-    /// Of c, k and the terms: the number, its derivative of `sag` and of `slope`.
+    /// The numbers c, k and the terms: the number, its derivative of `sag` and of `slope`.
     numbers: Vec<[f64; 3]>,
     /// √(1 − (1 + k) c² r²)
     weight: f64,

@@ -1,28 +1,28 @@
-//! How near an outcome was to being another one.
+//! The margins by which an outcome is not another one.
 
 use super::big::{Big, dot as big_dot, plus_times as big_plus_times, to_f64};
 use super::inputs::{Inputs, Surface};
 use super::local::{Local, Triple, dot, norm, plus_times};
 use super::trace::{Hit, Status};
 
-/// For each check that a ray came to, the relative change of the case's numbers that would turn its result:
-/// positive if the ray passed the check, negative if it failed, infinite if it was not made.
+/// The margins of a ray: for each check that it came to, the relative change of the case's numbers that would turn its
+/// result: positive if the ray passed the check, negative if it failed, infinite if it was not made.
 ///
-/// Of a vector its length counts, so that the rounding of every component does. A size of 1e-16 means that rounding in
+/// A vector counts by its length, so that the rounding of every component does. A size of 1e-16 means that rounding in
 /// `f64` may turn the outcome, 1e-7 that rounding in `f32` may; a tracer that is good to some ulps may fail within some
 /// times that. Estimates on the small side: a change of any one number by less turns nothing, by ten times as much
 /// nearly always does, but for conics of huge k and for hits near infinity, whose margins may be far too small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
-    /// Of q = B² − A C, or of what stands for it where there is no conic: does the ray meet the surface?
+    /// Margin of q = B² − A C, or of its equivalent where there is no conic: does the ray hit the surface?
     pub discriminant: f64,
-    /// Of N_z, and of the end of a profile: does it on the vertex sheet?
+    /// Margin of N_z, and of the end of a profile: does the ray hit the vertex sheet?
     pub sheet: f64,
-    /// Of the distance from the rim.
+    /// Margin of the distance from the rim.
     pub aperture: f64,
-    /// Of the distance from the rim of the central obstruction.
+    /// Margin of the distance from the rim of the central obstruction.
     pub obstruction: f64,
-    /// Of cos² i′: is there a refracted ray?
+    /// Margin of cos² i′: is there a refracted ray?
     pub radicand: f64,
 }
 
@@ -137,14 +137,14 @@ impl Margins {
     }
 }
 
-/// What relative changes of the case by 1 do about a point of the ray, taken as if they could add up.
+/// Changes about a point of the ray by relative changes of the case by 1, taken as if they could add up.
 struct Changes {
     local: Local,
-    /// To the surface's function there.
+    /// Change of the surface's function at the hit.
     value: f64,
-    /// To N · D.
+    /// Change of N · D.
     slope: f64,
-    /// To the place of the point, t kept.
+    /// Change of the place of the point, t kept.
     moved: f64,
 }
 

@@ -10,7 +10,7 @@ const LONGEST_STEP: f64 = 1.0 / 32.0;
 const GROWTH: f64 = 1.3;
 /// Hits of a toroid's starting conic so many half diameters from the axis are no place to start from.
 const FAR_OUTSIDE: f64 = 1.3;
-/// So many sizes away from the start there is nothing left to be found.
+/// Number of sizes away from the start beyond which there is nothing left to be found.
 const FARTHEST: f64 = 8.0;
 
 /// The surface's function along the ray, mirrored and turned so that it is below 0 at u = 0 and the crossing that is
@@ -88,7 +88,7 @@ impl Walk<'_> {
         if self.is_back { &self.start - u } else { &self.start + u }
     }
 
-    /// `None` where the profile has ended.
+    /// The place at the distance `u` from the start; `None` where the profile has ended.
     fn at(&self, u: &Big) -> Option<Place> {
         let Inputs { origin, direction, surface, case, .. } = self.inputs;
         let at = surface.at(&plus_times(origin, direction, &self.t(u)))?;

@@ -1,4 +1,4 @@
-//! How far the result moves when one number of a case moves by one unit in its last place.
+//! Sensitivity: the change of the result when one number of a case moves by one unit in its last place.
 
 use super::big::{Big, to_f64};
 use super::case::Case;
@@ -10,16 +10,16 @@ use super::ulp::{Precision, ulp_of};
 /// place, up or down. No tracer that rounds its input can be expected to do better.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensitivity {
-    /// Of the hit, in mm; 0 if there is none.
+    /// Change of the hit, in mm; 0 if there is none.
     pub point: f64,
-    /// Of the unit direction afterwards; 0 if there is none. Where the ray is lost after some of the changes, those
-    /// count as far as it lasts: to the tangent, or to the critical angle.
+    /// Change of the unit direction afterwards; 0 if there is none. Where the ray is lost after some of the changes, those count as far as
+    /// it lasts: to the tangent, or to the critical angle.
     pub direction: f64,
     /// True if such a change turns the status.
     pub status_flips: bool,
 }
 
-/// How sensitive the outcome of `case` is, given its `truth`, in numbers of `precision`.
+/// The sensitivity of the outcome of `case`, given its `truth`, in numbers of `precision`.
 ///
 /// Not by tracing again: the surface is taken as a quadric about the hit, and the new crossing, normal, cosine and
 /// radicand are solved for with the change in place, which holds at tangents and at the critical angle, where
@@ -44,20 +44,20 @@ pub fn sensitivity(case: &Case, truth: &Truth, precision: Precision) -> Sensitiv
     worst
 }
 
-/// What a change of one number does, before anything is solved for.
+/// The change by a change of one number, before anything is solved for.
 #[derive(Clone, Copy, Default)]
 struct Change {
-    /// To where the ray is at the old t.
+    /// Change of the ray's place at the old t.
     place: Triple,
-    /// To its unit direction.
+    /// Change of the ray's unit direction.
     direction: Triple,
-    /// To the surface's function at the old hit.
+    /// Change of the surface's function at the old hit.
     value: f64,
-    /// To its gradient there.
+    /// Change of the function's gradient at the old hit.
     gradient: Triple,
-    /// To the second derivative along the ray.
+    /// Change of the second derivative along the ray.
     bend: f64,
-    /// To n1 / n2, relative to it.
+    /// Relative change of n1 / n2.
     ratio: f64,
 }
 
@@ -81,7 +81,7 @@ struct About<'a> {
     local: Local,
     t: f64,
     point: Triple,
-    /// From the hit outwards to the rim, and to the rim of the obstruction, in mm.
+    /// Distance from the hit outwards to the rim, and to the rim of the obstruction, in mm.
     to_rim: Option<f64>,
     to_obstruction: f64,
     /// The ray's unit direction.
@@ -149,7 +149,7 @@ impl<'a> About<'a> {
         }
     }
 
-    /// How much farther from the axis the hit is after a move.
+    /// Change of the hit's distance from the axis by a move.
     fn outwards(&self, moved: Triple) -> f64 {
         let [x, y, _] = self.point;
         let sum = x.hypot(y) + (x + moved[0]).hypot(y + moved[1]);
@@ -157,7 +157,7 @@ impl<'a> About<'a> {
         if sum > 0.0 { squares / sum } else { 0.0 }
     }
 
-    /// How far the result has moved after `change`.
+    /// The movement of the result after `change`.
     fn after(&self, change: &Change) -> Sensitivity {
         let side = self.case.side;
         // value + slope τ + bend τ² / 2 = 0 gives the shift τ of the crossing along the ray.

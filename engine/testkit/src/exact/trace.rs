@@ -1,4 +1,4 @@
-//! What becomes of a ray at one surface, in exact numbers.
+//! The outcome of a ray at one surface, in exact numbers.
 
 use super::big::{Big, Vector, dot, norm, plus_times, times, to_f64};
 use super::case::Case;
@@ -7,14 +7,14 @@ use super::local::{Local, dot as dot_f64};
 use super::margins::Margins;
 use super::search;
 
-/// What became of a ray.
+/// The status of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
-    /// It passed.
+    /// The ray passed.
     Ok,
-    /// It meets no part of the surface with the right sign of N · D.
+    /// The ray hits no part of the surface with the right sign of N · D.
     Missed,
-    /// It meets the mathematical surface off the vertex sheet only; never said of aspheres, which have no other sheet.
+    /// The ray hits the mathematical surface off the vertex sheet only; never said of aspheres, which have no other sheet.
     WrongSheet,
     /// The hit lies outside of the clear aperture.
     OutsideAperture,
@@ -24,7 +24,7 @@ pub enum Status {
     TotalInternalReflection,
 }
 
-/// Where a ray meets a surface.
+/// The hit of a ray on a surface.
 #[derive(Clone, Debug)]
 pub struct Hit {
     /// Distance from the origin along the unit direction, in mm; negative if it lies behind.
@@ -43,22 +43,22 @@ pub struct Hit {
     pub(super) bend: f64,
 }
 
-/// What becomes of a ray, exactly.
+/// The outcome of a ray, exactly.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// What became of the ray. The checks come in the order of [`Status`]; the first that fails names the loss.
+    /// The status of the ray. The checks come in the order of [`Status`]; the first that fails names the loss.
     pub status: Status,
-    /// Where it meets the surface; `None` if it missed, there also if it was lost afterwards.
+    /// The hit on the surface; `None` if it missed, present also if it was lost afterwards.
     pub hit: Option<Hit>,
     /// The unit direction afterwards, of a ray that passed.
     pub direction: Option<Vector>,
     /// (N · D)² at the hit; of conics this is B² − A C, known of misses too, and then below 0.
     pub discriminant: Option<Big>,
-    /// How near the outcome was to being another one.
+    /// The margins by which the outcome is not another one.
     pub margins: Margins,
 }
 
-/// Where a ray meets a surface, if it does.
+/// The crossing of a ray with a surface, if there is one.
 pub(super) enum Crossing {
     Met {
         t: Big,
@@ -68,15 +68,14 @@ pub(super) enum Crossing {
     /// B² − A C of a conic, if it was formed.
     Missed {
         discriminant: Option<Big>,
-        /// Where along the ray it came nearest to meeting the surface.
+        /// The place along the ray nearest to meeting the surface.
         nearest: Option<Big>,
     },
 }
 
-/// What becomes of the ray of `case`.
+/// The outcome of the ray of `case`.
 ///
-/// On one core 12 µs for a conic and 45 to 65 µs for the other shapes; a million hard rays of every category took half a
-/// minute on two.
+/// A conic takes 12 µs on one core and the other shapes 45 to 65 µs; a million hard rays of every category took half a minute on two.
 ///
 /// # Panics
 /// If a number of the case is not finite, or the direction is 0.

@@ -42,30 +42,30 @@ pub fn ulp_of(x: f64, precision: Precision) -> f64 {
     times_power_of_two(1.0, precision.ulp_exponent(Big::new(x).exponent()))
 }
 
-/// |got − truth| in units in the last place of the truth as an `f64`; infinite if `got` is no number.
+/// |got − truth| in units in the last place of the truth as an `f64`; infinite if `got` is not finite.
 pub fn ulp_error_f64(got: f64, truth: &Big) -> f64 {
     scalar(got, truth, Precision::F64)
 }
 
-/// |got − truth| in units in the last place of the truth as an `f32`; infinite if `got` is no number.
+/// |got − truth| in units in the last place of the truth as an `f32`; infinite if `got` is not finite.
 pub fn ulp_error_f32(got: f32, truth: &Big) -> f64 {
     scalar(f64::from(got), truth, Precision::F32)
 }
 
-/// |got − truth| in units in the last place of the `f64` |truth|; infinite if a component is no number.
+/// |got − truth| in units in the last place of the `f64` |truth|; infinite if a component is not finite.
 ///
 /// The measure for directions and for points: a component near 0 need not be right to its own last place.
 pub fn ulp_error_vector_f64(got: [f64; 3], truth: &Vector) -> f64 {
     difference(got, truth).map_or(f64::INFINITY, |error| in_ulps(&error, &norm(truth), Precision::F64))
 }
 
-/// As [`ulp_error_vector_f64`], in units of the `f32` |truth|.
+/// [`ulp_error_vector_f64`] in units of the `f32` |truth|.
 pub fn ulp_error_vector_f32(got: [f32; 3], truth: &Vector) -> f64 {
     let got = got.map(f64::from);
     difference(got, truth).map_or(f64::INFINITY, |error| in_ulps(&error, &norm(truth), Precision::F32))
 }
 
-/// |got − truth|, in the unit of the vectors; infinite if a component is no number.
+/// |got − truth|, in the unit of the vectors; infinite if a component is not finite.
 pub fn error_norm(got: [f64; 3], truth: &Vector) -> f64 {
     difference(got, truth).map_or(f64::INFINITY, |error| error.to_f64())
 }

@@ -20,24 +20,24 @@ pub(super) fn unit(a: [f64; 3]) -> [f64; 3] {
 pub(super) struct Place {
     pub(super) shape: Shape,
     pub(super) point: [f64; 3],
-    /// Of unit length, towards +z at the vertex.
+    /// Normal of unit length, towards +z at the vertex.
     pub(super) normal: [f64; 3],
 }
 
-/// How far from its axis a conic reaches, in mm.
+/// Distance from its axis that a conic reaches, in mm.
 pub(super) fn reach(curvature: f64, conic: f64) -> f64 {
     let squared = (1.0 + conic) * curvature * curvature;
     if squared > 0.0 { 1.0 / squared.sqrt() } else { f64::INFINITY }
 }
 
 impl Place {
-    /// On a conic's vertex sheet, `r` from the axis at the `angle` of that cosine and sine.
+    /// A place on a conic's vertex sheet, `r` from the axis at the `angle` of that cosine and sine.
     pub(super) fn on_conic(curvature: f64, conic: f64, r: f64, angle: [f64; 2]) -> Self {
         let shape = Shape::Conic { curvature, conic };
         Self::on(shape, r * angle[0], r * angle[1]).expect("r is within the conic's reach")
     }
 
-    /// Over (x, y); `None` where the surface does not reach.
+    /// The place over (x, y); `None` where the surface does not reach.
     pub(super) fn on(shape: Shape, x: f64, y: f64) -> Option<Self> {
         let profile = shape.profile();
         let z = match &shape {

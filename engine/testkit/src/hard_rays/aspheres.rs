@@ -1,4 +1,4 @@
-//! Rays at surfaces that only an iteration meets, aimed so that no crossing but one can be meant.
+//! Rays at surfaces that only an iteration hits, aimed so that no crossing but one can be meant.
 
 use super::aim::{Place, is_crossed_once};
 use super::dice::Dice;

@@ -258,7 +258,7 @@ pub(super) fn beyond_right_angle(dice: &mut Dice) -> Case {
     let r = reach(c, k) * dice.between(0.3, 0.98);
     let [cos, sin] = dice.angle();
     let place = Place::on_conic(c, k, r, [cos, sin]);
-    // Inwards from the side; down to the slope of the surface there the right side is met.
+    // Inwards from the side; down to the slope of the surface there the right side is hit.
     let steepest = (1.0 - place.normal[2] * place.normal[2]).sqrt();
     let z = -steepest * dice.log_between(1e-6, 0.99);
     let across = (1.0 - z * z).sqrt();

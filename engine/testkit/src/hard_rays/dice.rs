@@ -22,17 +22,17 @@ impl Dice {
         z ^ (z >> 31)
     }
 
-    /// In [0, 1).
+    /// A number in [0, 1).
     pub(super) fn part(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Even in [low, high).
+    /// Returns a number spread evenly over [low, high).
     pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.part()
     }
 
-    /// Even in the logarithm, nearly: within an octave it is even in the number.
+    /// Returns a number whose logarithm is spread evenly, nearly: within an octave it is even in the number.
     pub(super) fn log_between(&mut self, low: f64, high: f64) -> f64 {
         exponential(self.between(logarithm(low), logarithm(high)))
     }

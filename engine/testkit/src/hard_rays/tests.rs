@@ -49,7 +49,7 @@ fn names_are_distinct() {
     assert_eq!(names.len(), Category::ALL.len());
 }
 
-/// What must occur among the rays of a category, beside rays that pass.
+/// The statuses that must occur among the rays of a category, beside rays that pass.
 fn expected(category: Category) -> &'static [Status] {
     use Status::{Missed, Obstructed, OutsideAperture, TotalInternalReflection as Total, WrongSheet};
     match category {

@@ -12,7 +12,7 @@ pub(super) const OBSTRUCTION: &str = "obstruction";
 pub(super) const RADIUS_X: &str = "radius_x";
 /// Thin films, by name or layer by layer.
 pub(super) const COATING: &str = "coating";
-/// In that column: nothing is known of this surface, or only what the header says.
+/// The text in the column [`COATING`] of a surface of which nothing is known, or only the text of the header.
 pub(super) const NO_COATING_SAID: &str = "-";
 /// Parts of a [`Pose`]: two lengths, three angles, and a length along the axis.
 pub(super) const POSE: [&str; 6] = ["decenter_x", "decenter_y", "tilt_x", "tilt_y", "tilt_z", "decenter_z"];

@@ -17,12 +17,12 @@ fn too_many_glasses() -> Problem {
     Problem::Unsupported(format!("a lens file defines no more than {MOST_GLASSES} glasses"))
 }
 
-/// What the lines say beside the metadata.
+/// The contents of the lines beside the metadata.
 #[derive(Clone, Default)]
 pub(crate) struct Header {
     pub(crate) name: Option<String>,
     pub(crate) film_radius_mm: Option<f64>,
-    /// Of surfaces where glass meets air, if no row says otherwise.
+    /// Coating of surfaces where glass meets air, if no row says otherwise.
     pub(crate) coating: Option<Coating>,
     pub(super) elements: Vec<ElementLine>,
     pub(super) moving: MovingLines,
@@ -159,7 +159,7 @@ impl Header {
         Ok(())
     }
 
-    /// What the lines say, into a lens that is read from another program's file.
+    /// Applies the lines to a lens that is read from another program's file.
     pub(crate) fn apply(self, draft: &mut Draft<'_>) -> Result<(), LensFileError> {
         draft.name = self.name.or(draft.name.take());
         draft.coating = self.coating.or(draft.coating.take());

@@ -5,7 +5,7 @@ use crate::prescription::{Place, SurfaceRow};
 
 use super::{Problem, finite};
 
-/// What they say, with their places.
+/// The contents of the lines, with their places.
 #[derive(Clone, Default)]
 pub(super) struct MovingLines {
     parts: Option<(Vec<Part>, Place)>,
@@ -32,14 +32,14 @@ impl MovingLines {
         Ok(())
     }
 
-    /// What moves, and positions, as they stand in the file, if any do.
+    /// The moving parts and positions, as they stand in the file, if there are any.
     pub(super) fn parts(self) -> Option<(Vec<Part>, Vec<Position>, Vec<Place>)> {
         let (parts, _) = self.parts?;
         let (positions, places) = self.positions.into_iter().unzip();
         Some((parts, positions, places))
     }
 
-    /// What moves of a lens with these rows; `None` if nothing does.
+    /// The moving parts of a lens with these rows; `None` if nothing moves.
     pub(super) fn of(self, rows: &[SurfaceRow]) -> Result<Option<MovingParts>, (Place, MovingError)> {
         let (parts, place) = match (self.parts, self.positions.first()) {
             (None, None) => return Ok(None),

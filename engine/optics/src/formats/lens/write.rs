@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::coating::Coating;
 use crate::glass::{Catalogue, Medium};
-use crate::prescription::{Behind, Prescription, SurfaceRow};
+use crate::prescription::{NextMedium, Prescription, SurfaceRow};
 use crate::surface::{Section, Shape};
 
 use super::columns::{COATING, Misalignment, NO_COATING_SAID, OBSTRUCTION, POSE, RADIUS_X};
@@ -26,8 +26,8 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
     for (i, row) in lens.surfaces.iter().enumerate() {
         let profile = row.shape.profile();
         let glass = match &row.behind {
-            Behind::Mirror => "mirror".to_owned(),
-            Behind::Medium(medium) => token(medium, catalogue),
+            NextMedium::Mirror => "mirror".to_owned(),
+            NextMedium::Medium(medium) => token(medium, catalogue),
         };
         let _ = write!(
             text,
@@ -64,8 +64,8 @@ pub(in crate::formats) fn header_lines(
     }
     let mut defined: Vec<Medium> = Vec::new();
     let media = lens.surfaces.iter().filter_map(|row| match &row.behind {
-        Behind::Medium(medium) => Some(medium.as_defined()),
-        Behind::Mirror => None,
+        NextMedium::Medium(medium) => Some(medium.as_defined()),
+        NextMedium::Mirror => None,
     });
     for medium in media {
         let is_known = catalogue.token_of(&medium).is_some() || defined.contains(&medium);
@@ -105,7 +105,7 @@ pub(in crate::formats) fn one_line(text: &str) -> String {
     text.replace(char::is_control, " ").trim().to_owned()
 }
 
-/// What to write for a medium: its name in the catalogues, or that of a glass defined in the header.
+/// The text for a medium: its name in the catalogues, or that of a glass defined in the header.
 fn token(medium: &Medium, catalogue: &Catalogue) -> String {
     catalogue.token_of(&medium.as_defined()).unwrap_or_else(|| medium.name().to_owned())
 }

@@ -1,6 +1,6 @@
 //! The lines of one surface of a `.zmx` file.
 
-use crate::prescription::{Behind, Place};
+use crate::prescription::{NextMedium, Place};
 
 use super::super::draft::DraftRow;
 use super::super::problem::{LensFileError, Problem, at};
@@ -212,7 +212,7 @@ impl Reader<'_> {
         Ok(row)
     }
 
-    /// What the surface's type adds to curvature and conic constant.
+    /// Reads the part of the shape that the surface's type adds to curvature and conic constant.
     fn shape(&mut self, block: &Block, scale: f64, row: &mut DraftRow) -> Result<(), LensFileError> {
         // A coefficient of rᵖ, in the file's units, in mm.
         let term = |power: u32, a: f64| (power, a / scale.powi(power as i32 - 1));
@@ -252,11 +252,11 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn glass(&mut self, block: &Block) -> Result<Behind, LensFileError> {
-        let Some((words, place)) = &block.glass else { return Ok(Behind::Medium(crate::glass::Medium::air())) };
+    fn glass(&mut self, block: &Block) -> Result<NextMedium, LensFileError> {
+        let Some((words, place)) = &block.glass else { return Ok(NextMedium::Medium(crate::glass::Medium::air())) };
         let name = words.first().map_or("", String::as_str);
         if name.eq_ignore_ascii_case("mirror") {
-            return Ok(Behind::Mirror);
+            return Ok(NextMedium::Mirror);
         }
         let number = |i: usize| words.get(i).and_then(|word| word.parse::<f64>().ok()).filter(|x| x.is_finite());
         let kind = number(1).unwrap_or(0.0);
@@ -271,6 +271,6 @@ impl Reader<'_> {
             }
             _ => self.glasses.listed(name, *place, &mut self.draft.remarks),
         };
-        medium.map(Behind::Medium).map_err(|error| at(self.draft.file, place.line, place.column, error.into()))
+        medium.map(NextMedium::Medium).map_err(|error| at(self.draft.file, place.line, place.column, error.into()))
     }
 }

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use crate::glass::{Catalogue, Medium, line_nm};
-use crate::prescription::{Behind, Prescription, SurfaceRow};
+use crate::prescription::{NextMedium, Prescription, SurfaceRow};
 use crate::surface::{Section, Shape};
 
 use super::super::lens::{common_coating, header_lines, one_line};
@@ -123,7 +123,7 @@ fn surface(text: &mut String, row: &SurfaceRow, glass: &Glass, i: usize, lost: &
     }
     let semi = row.semi_diameter_mm;
     let _ = writeln!(text, "  DIAM {semi} 1 0 0 1 \"\"\n  CLAP {} {semi} 0", row.obstruction_mm);
-    if matches!(&row.behind, Behind::Medium(medium) if medium.gradient().is_some()) {
+    if matches!(&row.behind, NextMedium::Medium(medium) if medium.gradient().is_some()) {
         lost.push(format!("surface {i}: the gradient of its medium stands in the notes only"));
     }
     if !row.pose.is_identity() {
@@ -138,9 +138,9 @@ fn exact_radius(curvature: f64) -> f64 {
     near.into_iter().find(|r| 1.0 / r == curvature).unwrap_or(radius)
 }
 
-/// How a medium is written.
+/// The text of a medium.
 struct Glass {
-    /// What follows `GLAS`; `None` for air.
+    /// The words after `GLAS`; `None` for air.
     words: Option<String>,
     /// The catalogue that must be listed.
     listed: Option<&'static str>,
@@ -149,7 +149,7 @@ struct Glass {
 }
 
 fn glass(row: &SurfaceRow, catalogue: &Catalogue) -> Glass {
-    let Behind::Medium(medium) = &row.behind else {
+    let NextMedium::Medium(medium) = &row.behind else {
         return Glass { words: Some("MIRROR 0 0 1.5 40 0 0 0 0 0 0".to_owned()), listed: None, alias: None };
     };
     if *medium == Medium::air() {

@@ -25,7 +25,7 @@ impl Dice {
         x ^ (x >> 31)
     }
 
-    /// From −1 to 1.
+    /// A number from −1 to 1.
     fn even(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
@@ -110,7 +110,7 @@ fn systems() -> Vec<System> {
     files.iter().map(|file| system(file)).collect()
 }
 
-/// What came of a flood.
+/// The results of a flood.
 pub struct Flood {
     pub rays: u64,
     pub passed: u64,

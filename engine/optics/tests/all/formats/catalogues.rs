@@ -2,7 +2,7 @@
 
 use petzval_optics::formats::{self, agf, lens, rii};
 use petzval_optics::glass::{Catalogue, Dispersion, Medium, line_nm};
-use petzval_optics::prescription::Behind;
+use petzval_optics::prescription::NextMedium;
 
 use super::there_and_back::{again, assert_same};
 use super::{ZMX, parse};
@@ -118,7 +118,7 @@ fn catalogues_beside_the_file() {
     let file = ZMX.replace("GLAS F2", "GLAS MYGLASS").replace("GCAT HOYA SCHOTT", "GCAT SCHOTT MINE");
     std::fs::write(lenses.join("a.zmx"), &file).unwrap();
     let reading = formats::read(&lenses.join("a.zmx"), Catalogue::shipped()).unwrap();
-    let Behind::Medium(medium) = &reading.prescription.surfaces[0].behind else { panic!() };
+    let NextMedium::Medium(medium) = &reading.prescription.surfaces[0].behind else { panic!() };
     assert_eq!(
         (medium.name(), medium.index(line_nm::D)),
         ("MYGLASS", Catalogue::shipped().medium("N-BK7").unwrap().index(line_nm::D))

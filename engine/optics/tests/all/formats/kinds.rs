@@ -5,7 +5,7 @@ use std::path::Path;
 use petzval_optics::formats::{self, lens};
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::prescription::Behind;
+use petzval_optics::prescription::NextMedium;
 
 use super::there_and_back::{again, assert_same};
 use super::{ZMX, parse, refused, remarks, system};
@@ -41,7 +41,7 @@ fn zemax_numbers_are_where_they_belong() {
     // Schott and Hikari have F2; the file lists Hoya, which has none, and Schott.
     let glass = |text: &str| {
         let reading = parse("a.zmx", text).unwrap();
-        let Behind::Medium(medium) = reading.prescription.surfaces[0].behind.clone() else { panic!() };
+        let NextMedium::Medium(medium) = reading.prescription.surfaces[0].behind.clone() else { panic!() };
         (medium, remarks(&reading))
     };
     let catalogue = Catalogue::shipped();
@@ -109,8 +109,8 @@ fn code_v_numbers_are_where_they_belong() {
     let asphere = lens.surfaces[1].shape.profile();
     assert_eq!((asphere.base.conic, asphere.terms()), (-0.5, vec![(4, 1e-6), (6, -2e-9), (8, 1e-12)]));
     let index = |i: usize, nm: f64| match &lens.surfaces[i].behind {
-        Behind::Medium(medium) => medium.index(nm),
-        Behind::Mirror => panic!(),
+        NextMedium::Medium(medium) => medium.index(nm),
+        NextMedium::Mirror => panic!(),
     };
     assert!((index(0, line_nm::D) - 1.517).abs() < 1e-12);
     assert!((index(1, 656.3) - 1.6).abs() < 1e-12 && (index(1, 486.1) - 1.615).abs() < 1e-12);
@@ -145,8 +145,8 @@ fn oslo_numbers_are_where_they_belong() {
     let terms = lens.surfaces[1].shape.profile().terms();
     assert!((terms[0].1 / 1e-9 - 1.0).abs() < 1e-12 && (terms[1].1 / -2e-14 - 1.0).abs() < 1e-12, "{terms:?}");
     assert_eq!(lens.surfaces[3].shape.profile().terms()[0].0, 4);
-    assert_eq!(lens.surfaces[4].behind, Behind::Mirror);
-    let Behind::Medium(model) = &lens.surfaces[3].behind else { panic!() };
+    assert_eq!(lens.surfaces[4].behind, NextMedium::Mirror);
+    let NextMedium::Medium(model) = &lens.surfaces[3].behind else { panic!() };
     assert!((model.index(486.13) - 1.61).abs() < 1e-12);
     let cases = [
         (text.replace("AST\n", "TLA 5\n"), "a.len:22:1: 'TLA 5' cannot be read from .len"),

@@ -1,11 +1,11 @@
-//! What rayoptics and optiland, and publications, say of the same files.
+//! Comparison with rayoptics and optiland, and with publications, on the same files.
 
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use petzval_optics::focus::FilmPlane;
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::prescription::Behind;
+use petzval_optics::prescription::NextMedium;
 use petzval_optics::prescription::moving::Part;
 use petzval_optics::system::{FocalLength, System, SystemSettings};
 use petzval_optics::trace::Ray;
@@ -131,7 +131,7 @@ fn a_table_with_near_objects_moves_its_groups() {
     assert_eq!(lens.surfaces[1].shape.profile().terms(), [(2, 1e-5), (4, 2e-7)]);
     assert_eq!(lens.surfaces[1].shape.profile().base.conic, -1.0);
     assert_eq!(lens.stop, 2);
-    let Behind::Medium(glass) = &lens.surfaces[0].behind else { panic!() };
+    let NextMedium::Medium(glass) = &lens.surfaces[0].behind else { panic!() };
     assert_eq!(glass.name(), "N-BK7");
     // Named lines, and a radius that is not that of its surface.
     let error = refused("x.txt", &table.replace("\t-60\td2", "\t-60\td3"));

@@ -1,13 +1,13 @@
-//! What is written reads back as the same lens, to the last bit.
+//! A written lens reads back as the same lens, to the last bit.
 
 use petzval_optics::formats::{lens, zmx};
 use petzval_optics::glass::Catalogue;
-use petzval_optics::prescription::{Behind, Prescription};
+use petzval_optics::prescription::{NextMedium, Prescription};
 
 use super::{foreign, parse};
 use crate::common::repository;
 
-/// All that a ray meets is the same, to the last bit.
+/// All that a ray hits is the same, to the last bit.
 pub(super) fn assert_same(name: &str, a: &Prescription, b: &Prescription) {
     assert_eq!(a.surfaces.len(), b.surfaces.len(), "{name}");
     for (i, (a, b)) in a.surfaces.iter().zip(&b.surfaces).enumerate() {
@@ -17,8 +17,8 @@ pub(super) fn assert_same(name: &str, a: &Prescription, b: &Prescription) {
         assert_eq!(a.obstruction_mm, b.obstruction_mm, "{name} {i}");
         assert_eq!(a.coating, b.coating, "{name} {i}");
         match (&a.behind, &b.behind) {
-            (Behind::Mirror, Behind::Mirror) => {}
-            (Behind::Medium(a), Behind::Medium(b)) => {
+            (NextMedium::Mirror, NextMedium::Mirror) => {}
+            (NextMedium::Medium(a), NextMedium::Medium(b)) => {
                 for nm in [300.0, 365.0, 404.7, 486.1, 550.0, 587.6, 656.3, 780.0, 1014.0] {
                     assert_eq!(a.index(nm).to_bits(), b.index(nm).to_bits(), "{name} {i} {a:?} {b:?}");
                     assert_eq!(a.internal_transmittance(nm, 3.0), b.internal_transmittance(nm, 3.0));
@@ -97,7 +97,8 @@ fn files_of_other_programs_come_back() {
     }
 }
 
-/// Curvatures that are one over no number, decentred elements, odd and high powers, private glasses.
+/// Curvatures that are the reciprocal of no floating-point number, decentred elements, odd and high powers, private
+/// glasses.
 #[test]
 fn what_is_rare_comes_back_too() {
     let text = "# name: rare\n# glass: OWN rational 400-700 2.1 1 -0.01 2 0.3 2 0.01\n# transmittance: OWN 400:0.9@10 700:0.99@25\n\

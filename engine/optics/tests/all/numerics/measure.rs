@@ -12,7 +12,7 @@ use petzval_optics::surface::{Asphere, Conic, Failure, Shape, Toroid};
 use petzval_testkit::exact::{self, Case, Precision, Profile, Status, Truth};
 use petzval_testkit::hard_rays::Category;
 
-/// By what a ray is traced.
+/// The tracer of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum By {
     /// The stable form in f64.
@@ -69,17 +69,17 @@ impl Errors {
     }
 }
 
-/// What rays of one category came to.
+/// The results of the rays of one category.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     pub rays: u64,
-    /// Of these, lost by the exact tracer's word.
+    /// Rays lost by the exact tracer's word.
     pub lost: u64,
-    /// Those of another status than the exact one.
+    /// Rays of another status than the exact one.
     pub other_status: u64,
     /// Largest relative change of the data, in roundings, that would have been needed to turn such a status.
     pub worst_margin: f64,
-    /// The case of it.
+    /// The case of the largest such change.
     pub worst_case: Option<(Category, u64)>,
     pub point: Errors,
     pub direction: Errors,
@@ -194,13 +194,13 @@ pub fn measure_case(category: Category, seed: u64, index: u64, tallies: &mut [Ta
     }
 }
 
-/// How many rays of a category cost about as much time: the iterated shapes are slower to trace exactly.
+/// Relative number of rays of a category for about as much time: the iterated shapes are slower to trace exactly.
 fn share(category: Category) -> u64 {
     use Category::{Asphere, Cylinder, StrongAsphere, Toroid};
     if matches!(category, Asphere | StrongAsphere | Toroid | Cylinder) { 1 } else { 5 }
 }
 
-/// About `rays` rays of all categories on all cores; for each category the tallies of [`By::ALL`].
+/// The tallies of [`By::ALL`] for each category, by about `rays` rays of all categories on all cores.
 pub fn measure(rays: u64, seed: u64) -> Vec<(Category, [Tally; 3])> {
     const CHUNK: u64 = 500;
     let shares: u64 = Category::ALL.into_iter().map(share).sum();

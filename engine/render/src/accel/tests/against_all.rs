@@ -3,7 +3,7 @@
 use super::*;
 use glam::{DQuat, Vec3};
 
-/// The same test as the tree's, a triangle alone: distances agree to the last bits.
+/// The tree's intersection test on one triangle by itself: distances agree to the last bits.
 fn meets(ray: &Ray, corners: [Vec3; 3], t_max: f32) -> Option<f32> {
     let d = ray.direction.to_array();
     let a = ray.direction.abs();
@@ -28,7 +28,7 @@ fn meets(ray: &Ray, corners: [Vec3; 3], t_max: f32) -> Option<f32> {
     (t > 0.0 && t < t_max).then_some(t)
 }
 
-/// Every distance at which the ray meets something that shows.
+/// Every distance at which the ray hits something that shows.
 fn all_hits(scene: &Scene, ray: &Ray, kind: Rays) -> Vec<f32> {
     let mut found = vec![];
     for instance in &scene.instances {
@@ -131,7 +131,7 @@ fn any_scene(dice: &mut Dice, size: f64) -> Scene {
     builder.build(DVec3::ZERO)
 }
 
-/// From anywhere, a corner included, anywhere, along the axes or to a corner or an edge.
+/// A random ray from anywhere, a corner included, to anywhere, along the axes or to a corner or an edge.
 fn any_ray(dice: &mut Dice, scene: &Scene, size: f64) -> Ray {
     let i = &scene.instances[dice.pick(scene.instances.len())];
     let mesh = &scene.meshes[i.mesh as usize];

@@ -1,7 +1,7 @@
 //! Capsules around segments against the segments themselves.
 
 use super::super::capsules::Capsules;
-use super::super::segment::{Cut, Gaze, meet};
+use super::super::segment::{Cut, RayFrame, meet};
 use super::super::triangles::LANES;
 use super::*;
 use crate::scene::curves::{Controls, CurveShape};
@@ -50,7 +50,7 @@ proptest! {
             let [x, y, z, reach] = sobol_burley::sample_4d(i, 8, seed);
             let aside = 2.2 * aim.w * (Vec3A::new(x, y, z) - 0.5);
             let d = direction([u[0], u[1]]);
-            let gaze = Gaze::new(Vec3A::from_vec4(aim) + aside - d * 3.0 * u[3], d);
+            let gaze = RayFrame::new(Vec3A::from_vec4(aim) + aside - d * 3.0 * u[3], d);
             let t_max = 6.0 * reach;
             let level = Level::new();
             let candidates = dispatch!(level, simd => capsules.meet(simd, &gaze, t_max));
@@ -67,7 +67,7 @@ proptest! {
     }
 }
 
-/// A ray through the box of a straight segment, but past it by twice its radius, does not meet its capsule; nor does one that ends
+/// A ray through the box of a straight segment, but past it by twice its radius, does not hit its capsule; nor does one that ends
 /// before it or begins behind it.
 #[test]
 fn capsules_are_tight() {
@@ -77,7 +77,7 @@ fn capsules_are_tight() {
     let across = Vec3A::new(1.0, -1.0, 0.0).normalize();
     let aside = across.cross(Vec3A::ONE.normalize());
     let lanes = |start: Vec3A, t_max: f32| {
-        let gaze = Gaze::new(start, across);
+        let gaze = RayFrame::new(start, across);
         let found = dispatch!(Level::new(), simd => capsules.meet(simd, &gaze, t_max));
         found.map_or(0, |found| found.lanes)
     };

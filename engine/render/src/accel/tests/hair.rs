@@ -57,18 +57,18 @@ fn finely(scene: &Scene) -> Vec<(DVec3, f64)> {
     out
 }
 
-/// From so far away at a place near a strand, in any direction.
+/// A ray from a distance at a place near a strand, in any direction.
 fn ray_at(target: Vec3A, u: [f32; 4], distance: f32) -> Ray {
     let d = direction([u[0], u[1]]);
     Ray::new(target - d * distance, d)
 }
 
-/// How far outside of the round body of a curve, points and radii, a place is.
+/// Distance of a place outside of the round body of a curve, points and radii.
 fn outside_of(curve: &[(DVec3, f64)], place: DVec3) -> f64 {
     curve.iter().map(|(p, r)| (place - *p).length() - r).fold(f64::INFINITY, f64::min)
 }
 
-/// Ten rays of a seed, from so far away, at a round strand: each meets the strand where the ray enters the round body about the curve.
+/// Ten rays of a seed, from so far away, at a round strand: each hits the strand where the ray enters the round body about the curve.
 fn is_round(seed: u32, far: f32) -> Result<(), TestCaseError> {
     let keys = bent(seed, 5, 0.2);
     let scene = strand(&keys, CurveShape::Thick, &[DMat4::IDENTITY]);
@@ -117,7 +117,7 @@ fn is_round(seed: u32, far: f32) -> Result<(), TestCaseError> {
             // Unless it only grazes.
             let deepest = (0..200).map(|i| outside(t + 0.002 * f64::from(i))).fold(f64::INFINITY, f64::min);
             if deepest < -0.02 {
-                // Or before that, where the ray passes so close by that it is on the surface, as was found above of what is met
+                // Or before that, where the ray passes so close by that it is on the surface, as was found above of what is hit
                 // from outside.
                 let is_graze = |hit: &Hit| f64::from(hit.t) < t && hit.v <= 1.0;
                 let is_it = |hit: &Hit| (f64::from(hit.t) - t).abs() < 0.05 || is_graze(hit);
@@ -130,7 +130,7 @@ fn is_round(seed: u32, far: f32) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A known fault: about one ray in some 100,000 near a round strand passes the joint of two pieces, and meets the strand from within.
+/// A known fault: about one ray in some 100,000 near a round strand passes the joint of two pieces, and hits the strand from within.
 #[test]
 #[ignore = "a ray passes the joint of two pieces: not mended yet"]
 fn no_ray_passes_a_joint() {
@@ -140,8 +140,8 @@ fn no_ray_passes_a_joint() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// A ribbon is met where the ray passes the curve, as it is seen along the ray, at less than the radius; across the axes, too, where its
-    /// segments are divided.
+    /// A ribbon is hit where the ray passes the curve, as it is seen along the ray, at less than the radius; across the axes, too, where
+    /// its segments are divided.
     #[test]
     fn ribbons_are_as_wide_as_they_should_be(seed in 0u32..60000, far in 3f32..30.0, is_across in any::<bool>()) {
         let turn = if is_across { Quat::from_rotation_arc(Vec3::X, Vec3::ONE.normalize()) } else { Quat::IDENTITY };
@@ -181,7 +181,7 @@ proptest! {
         }
     }
 
-    /// A round strand is met where the ray first comes as near to the curve as its radius.
+    /// A round strand is hit where the ray first comes as near to the curve as its radius.
     #[test]
     fn round_strands_are_round(seed in 0u32..60000, far in 3f32..30.0) {
         is_round(seed, far)?;
@@ -228,7 +228,7 @@ proptest! {
         }
     }
 
-    /// Rays to the middle of a strand, at its keys and between pieces, meet it, wherever it stands and however thin it is.
+    /// Rays to the middle of a strand, at its keys and between pieces, hit it, wherever it stands and however thin it is.
     #[test]
     fn nothing_passes_between_pieces(
         seed in 0u32..60000, number in 1usize..3, radius in -4f32..-0.7, far in prop::sample::select(vec![0.0, 1.0, 100.0]),
@@ -350,7 +350,7 @@ fn instances_of_hair_are_hair() {
     }
 }
 
-/// What leaves a strand does not come back to it, but meets others.
+/// A ray that leaves a strand does not hit that strand, but hits others.
 #[test]
 fn a_strand_that_is_left_is_not_met() {
     let keys = bent(5, 5, 0.1);

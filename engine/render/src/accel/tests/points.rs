@@ -21,7 +21,7 @@ fn cloud(points: &[Vec4], places: &[DMat4], goes: Option<Vec3>) -> Scene {
     scene
 }
 
-/// So many balls in a box, up to a radius.
+/// Random balls in a box, up to a radius.
 fn balls(seed: u32, count: u32, radius: f32) -> Vec<Vec4> {
     let ball = |i: u32| {
         let u = sobol_burley::sample_4d(i, 0, seed);
@@ -30,7 +30,7 @@ fn balls(seed: u32, count: u32, radius: f32) -> Vec<Vec4> {
     (0..count).map(ball).collect()
 }
 
-/// Where a ray enters a placed ball, in double precision.
+/// The distance at which a ray enters a placed ball, in double precision.
 fn entered(ray: &Ray, ball: Vec4, place: &DMat4) -> Option<f64> {
     let to = place.inverse();
     let origin = to.transform_point3(ray.origin.as_dvec3());
@@ -80,7 +80,7 @@ proptest! {
             let mut count = 0;
             accel.transmittance(&ray, |_| { count += 1; 0.0 });
             prop_assert!((count as i64 - want.len() as i64).abs() <= 1, "{count} of {}", want.len());
-            // The point is where the ray is, its normal leads away from the middle, and it does not meet itself.
+            // The point is where the ray is, its normal leads away from the middle, and it does not hit itself.
             let point = SurfacePoint::new(&scene, &hit, ray.direction);
             let off = (point.position - ray.origin - ray.direction * hit.t).length();
             let ball = points[hit.triangle as usize];
@@ -94,7 +94,7 @@ proptest! {
         }
     }
 
-    /// Balls far away, and rays that graze them: what is met lies on the ball.
+    /// Balls far away, and rays that graze them: what is hit lies on the ball.
     #[test]
     fn far_balls_are_met_where_they_are(seed in 0u32..60000, far in 1f32..4.0) {
         let far = 10f32.powf(far);

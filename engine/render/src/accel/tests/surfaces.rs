@@ -17,7 +17,7 @@ fn placed(size: f64, to: DVec3, turn: f64, number: usize) -> Scene {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
-    /// From inside, a ray to a corner, to an edge, along an axis or anywhere ends at the surface.
+    /// A ray from inside to a corner, to an edge, along an axis or anywhere ends at the surface.
     #[test]
     fn placed_meshes_have_no_gaps(
         scale in -6f64..6.0,
@@ -40,7 +40,7 @@ proptest! {
         }
     }
 
-    /// From a point of a convex body, nothing of it is in the way outside, and something is on every way inside.
+    /// A ray from a point of a convex body hits nothing of it outside, and always something inside.
     #[test]
     fn surfaces_do_not_shadow_themselves(
         scale in -6f64..6.0,

@@ -6,7 +6,7 @@ use crate::camera::{Camera, shade};
 
 const SIZE: [u32; 2] = [900, 600];
 
-fn camera(shown: Shown, d: &CameraDescription) -> Camera {
+fn camera(shown: EnabledEffects, d: &CameraDescription) -> Camera {
     Camera::new(&CameraDescription { shown, ..d.clone() }, SIZE[0], SIZE[1]).unwrap()
 }
 
@@ -20,7 +20,7 @@ fn rays(camera: &Camera, place: Vec2, u_wavelength: f32) -> Vec<CameraRay> {
     (0..256).filter_map(|i| camera.sample(place, u(i), u_wavelength)).collect()
 }
 
-/// Their mean where they meet the plane that is sharp, at three metres; and how far they part there.
+/// The mean point at which a place's rays hit the sharp plane, at three metres; and their spread there.
 fn spot(camera: &Camera, place: Vec2, u_wavelength: f32, depth: f32) -> (DVec2, f64) {
     let met: Vec<DVec2> = rays(camera, place, u_wavelength)
         .iter()
@@ -38,14 +38,14 @@ fn spot(camera: &Camera, place: Vec2, u_wavelength: f32, depth: f32) -> (DVec2, 
 const PLACES: [Vec2; 5] =
     [Vec2::new(0.0, 0.0), Vec2::new(0.3, 0.1), Vec2::new(-0.45, 0.0), Vec2::new(0.1, -0.45), Vec2::new(0.42, 0.42)];
 
-/// Without distortion the picture is in proportion to the scene; with it, not. Stopped down: wide open the mean of a spot with
+/// The picture without distortion is in proportion to the scene; with distortion it is not. Stopped down: wide open the mean of a spot with
 /// coma is no sharp measure.
 #[test]
 fn straight_lines_are_straight() {
     let d = CameraDescription { wavelength_nm: Some(587.6), f_number: Some(11.0), ..wide() };
     for (shown, most) in [
-        (Shown { distortion: false, ..Shown::default() }, 2e-4),
-        (Shown { distortion: false, aberration: false, ..Shown::default() }, 1e-6),
+        (EnabledEffects { distortion: false, ..EnabledEffects::default() }, 2e-4),
+        (EnabledEffects { distortion: false, aberration: false, ..EnabledEffects::default() }, 1e-6),
     ] {
         let camera = camera(shown, &d);
         let per_width = spot(&camera, Vec2::new(0.01, 0.0), 0.5, 3.0).0.x / 0.01;
@@ -55,17 +55,20 @@ fn straight_lines_are_straight() {
             assert!((seen - ideal).length() < most * per_width, "{place}: {seen} {ideal}");
         }
     }
-    let whole = camera(Shown::default(), &d);
+    let whole = camera(EnabledEffects::default(), &d);
     let per_width = spot(&whole, Vec2::new(0.01, 0.0), 0.5, 3.0).0.x / 0.01;
     let corner = PLACES[4].as_dvec2() * DVec2::new(per_width, per_width / 1.5);
     assert!((spot(&whole, PLACES[4], 0.5, 3.0).0 - corner).length() > 1e-3 * per_width);
 }
 
-/// Without aberrations every ray of a place meets what is sharp in one point; distortion stays where it was.
+/// All rays of a place without aberrations hit the sharp plane in one point; distortion is unchanged.
 #[test]
 fn without_aberrations_points_are_points() {
     let d = CameraDescription { wavelength_nm: Some(587.6), ..wide() };
-    let (ideal, whole) = (camera(Shown { aberration: false, ..Shown::default() }, &d), camera(Shown::default(), &d));
+    let (ideal, whole) = (
+        camera(EnabledEffects { aberration: false, ..EnabledEffects::default() }, &d),
+        camera(EnabledEffects::default(), &d),
+    );
     for place in PLACES {
         let ((a, spread), (b, exact_spread)) = (spot(&ideal, place, 0.5, 3.0), spot(&whole, place, 0.5, 3.0));
         assert!(spread < 1e-5 && spread < 0.1 * exact_spread, "{place}: {spread} {exact_spread}");
@@ -77,11 +80,14 @@ fn without_aberrations_points_are_points() {
     assert!((near / exact_near - 1.0).abs() < 0.1, "{near} {exact_near}");
 }
 
-/// Without defocus everything is sharp, near and far, where the lens shows it.
+/// The picture without defocus is sharp everywhere, near and far, at the places where the lens shows it.
 #[test]
 fn without_defocus_near_and_far_are_sharp() {
     let d = CameraDescription { wavelength_nm: Some(587.6), ..wide() };
-    let (sharp, whole) = (camera(Shown { defocus: false, ..Shown::default() }, &d), camera(Shown::default(), &d));
+    let (sharp, whole) = (
+        camera(EnabledEffects { defocus: false, ..EnabledEffects::default() }, &d),
+        camera(EnabledEffects::default(), &d),
+    );
     for place in PLACES {
         for depth in [1.0, 30.0] {
             let (at, spread) = spot(&sharp, place, 0.5, depth);
@@ -92,7 +98,7 @@ fn without_defocus_near_and_far_are_sharp() {
     }
 }
 
-/// Of the two ways in which colours part each can be taken out alone.
+/// Each of the two colour errors can be taken out alone.
 #[test]
 fn colours_part_in_one_way_alone() {
     let d = CameraDescription { f_number: Some(16.0), ..with_lens("biconvex-50mm.lens", 36.0, 24.0, 0.0) };
@@ -102,9 +108,9 @@ fn colours_part_in_one_way_alone() {
         let middles = [0.05, 0.95].map(|u| spot(camera, Vec2::ZERO, u, 3.0).1);
         ((ends[0].0 - ends[1].0).length(), (middles[0] - middles[1]).abs())
     };
-    let whole = apart(&camera(Shown::default(), &d));
-    let aligned = apart(&camera(Shown { lateral_colour: false, ..Shown::default() }, &d));
-    let even = apart(&camera(Shown { axial_colour: false, ..Shown::default() }, &d));
+    let whole = apart(&camera(EnabledEffects::default(), &d));
+    let aligned = apart(&camera(EnabledEffects { lateral_colour: false, ..EnabledEffects::default() }, &d));
+    let even = apart(&camera(EnabledEffects { axial_colour: false, ..EnabledEffects::default() }, &d));
     assert!(aligned.0 < 0.1 * whole.0, "{aligned:?} {whole:?}");
     assert!((aligned.1 / whole.1 - 1.0).abs() < 0.05, "{aligned:?} {whole:?}");
     assert!((even.0 / whole.0 - 1.0).abs() < 0.3, "{even:?} {whole:?}");
@@ -119,14 +125,14 @@ fn brightness_is_right_whatever_makes_the_rays() {
         let sum: f64 = rays(camera, place, 0.5).iter().map(|ray| f64::from(ray.white().y)).sum();
         sum / 256.0
     };
-    let whole = camera(Shown::default(), &d);
-    let all = Shown::default();
+    let whole = camera(EnabledEffects::default(), &d);
+    let all = EnabledEffects::default();
     for shown in [
-        Shown { vignetting: false, ..all },
-        Shown { distortion: false, ..all },
-        Shown { aberration: false, ..all },
-        Shown { defocus: false, ..all },
-        Shown { aberration: false, vignetting: false, ..all },
+        EnabledEffects { vignetting: false, ..all },
+        EnabledEffects { distortion: false, ..all },
+        EnabledEffects { aberration: false, ..all },
+        EnabledEffects { defocus: false, ..all },
+        EnabledEffects { aberration: false, vignetting: false, ..all },
     ] {
         let d = CameraDescription { shown, ..d.clone() };
         let one = Camera::new(&d, SIZE[0], SIZE[1]).unwrap();
@@ -142,10 +148,10 @@ fn brightness_is_right_whatever_makes_the_rays() {
     }
 }
 
-/// In a batch each ray is what it is alone.
+/// A ray of a batch equals the ray alone.
 #[test]
 fn a_sample_of_a_batch_is_the_sample_alone() {
-    let shown = Shown { distortion: false, axial_colour: false, ..Shown::default() };
+    let shown = EnabledEffects { distortion: false, axial_colour: false, ..EnabledEffects::default() };
     let camera = camera(shown, &wide());
     let request = |i: u32| {
         let part = |step: f64| (0.5 + step * f64::from(i)).fract() as f32;

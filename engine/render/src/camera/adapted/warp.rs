@@ -5,17 +5,17 @@ use glam::{DVec3, Vec2};
 
 /// Newton's steps; the first is nearly there.
 const STEPS: usize = 5;
-/// For slopes, as a part of the picture.
+/// Step for slopes, as a part of the picture.
 const STEP: f32 = 1e-3;
-/// So near in angle it is found.
+/// Angle within which a place is found.
 const NEAR: f64 = 1e-9;
 /// The map reaches beyond the picture's edges by the width of a pixel filter, at least.
 const MARGIN: f32 = 0.02;
 
-/// By an even grid of nodes; between them linear.
+/// A map of places by an even grid of nodes; linear between them.
 pub(super) struct Warp {
     nodes: usize,
-    /// How far each node's place is moved; NaN where nothing sees what it is to see.
+    /// The displacement of each node's place; NaN where no place sees what the node is to see.
     moved: Vec<Vec2>,
 }
 

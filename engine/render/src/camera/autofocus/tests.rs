@@ -106,7 +106,7 @@ fn the_sky_is_at_infinity() {
     assert!((found.film_distance_mm - far.film_distance_mm).abs() < 0.5, "{found:?} {}", far.film_distance_mm);
 }
 
-/// To first order the focus is the paraxial one of what is seen, wherever in the picture it is and however the film turns.
+/// The focus to first order is the paraxial one of the subject, wherever in the picture it is and however the film turns.
 #[test]
 fn a_lens_of_first_order_is_focused_exactly() {
     for tilt_rad in [0.0, 0.1] {

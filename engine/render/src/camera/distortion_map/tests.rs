@@ -12,7 +12,7 @@ fn wide_angle() -> CameraDescription {
     with_lens("wide-angle-smith-f3.4.lens", 90.0, 60.0, 0.0)
 }
 
-/// Where the mean of the camera's rays for a picture point meets the sharp plane, over the pinhole's picture.
+/// The point of the pinhole's picture at which the mean of the camera's rays for a picture point hits the sharp plane.
 fn by_rays(d: &CameraDescription, map: &DistortionMap, p: DVec2) -> DVec2 {
     let camera = Camera::new(d, PIXELS[0], PIXELS[1]).unwrap();
     let depth = d.focus_distance.unwrap();

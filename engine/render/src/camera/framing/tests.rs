@@ -1,4 +1,4 @@
-//! What is framed, by the angles that the lens then has.
+//! Framing, tested by the angles of the lens.
 
 use super::*;
 use crate::camera::lens_info;

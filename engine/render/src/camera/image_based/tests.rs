@@ -33,10 +33,10 @@ const CASES: [(&str, [f64; 2]); 5] = [
     ("reflex-nikkor-500-f8.lens", [36.0, 24.0]),
 ];
 
-/// How the rays differ of the lens and of its table.
+/// The differences between the rays of the lens and of its table.
 #[derive(Debug, Default)]
 struct Difference {
-    /// Of the directions, in pixels of 1000 across the film: root mean square and largest.
+    /// Differences of the directions, in pixels of 1000 across the film: root mean square and largest.
     rms_px: f64,
     worst_px: f64,
     /// Largest distance between the rays at the lens, mm.

@@ -1,4 +1,5 @@
-//! What is written, and what is refused. The script itself is run by Cycles in `tests/test_osl_camera.py`.
+//! Tests of the text that is written, and of what is refused. The script itself is run by Cycles in
+//! `tests/test_osl_camera.py`.
 
 use super::*;
 use crate::camera::tests::with_lens;

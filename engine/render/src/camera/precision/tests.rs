@@ -94,7 +94,7 @@ fn double_precision_stays_where_it_is_needed() {
     }
 }
 
-/// Squares of its lengths are no numbers of single precision.
+/// The squares of the lens's lengths overflow single precision.
 #[test]
 fn a_lens_of_a_thousand_light_years_has_double_precision() {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses/tessar-brendel.lens");

@@ -12,28 +12,28 @@ use std::f64::consts::TAU;
 
 /// Rays of a fan: most at the pupil's edge, where all that grows with the opening is largest.
 const RAYS: usize = 12;
-/// Of those, inside.
+/// Rays of a fan that are inside.
 const INNER: usize = 4;
-/// As parts of the pupil's area, from inside: the very edge may lie outside.
+/// Parts of the pupil's area of a fan's rays, from inside: the very edge may lie outside.
 const AREAS: [f64; 2] = [0.25, 0.96];
 /// Numbers below this choose any place of the rear glass rather than one of the pupil.
 const AFTER_DEFENSIVE: f64 = 0.05;
-/// How far beside a place the neighbours start that tell how what it sees moves, as parts of the picture.
+/// Distance of a place's neighbours, which give the derivatives of what it sees, as parts of the picture.
 const BESIDE: f32 = 1e-3;
 /// Gaussian optics know planes alone: what lies at a larger angle from the axis than of this cosine counts as far as that.
 const LEAST_COSINE: f64 = 0.3;
 
-/// What a place sees, lens space.
+/// The subject that a place sees, lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Subject {
     /// A point.
     At(DVec3),
-    /// Nothing.
+    /// No point: the subject is infinitely far.
     Far,
 }
 
 impl Subject {
-    /// Where `ray` meets the plane through the subject at right angles to `mean`; of what is infinitely far its direction.
+    /// The point at which `ray` hits the plane through the subject at right angles to `mean`; for a subject infinitely far its direction.
     pub(super) fn met_by(self, ray: &Ray, mean: &Ray) -> Option<DVec3> {
         match self {
             Self::Far => Some(ray.direction),
@@ -62,12 +62,12 @@ pub(super) struct Fan {
     targets: [DVec3; RAYS],
     out: [Option<Ray>; RAYS],
     mean: Option<Ray>,
-    /// To the right and above, or to the left and below: towards the picture's middle.
+    /// The neighbours to the right and above, or to the left and below: towards the picture's middle.
     beside: [Neighbour; 2],
 }
 
-/// What goes to a fan's targets from a little beside its place. The same rays are compared: of those that get through
-/// a mean jumps where a rim cuts one more, by more than a small picture's places are apart.
+/// Rays to a fan's targets from a little beside its place. Ray is compared with ray: the mean of those that get through jumps where a rim
+/// cuts one more, by more than a small picture's places are apart.
 #[derive(Clone, Copy, Debug)]
 struct Neighbour {
     film: DVec3,
@@ -77,7 +77,7 @@ struct Neighbour {
 }
 
 impl Fan {
-    /// Not traced yet.
+    /// A fan that is not traced yet.
     pub(super) fn new(mount: &Mount, map: &PupilMap, place: Vec2) -> Self {
         let film = mount.film_at(place).point;
         let targets = std::array::from_fn(|i| {
@@ -111,7 +111,7 @@ impl Fan {
         }
     }
 
-    /// With what became of the rays, which are number `number` of the fans in a bundle, and of its neighbours' in another.
+    /// The fan with the results of its rays, which are number `number` of the fans in a bundle, and of its neighbours' in another.
     pub(super) fn traced(mut self, bundle: &Bundle, beside: &Bundle, number: usize) -> Self {
         self.out = Self::out_of(bundle, number);
         self.mean = beam::mean(self.out.iter().flatten());
@@ -121,7 +121,7 @@ impl Fan {
         self
     }
 
-    /// How what the place sees moves with it, through the same points of the pupil; `None` where no light arrives.
+    /// The derivatives of what the place sees by the place, through the same points of the pupil; `None` where no light arrives.
     pub(super) fn steps(&self, subject: Subject) -> Option<Steps> {
         let mean = self.mean?;
         let slope = |neighbour: &Neighbour| {
@@ -143,12 +143,12 @@ impl Fan {
         self.mean
     }
 
-    /// How far aside of the mean each ray looks, px.
+    /// Distance aside of the mean of each ray, px.
     pub(super) fn aside(&self, survey: &Survey, subject: Subject, steps: &Steps) -> Vec<Option<DVec2>> {
         self.aside_of(&self.out, survey, subject, steps)
     }
 
-    /// The same of the rays of another wavelength, number `number` in their bundle.
+    /// Distance aside of the mean of each ray of another wavelength, number `number` in their bundle, px.
     pub(super) fn coloured_aside(
         &self,
         survey: &Survey,
@@ -176,7 +176,7 @@ impl Fan {
         out.iter().map(aside).collect()
     }
 
-    /// How far aside of the chief ray Gaussian optics would have the same rays before the film look, px.
+    /// Distances aside of the chief ray that Gaussian optics give the rays to the same targets, px.
     pub(super) fn ideal_aside(&self, survey: &Survey, subject: Subject) -> [DVec2; RAYS] {
         let slopes = self.targets.map(|target| slopes(self.film, target));
         let through: Vec<DVec2> = (0..RAYS).filter(|&i| self.out[i].is_some()).map(|i| slopes[i]).collect();
@@ -195,7 +195,7 @@ impl Fan {
         (0..8).map(aside).fold(0.0, f64::max)
     }
 
-    /// How far the place is from where Gaussian optics would show what it sees, px.
+    /// Distance of the place from the one at which Gaussian optics would show what it sees, px.
     pub(super) fn distortion(&self, survey: &Survey, subject: Subject) -> f64 {
         let (Some(mean), Some(pupil)) = (self.mean, survey.entrance_pupil) else { return f64::INFINITY };
         // The ray from what is seen to the middle of the entrance pupil.
@@ -223,12 +223,12 @@ struct Ideal<'a> {
     film: DVec3,
     depth_mm: f64,
     chief: DVec2,
-    /// From what is seen to parts of the picture.
+    /// The matrix from the subject's plane to parts of the picture.
     inverse: DMat2,
 }
 
 impl<'a> Ideal<'a> {
-    /// For the place of a fan, beside the ray with these slopes.
+    /// The ideal image for the place of a fan, beside the ray with these slopes.
     fn new(survey: &'a Survey, fan: &Fan, slopes: DVec2, subject: Subject) -> Self {
         let (gaussian, film) = (&survey.gaussian, fan.film);
         let mut ideal = Self { gaussian, film, depth_mm: subject.depth_mm(), chief: DVec2::ZERO, inverse: DMat2::ZERO };
@@ -245,7 +245,7 @@ impl<'a> Ideal<'a> {
         ideal
     }
 
-    /// Where a ray meets the subject's plane; of what is far its slopes.
+    /// The point at which a ray hits the subject's plane; for a far subject the ray's slopes.
     fn seen(&self, film: DVec3, slopes: DVec2) -> DVec2 {
         let ray = self.gaussian.into_scene(film, slopes);
         let along = ray.direction.truncate() / -ray.direction.z;

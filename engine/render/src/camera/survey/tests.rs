@@ -1,4 +1,4 @@
-//! What is measured against closed forms, and against rays that go the other way.
+//! Measures of a survey against closed forms, and against rays in the other direction.
 
 use super::*;
 use crate::camera::tests::with_lens;
@@ -12,7 +12,7 @@ fn measured(d: &CameraDescription, size: [u32; 2], depth: Option<f64>) -> LensMe
     fans.measure(&seen)
 }
 
-/// Where a ray meets the plane at a depth before the camera.
+/// The point at which a ray hits the plane at a depth before the camera.
 fn on_plane(ray: &Ray, depth: f64) -> Option<DVec3> {
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let t = (depth + origin.z) / -direction.z;
@@ -115,7 +115,7 @@ fn a_part_of_the_film_is_measured_like_the_whole() {
     }
 }
 
-/// Of what is infinitely far, f tan θ against where the exact chief ray lands.
+/// Distortion of an infinitely far subject: f tan θ against the exact chief ray on the film.
 #[test]
 fn distortion_is_the_way_from_f_tan_theta() {
     let d = CameraDescription {
@@ -190,8 +190,8 @@ fn vignetting_of_a_bare_stop_is_cos_to_the_fourth() {
     assert!((found.value / expected - 1.0).abs() < 0.02, "{} {expected}", found.value);
 }
 
-/// Nothing is ever not a number, whatever the lens (every third; all by `make test-all`) and the film; mirrors, eyes, films that are turned
-/// (for every second lens; for all by `make test-all`) and light paths that end.
+/// No measure is ever NaN, whatever the lens (every third; all by `make test-all`) and the film; mirrors, eyes, films that are turned (for
+/// every second lens; for all by `make test-all`) and light paths that end.
 #[test]
 fn all_lenses_are_measured() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");

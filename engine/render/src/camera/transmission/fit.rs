@@ -3,14 +3,14 @@
 use std::ops::Range;
 use wide::f32x8;
 
-/// Up to this power, of a lens without symmetry and of one with it, whose numbers are themselves of the second power.
+/// Largest powers, of a lens without symmetry and of one with it, whose numbers are themselves of the second power.
 const LARGEST: [usize; 2] = [4, 6];
 /// Rays must be so many times the terms.
 const RAYS_PER_TERM: usize = 4;
-/// What is wrong by less needs no more terms.
+/// The error below which no more terms are needed.
 const GOOD: f64 = 2e-3;
 
-/// Of which numbers of a ray, and to which powers.
+/// A polynomial of the numbers of a ray.
 #[derive(Clone, Debug)]
 pub(super) struct Polynomial {
     is_symmetric: bool,
@@ -18,9 +18,9 @@ pub(super) struct Polynomial {
     scale: [f32; 2],
     /// The largest power.
     degree: usize,
-    /// Of each term the powers of the numbers.
+    /// The powers of the numbers, by term.
     powers: Vec<[u8; 4]>,
-    /// The same laid out for [`Self::values`].
+    /// The powers of the terms, laid out for [`Self::values`].
     runs: Vec<Run>,
     tails: Vec<[u8; 2]>,
 }
@@ -46,8 +46,8 @@ impl Polynomial {
         Self { is_symmetric, scale, degree, powers, runs, tails }
     }
 
-    /// Through `values`, one list for each wavelength, at rays given by where they cross a plane and by their direction there; the last
-    /// `judges` of them only judge. With it the coefficients by wavelength, and the largest error.
+    /// Fits the polynomial to `values`, one list for each wavelength, at rays given by their crossing of a plane and their direction there;
+    /// the last `judges` of them only judge. Also returns the coefficients by wavelength, and the largest error.
     pub(super) fn fit(
         is_symmetric: bool,
         rays: &[[f64; 4]],
@@ -94,7 +94,7 @@ impl Polynomial {
         self.powers.iter().map(power).collect()
     }
 
-    /// What the terms are powers of.
+    /// The numbers whose powers the terms are.
     #[inline(always)]
     fn numbers(&self, [x, y, dx, dy]: [f32x8; 4]) -> [f32x8; 4] {
         let [at, along] = self.scale;

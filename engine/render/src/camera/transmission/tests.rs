@@ -1,4 +1,4 @@
-//! What is fitted is what exact rays lose, for every lens; and every way that light is followed takes the same.
+//! The fit agrees with the losses of exact rays, for every lens, and all pipelines and integrators have the same losses.
 
 use super::super::precision::tests::camera as of_own_field;
 use super::super::tests::with_lens;
@@ -21,7 +21,7 @@ fn taken(lens: &str, coating: Option<&str>) -> CameraDescription {
     CameraDescription { transmission: true, coating, ..with_lens(lens, 36.0, 24.0, 0.0) }
 }
 
-/// What a uniform world of radiance one makes of a place, by rays from the film.
+/// The colour of a uniform world of radiance one at a place, by rays from the film.
 fn white(camera: &Camera, place: Vec2) -> Rgb {
     const RAYS: u32 = 8192;
     let points = Evenly::<3>::default();
@@ -35,7 +35,8 @@ fn white(camera: &Camera, place: Vec2) -> Rgb {
     rays.iter().flatten().map(|ray| ray.white()).sum::<Rgb>() / RAYS as f32
 }
 
-/// The fit's error over every third lens (all by `make test-all`), on their own film, is within what it is allowed; those that are not are known.
+/// The fit's error over every third lens (all by `make test-all`), on their own film, is within what it is allowed; those that are not are
+/// known.
 #[test]
 fn every_lens_is_fitted() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");

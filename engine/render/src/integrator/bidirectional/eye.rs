@@ -1,15 +1,15 @@
-//! Paths that begin at the camera: what they meet, what they find by light samples, and what light paths bring to them.
+//! Paths that begin at the camera: what they hit, what they find by light samples, and what light paths bring to them.
 
 use super::vertex::{Vertex, Walk, material};
 use super::weights::{Partial, squared, weight};
 use super::{CameraEnd, is_dark};
 use crate::Rgb;
 use crate::accel::{Hit, Ray};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, transmittance};
-use crate::lights::receiver::Receiver;
-use crate::lights::{Line, Shining};
-use crate::nodes::{self, View, Way};
+use crate::lights::receiver::LightSampleContext;
+use crate::lights::{LightHit, Line};
+use crate::nodes::{self, PathState, View};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
@@ -18,7 +18,7 @@ use glam::Vec3A;
 
 /// Follows a ray from the camera.
 pub(super) fn trace(
-    stage: &Stage,
+    stage: &PreparedScene,
     camera: &CameraEnd<'_>,
     limits: &Limits,
     sampler: PathSampler,
@@ -99,9 +99,9 @@ pub(super) fn trace(
     result
 }
 
-/// Light that a ray meets by chance.
+/// Light that a ray hits by chance.
 struct Met<'a> {
-    stage: &'a Stage,
+    stage: &'a PreparedScene,
     ray: &'a Ray,
     bounce: u32,
     partial: Partial,
@@ -114,22 +114,22 @@ impl Met<'_> {
         weight(squared(sample_pdf) * self.partial.ends + squared(density) * self.partial.before)
     }
 
-    /// What kind of bounce it was is not kept.
-    fn way(&self) -> Way {
-        if self.bounce == 0 { Way::CAMERA } else { Way::BOUNCE.at_depth(self.bounce) }
+    /// The path state at this vertex, by its bounce alone: the kinds of the bounces are not kept.
+    fn way(&self) -> PathState {
+        if self.bounce == 0 { PathState::CAMERA } else { PathState::BOUNCE.at_depth(self.bounce) }
     }
 
-    fn receiver(&self) -> Option<Receiver> {
+    fn receiver(&self) -> Option<LightSampleContext> {
         (self.bounce > 0).then(|| self.stage.lights.receiver_between(self.ray.origin))
     }
 
     fn lamps(&self, t_max: f32, mut found: impl FnMut(Rgb)) {
-        let Stage { scene, lights, emission, .. } = self.stage;
+        let PreparedScene { scene, lights, emission, .. } = self.stage;
         let Ray { origin, direction, .. } = *self.ray;
         let to = self.receiver();
         let line = Line { from: origin, towards: direction, t_max };
-        lights.lamps_along(scene, line, self.way(), to.as_ref(), |Shining { source, radiance, pdf, .. }| {
-            // Every lamp that can be met has extent: the distance does not matter.
+        lights.lamps_along(scene, line, self.way(), to.as_ref(), |LightHit { source, radiance, pdf, .. }| {
+            // Every lamp that can be hit has extent: the distance does not matter.
             found(
                 radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0, self.ray.moment)),
             );
@@ -137,14 +137,14 @@ impl Met<'_> {
     }
 
     fn sky(&self, mut found: impl FnMut(Rgb)) {
-        let Stage { scene, lights, emission, .. } = self.stage;
+        let PreparedScene { scene, lights, emission, .. } = self.stage;
         let to = self.receiver();
         lights.sky_along(
             scene,
             self.ray.direction,
             self.way(),
             to.as_ref(),
-            |Shining { source, radiance, pdf, .. }| {
+            |LightHit { source, radiance, pdf, .. }| {
                 found(
                     radiance
                         * self.weight(
@@ -157,7 +157,7 @@ impl Met<'_> {
     }
 
     fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> Rgb {
-        let Stage { scene, lights, emission, .. } = self.stage;
+        let PreparedScene { scene, lights, emission, .. } = self.stage;
         let view = View::along(self.ray, distance, self.way());
         let radiance = nodes::emission_at(material(self.stage, point), self.stage.around(), point, &view);
         let (Some(to), Some(source)) = (self.receiver(), lights.triangle_source(hit.instance, hit.triangle)) else {
@@ -170,11 +170,11 @@ impl Met<'_> {
     }
 }
 
-/// What a light sample finds at a place.
-fn direct(stage: &Stage, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], rays: &mut u32) -> Rgb {
-    let Stage { scene, lights, emission, .. } = stage;
+/// Light of a light sample at a vertex.
+fn direct(stage: &PreparedScene, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], rays: &mut u32) -> Rgb {
+    let PreparedScene { scene, lights, emission, .. } = stage;
     let to = lights.receiver_between(vertex.point.position).at(vertex.point.moment);
-    let Some((light, source)) = lights.sample_source(scene, &to, u_choice, [u0, u1], Way::LIGHT) else {
+    let Some((light, source)) = lights.sample_source(scene, &to, u_choice, [u0, u1], PathState::LIGHT) else {
         return Rgb::ZERO;
     };
     let (value, pdf) = vertex.bsdf.evaluate(light.wi);
@@ -194,12 +194,12 @@ fn direct(stage: &Stage, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], rays: &m
     *rays += 1;
     let mut ray = vertex.ray(light.wi);
     ray.t_max = light.reach(vertex.point.position_error);
-    let through = |hit: &Hit| transmittance(scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow()));
+    let through = |hit: &Hit| transmittance(scene, hit, &View::along(&ray, hit.t, PathState::CAMERA.shadow()));
     found * stage.accel.light_through(&ray, Rays::SHADOW, through)
 }
 
-/// What a place on a light path sends to one on the camera's path.
-fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
+/// Light that a vertex of a light path sends to a vertex of the camera's path.
+fn connect(stage: &PreparedScene, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
     if light.bsdf.is_mirror() {
         return Rgb::ZERO;
     }
@@ -231,7 +231,7 @@ fn connect(stage: &Stage, eye: &Vertex, light: &Vertex, rays: &mut u32) -> Rgb {
         if light.point.is_on_strand_of(&stage.scene, hit) {
             return Rgb::ONE;
         }
-        transmittance(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow()))
+        transmittance(&stage.scene, hit, &View::along(&ray, hit.t, PathState::CAMERA.shadow()))
     };
     let open = stage.accel.light_through(&ray, Rays::BOUNCE, through);
     found * weight(others) * open

@@ -6,9 +6,9 @@ use super::{FilmEnd, Techniques, is_dark};
 use crate::Rgb;
 use crate::accel::{Hit, Ray};
 use crate::camera::from_scene::Landed;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::path::{Limits, SURE_BOUNCES, transmittance};
-use crate::nodes::{View, Way};
+use crate::nodes::{PathState, View};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
@@ -16,12 +16,12 @@ use glam::Vec3A;
 
 /// Sets of four numbers before the light path's first step.
 const LIGHT_SETS: u32 = 2;
-/// Where in the sampler the numbers for aiming at the lens begin: behind those of all steps.
+/// The first of the sampler's sets for aiming at the lens: behind those of all steps.
 const AIM_SETS: u32 = 4096;
 
 /// Follows light from a source, as things are at a moment; its scattering places replace those in `path`. Gives the rays traced.
 pub(super) fn trace(
-    stage: &Stage,
+    stage: &PreparedScene,
     limits: &Limits,
     mut sampler: PathSampler,
     moment: u16,
@@ -97,7 +97,7 @@ struct Scattered {
 }
 
 /// A direction to go on in, away from the light.
-fn scatter(stage: &Stage, vertex: &Vertex, u_lobe: f32, u: [f32; 2]) -> Option<Scattered> {
+fn scatter(stage: &PreparedScene, vertex: &Vertex, u_lobe: f32, u: [f32; 2]) -> Option<Scattered> {
     let next = vertex.bsdf.sample(u_lobe, u)?;
     let d = next.wi;
     if !next.mirror {
@@ -117,9 +117,9 @@ fn scatter(stage: &Stage, vertex: &Vertex, u_lobe: f32, u: [f32; 2]) -> Option<S
     carried.is_finite().then_some(Scattered { direction: d, carried, partial })
 }
 
-/// What the film gets of a light path's places, each seen directly by the camera.
+/// Adds to the film the light of a light path's vertices, each seen directly by the camera.
 pub(super) fn splat(
-    stage: &Stage,
+    stage: &PreparedScene,
     film: &FilmEnd<'_>,
     limits: &Limits,
     mut sampler: PathSampler,
@@ -159,7 +159,8 @@ pub(super) fn splat(
             let Some(way) = clip.way_to_camera(&seen) else { continue };
             ray.t_max = way;
         }
-        let through = |hit: &Hit| transmittance(&stage.scene, hit, &View::along(&ray, hit.t, Way::CAMERA.shadow()));
+        let through =
+            |hit: &Hit| transmittance(&stage.scene, hit, &View::along(&ray, hit.t, PathState::CAMERA.shadow()));
         rays += 1;
         let open = stage.accel.light_through(&ray, Rays::CAMERA, through);
         let light = light * open;

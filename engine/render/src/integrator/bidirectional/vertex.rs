@@ -2,10 +2,11 @@
 
 use super::weights::Partial;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::path::{MOST_STEPS, leave, mix, opening};
-use crate::nodes::{self, Layers, MaterialValues, View, Way};
+use crate::nodes::{self, Layers, PathState, View};
 use crate::sampler::PathSampler;
+use crate::scene::plain::PlainValues;
 use crate::scene::visibility::Rays;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
@@ -17,33 +18,44 @@ use glam::Vec3A;
 /// The sampler's sets of four numbers used at each surface.
 const SETS_PER_STEP: u32 = 3;
 
-/// Where a path scatters.
+/// A point where a path scatters.
 pub(super) struct Vertex {
-    /// Seen from the side that made it.
+    /// The point, seen from the side that made it.
     pub(super) point: SurfacePoint,
-    values: MaterialValues,
-    /// What it counts, over the chance that it was not passed.
+    /// Inputs of a plain surface.
+    values: Option<PlainValues>,
+    /// Weight of the surface over the probability that it was not passed.
     kept: f32,
-    /// Seen from there.
+    /// BSDF, seen from the direction that the path came from.
     pub(super) bsdf: Surface,
     /// Unit direction to where the path came from.
     pub(super) back: Vec3A,
-    /// From the camera: what radiance that leaves towards it counts. From the light: the power that arrives.
+    /// On a path from the camera: weight of radiance that leaves towards it. From the light: the power that arrives.
     pub(super) carried: Rgb,
     pub(super) partial: Partial,
 }
 
 impl Vertex {
-    pub(super) fn new(stage: &Stage, met: (SurfacePoint, f32), back: Vec3A, carried: Rgb, partial: Partial) -> Self {
+    pub(super) fn new(
+        stage: &PreparedScene,
+        met: (SurfacePoint, f32),
+        back: Vec3A,
+        carried: Rgb,
+        partial: Partial,
+    ) -> Self {
         let (point, kept) = met;
-        let values = nodes::evaluate(material(stage, &point), &stage.scene, &point);
-        let bsdf = Surface::new(stage, &values, kept, &point, back);
+        let material = material(stage, &point);
+        let values = material.graph.plain.as_ref().map(|plain| {
+            let at_point = || nodes::plain_values(material, plain, stage.around(), &point, &bounced(&point, back));
+            plain.constants.unwrap_or_else(at_point)
+        });
+        let bsdf = Surface::new(stage, values.as_ref(), kept, &point, back);
         Self { point, values, kept, bsdf, back, carried, partial }
     }
 
-    /// The scattering there, seen from the other end of `d`.
-    pub(super) fn seen_from(&self, stage: &Stage, d: Vec3A) -> Surface {
-        Surface::new(stage, &self.values, self.kept, &self.point.seen_from(d), d)
+    /// The scattering at the vertex, seen from the other end of `d`.
+    pub(super) fn seen_from(&self, stage: &PreparedScene, d: Vec3A) -> Surface {
+        Surface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d)
     }
 
     /// Cosine to the triangle's own normal.
@@ -61,41 +73,45 @@ impl Vertex {
     ///
     /// The scattering function is taken in the camera's sense, as it is not symmetric; the cosines are those that turn
     /// radiance into power and back, of the triangle itself (Veach 1997, section 5.3).
-    pub(super) fn sent(&self, stage: &Stage, d: Vec3A) -> (Rgb, f32) {
+    pub(super) fn sent(&self, stage: &PreparedScene, d: Vec3A) -> (Rgb, f32) {
         let (value, pdf) = self.seen_from(stage, d).evaluate(self.back);
         (self.carried * value * (self.cos(d) / self.cos(self.back)), pdf)
     }
 }
 
-/// What scatters at a vertex.
+/// The BSDF at a vertex.
 // Vertices are kept one after the other, and most materials of a scene are of the small kind.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Surface {
-    /// A material without layers.
-    One(Bsdf),
+    Plain(Bsdf),
     Layers(Mixture),
 }
 
+/// The view of a point along a ray that bounced before, `wo` towards its origin.
+fn bounced(point: &SurfacePoint, wo: Vec3A) -> View {
+    View { direction: -wo, distance: 1.0, way: PathState::BOUNCE, moment: point.moment }
+}
+
 impl Surface {
-    fn new(stage: &Stage, values: &MaterialValues, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
-        let material = material(stage, point);
-        if material.is_layered() {
-            let mut layers = Layers::default();
-            let view = View { direction: -wo, distance: 1.0, way: Way::BOUNCE, moment: point.moment };
-            nodes::layers(material, stage.around(), point, &view, &mut layers);
-            let mut mixture = Mixture::empty();
-            mix(&mut mixture, stage, &layers, point, wo, kept, None);
-            return Self::Layers(mixture);
+    fn new(stage: &PreparedScene, values: Option<&PlainValues>, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
+        if let Some((values, tables)) = values.zip(stage.plain_tables[point.material as usize].as_deref()) {
+            let mut bsdf = Bsdf::new(tables, values, point, wo);
+            bsdf.scale(values.weight * kept);
+            return Self::Plain(bsdf);
         }
-        Self::One(Bsdf::new(material, values, &stage.tables[point.material as usize], point, wo))
+        let mut layers = Layers::default();
+        nodes::layers(material(stage, point), stage.around(), point, &bounced(point, wo), &mut layers);
+        let mut mixture = Mixture::empty();
+        mix(&mut mixture, stage, &layers, point, wo, kept, None);
+        Self::Layers(mixture)
     }
 }
 
-/// The same question to either.
+/// Calls a method of the BSDF of either kind.
 macro_rules! ask {
     ($surface:expr, $bsdf:ident => $answer:expr) => {
         match $surface {
-            Surface::One($bsdf) => $answer,
+            Surface::Plain($bsdf) => $answer,
             Surface::Layers($bsdf) => $answer,
         }
     };
@@ -139,27 +155,27 @@ impl Scattering for Surface {
     }
 }
 
-pub(super) fn material<'a>(stage: &'a Stage, point: &SurfacePoint) -> &'a Material {
+pub(super) fn material<'a>(stage: &'a PreparedScene, point: &SurfacePoint) -> &'a Material {
     &stage.scene.materials[point.material as usize]
 }
 
 /// A ray from one scattering to the next.
 pub(super) struct Stretch {
-    /// Where it ends, if anywhere.
+    /// The surface interaction at its end, if there is one.
     pub(super) end: Option<(SurfacePoint, Hit)>,
-    /// From its start; infinite where it leaves the scene.
+    /// Length of the ray; infinite where it leaves the scene.
     pub(super) distance: f32,
-    /// What the surfaces that it passed left of its light, over the chance of passing them.
+    /// Transmittance of the surfaces that the ray passed, over the probability of passing them.
     pub(super) through: Rgb,
-    /// What the surface at its end counts, over the chance that it was not passed.
+    /// Weight of the surface at its end over the probability that it was not passed.
     pub(super) kept: f32,
-    /// To choose a light at its end, and a place on it.
+    /// Random numbers to choose a light at its end, and a place on it.
     pub(super) u_light: [f32; 3],
 }
 
 /// A walk through the scene from either end, with its own random numbers.
 pub(super) struct Walk<'a> {
-    pub(super) stage: &'a Stage,
+    pub(super) stage: &'a PreparedScene,
     pub(super) sampler: PathSampler,
     /// Set of the sampler with which its first step begins.
     pub(super) first_set: u32,
@@ -181,7 +197,7 @@ impl Walk<'_> {
             let point = SurfacePoint::new(&self.stage.scene, &hit, ray.direction);
             let [u0, u1, u_light, u_alpha] = self.sampler.next_4d();
             distance += hit.t;
-            let opening = opening(&self.stage.scene, &point, &View::along(&ray, distance, Way::BOUNCE));
+            let opening = opening(&self.stage.scene, &point, &View::along(&ray, distance, PathState::BOUNCE));
             let stays = 1.0 - opening.chance;
             if u_alpha >= stays {
                 through *= opening.light / opening.chance;

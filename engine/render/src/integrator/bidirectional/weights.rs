@@ -1,4 +1,4 @@
-//! How much each way of making a path counts: the power heuristic over all of them, from sums that grow with the path.
+//! MIS weights of bidirectional paths: the power heuristic over all techniques, from sums that grow with the path.
 //!
 //! A path has the scattering places v1 (seen by the camera) to vk (lit by the source), a direction from v1 to the lens
 //! and one from vk to the source. The camera's side makes v1 ... vj, the light's side the rest. Let a_i be the density,
@@ -14,37 +14,37 @@
 //! cannot be connected to: its terms drop out, its densities cancel. The chances of ending a path early, and of passing
 //! a transparent surface, are left out of all densities alike.
 
-/// What a side knows of the techniques that end in it.
+/// One side's sums over the techniques that end in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Partial {
-    /// Of the technique that connects just before the last place.
+    /// The sum of the technique that connects just before the last place.
     pub(super) ends: f64,
-    /// Of all before that.
+    /// The sum of all techniques before that.
     pub(super) before: f64,
 }
 
 impl Partial {
-    /// Of the first place of a side: `density` is its own, `other` that with which the end is chosen when the other side
-    /// makes this place; `again` is 1 where the end may also be met by chance, else 0.
+    /// The sums at the first place of a side: `density` is its own, `other` that with which the end is chosen when the other side makes
+    /// this place; `again` is 1 where the end may also be hit by chance, else 0.
     pub(super) fn first(density: f64, other: f64, again: f64) -> Self {
         let inverse2 = (1.0 / density).powi(2);
         Self { ends: inverse2 * other * other, before: inverse2 * again }
     }
 
-    /// On a ray that leaves the last place, chosen with `pdf` per steradian, at `cos_out` to the triangle's normal; back
-    /// along the path the other side would go with `back_pdf`.
+    /// The sums on a ray that leaves the last place, chosen with `pdf` per steradian, at `cos_out` to the triangle's normal; back along the
+    /// path the other side would go with `back_pdf`.
     pub(super) fn scattered(self, pdf: f32, cos_out: f32, back_pdf: f32) -> Self {
         let inverse = 1.0 / f64::from(pdf);
         let ratio = f64::from(cos_out) * inverse;
         Self { ends: inverse * inverse, before: ratio * ratio * (self.ends + squared(back_pdf) * self.before) }
     }
 
-    /// On a ray that was mirrored or bent at the last place.
+    /// The sums on a ray that was mirrored or refracted at the last place.
     pub(super) fn mirrored(self, cos_out: f32) -> Self {
         Self { ends: 0.0, before: squared(cos_out) * self.before }
     }
 
-    /// At the place where that ray arrives after `distance`, at `cos_in` to the triangle's normal.
+    /// The sums at the place where a ray arrives after `distance`, at `cos_in` to the triangle's normal.
     pub(super) fn arrived(self, distance: f32, cos_in: f32) -> Self {
         let per_cos2 = 1.0 / squared(cos_in);
         Self { ends: self.ends * per_cos2 * squared(distance).powi(2), before: self.before * per_cos2 }

@@ -3,7 +3,7 @@
 use super::Entry;
 use crate::accel::Ray;
 use crate::nodes::volume::{Medium, within_box};
-use crate::nodes::{OF_BOUNCES, Way};
+use crate::nodes::{OF_BOUNCES, PathState};
 use crate::scene::{Instance, Scene};
 use crate::surface::mesh_of;
 use arrayvec::ArrayVec;
@@ -16,18 +16,17 @@ use std::sync::Arc;
 const SIDE: usize = 16;
 /// Points tried in a cell, along each side.
 const TRIED: usize = 3;
-/// The same where a try takes more than [`LONG`] instructions: else bounds alone took half a minute.
+/// Points tried in a cell, along each side, by a program of more than [`LONG`] instructions: else bounds alone took half a minute.
 const TRIED_IF_LONG: usize = 2;
 /// Instructions of a program that is long.
 const LONG: usize = 200;
-/// How much denser than what was found a medium may be before weights turn negative.
+/// Factor by which a medium may be denser than the samples found before weights turn negative.
 const MARGIN: f32 = 1.25;
-/// Of the densest cell's rate, what every cell has: no place is never looked at.
+/// Least rate of a cell, as a part of the densest cell's: every place is sampled.
 const LEAST: f32 = 0.01;
-/// Where a medium shines, so many points are looked at over its box, at least.
+/// Least number of points over its box at which an emitting medium is sampled.
 pub(super) const LOOKS: f32 = 8.0;
-/// The part of these points that are looked at where nothing that shines was found: what shines there, too, would be found so rarely
-/// that its light were specks.
+/// Part of [`LOOKS`] where no emission was found: emission that was missed would be found so rarely that its light were specks.
 const LOOKS_IN_THE_DARK: f32 = 0.25;
 /// The largest factor of the rate in the cells behind one whose bound was too low.
 const MOST_RAISE: f32 = 16.0;
@@ -36,9 +35,9 @@ const MOST_IN_CELL: f32 = 512.0;
 /// Points tried for all space.
 const TRIED_IN_WORLD: u32 = 8192;
 
-/// What is known of a medium before the render.
+/// A bound of a medium's density, found before the render.
 pub(super) enum Bound {
-    /// It is the same everywhere along a ray.
+    /// The medium is constant along a ray.
     Even,
     /// Cells over a box.
     Cells {
@@ -47,12 +46,12 @@ pub(super) enum Bound {
         /// The rate of each, x runs fastest.
         rates: Arc<Vec<f32>>,
     },
-    /// One rate everywhere.
+    /// A constant rate.
     Everywhere(f32),
 }
 
 impl Bound {
-    /// Of an object's medium.
+    /// The bound of an object's medium.
     pub(super) fn of_object(scene: &Scene, entry: Entry) -> Self {
         let mesh = mesh_of(scene, entry.instance);
         let Some(volume) = entry.volume(scene) else { return Self::Even };
@@ -90,7 +89,7 @@ impl Bound {
         Self::Cells { to_cells: to_box * scene.instances[entry.instance as usize].to_object, rates: Arc::new(rates) }
     }
 
-    /// The same where the instance stands elsewhere.
+    /// This bound for the instance at another place.
     pub(super) fn standing(&self, from: &Instance, to: &Instance) -> Self {
         match self {
             Self::Even => Self::Even,
@@ -101,7 +100,7 @@ impl Bound {
         }
     }
 
-    /// Of the world's, in a scene that fills these bounds.
+    /// The bound of the world's medium, in a scene that fills these bounds.
     pub(super) fn of_world(scene: &Scene, around: Option<(Vec3A, Vec3A)>) -> Self {
         let entry = Entry::WORLD;
         let Some(volume) = entry.volume(scene) else { return Self::Even };
@@ -134,16 +133,20 @@ impl Bound {
 }
 
 /// The kinds of path that a medium may tell apart.
-fn ways(reads: impl Iterator<Item = Field>) -> Vec<Way> {
+fn ways(reads: impl Iterator<Item = Field>) -> Vec<PathState> {
     let is_of_path =
         |field: Field| OF_BOUNCES.contains(&field) || matches!(field, Field::IsCameraRay | Field::IsShadowRay);
     let mut reads = reads;
-    if reads.any(is_of_path) { vec![Way::CAMERA, Way::BOUNCE, Way::CAMERA.shadow()] } else { vec![Way::CAMERA] }
+    if reads.any(is_of_path) {
+        vec![PathState::CAMERA, PathState::BOUNCE, PathState::CAMERA.shadow()]
+    } else {
+        vec![PathState::CAMERA]
+    }
 }
 
-/// The rate that a place asks for, and whether it shines.
-fn tried_at(ways: &[Way], medium: impl Fn(Way) -> Medium, if_it_shines: f32) -> (f32, bool) {
-    let of = |way: &Way| {
+/// The rate that a place needs, and true if the medium emits there.
+fn tried_at(ways: &[PathState], medium: impl Fn(PathState) -> Medium, if_it_shines: f32) -> (f32, bool) {
+    let of = |way: &PathState| {
         let found = medium(*way);
         let shines = found.emission.max_element() > 0.0;
         let rate = if shines && if_it_shines.is_finite() { if_it_shines } else { 0.0 };
@@ -152,14 +155,14 @@ fn tried_at(ways: &[Way], medium: impl Fn(Way) -> Medium, if_it_shines: f32) -> 
     ways.iter().map(of).fold((0.0, false), either)
 }
 
-/// The larger rate of two places, and whether one of them shines.
+/// The larger rate of two places, and true if the medium emits at one of them.
 fn either(a: (f32, bool), b: (f32, bool)) -> (f32, bool) {
     (a.0.max(b.0), a.1 || b.1)
 }
 
 /// A ray through the cells of a bound.
 struct ThroughCells<'a> {
-    /// In cells.
+    /// Origin of the ray, in cells.
     origin: Vec3A,
     direction: Vec3A,
     rates: &'a [f32],
@@ -193,7 +196,7 @@ impl ThroughCells<'_> {
 /// Tentative particles along a ray.
 pub(super) struct Bounded<'a> {
     cells: ArrayVec<ThroughCells<'a>, 8>,
-    /// Of the media without cells.
+    /// The rate of the media without cells.
     rate: f32,
     at: f32,
     t_max: f32,
@@ -206,7 +209,7 @@ pub(super) struct Bounded<'a> {
 }
 
 impl<'a> Bounded<'a> {
-    /// Through media of these bounds, and the rates of those that are even.
+    /// Tentative particles along a ray through media of these bounds, with the rates of those that are constant.
     pub(super) fn new(ray: &Ray, bounds: impl Iterator<Item = (&'a Bound, f32)>) -> Self {
         let mut walk = Self {
             cells: ArrayVec::new(),
@@ -241,7 +244,7 @@ impl<'a> Bounded<'a> {
         self.raised = (self.raised * density / rate).min(MOST_RAISE);
     }
 
-    /// Where the next one is, and the rate there; `None` beyond the ray's end.
+    /// The distance of the next tentative particle, and the rate there; `None` beyond the ray's end.
     pub(super) fn next(&mut self, u: f32) -> Option<(f32, f32)> {
         let mut depth = -(1.0 - u).ln();
         while self.at < self.t_max {

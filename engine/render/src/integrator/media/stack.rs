@@ -1,8 +1,8 @@
 //! The media that a path is in: a short list, as objects with volumes may stand in one another.
 
 use crate::accel::{Accel, Hit, Ray};
-use crate::integrator::Stage;
-use crate::nodes::Way;
+use crate::integrator::PreparedScene;
+use crate::nodes::PathState;
 use crate::nodes::volume::{Medium, medium};
 use crate::scene::Scene;
 use crate::scene::visibility::Rays;
@@ -14,7 +14,7 @@ use glam::Vec3A;
 /// Media that a path may be in at once; further ones are not entered.
 const MOST_MEDIA: usize = 8;
 
-/// A medium: what a material fills an object with.
+/// The medium with which a material fills an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Entry {
     /// Index of the instance.
@@ -24,7 +24,7 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// What fills all space.
+    /// The entry of the medium that fills all space.
     pub(crate) const WORLD: Self = Self { instance: u32::MAX, material: u32::MAX };
 
     pub(super) fn volume(self, scene: &Scene) -> Option<&Volume> {
@@ -34,7 +34,7 @@ impl Entry {
         scene.materials[self.material as usize].volume()
     }
 
-    pub(super) fn medium(self, scene: &Scene, position: Vec3A, direction: Vec3A, way: Way) -> Medium {
+    pub(super) fn medium(self, scene: &Scene, position: Vec3A, direction: Vec3A, way: PathState) -> Medium {
         let own = (self != Self::WORLD).then_some(self.instance);
         self.volume(scene).map_or_else(Medium::default, |volume| medium(volume, scene, own, position, direction, way))
     }
@@ -45,8 +45,8 @@ impl Entry {
 pub(crate) struct Stack(ArrayVec<Entry, MOST_MEDIA>);
 
 impl Stack {
-    /// Where a path begins with a ray, at a place of which nothing is known.
-    pub(crate) fn around(stage: &Stage, ray: &Ray) -> Self {
+    /// The media at the start of a path's ray, at a place of which nothing is known.
+    pub(crate) fn around(stage: &PreparedScene, ray: &Ray) -> Self {
         let (media, position) = (&stage.media, ray.origin);
         let mut stack = Self(media.world.into_iter().collect());
         let is_in = |[low, high]: &[Vec3A; 2]| position.cmpge(*low).all() && position.cmple(*high).all();
@@ -70,7 +70,7 @@ impl Stack {
         }
     }
 
-    /// Crosses a surface, from the side that the point was met on.
+    /// Crosses a surface, from the side that the point was hit on.
     pub(crate) fn cross(&mut self, scene: &Scene, point: &SurfacePoint) {
         if scene.materials[point.material as usize].volume().is_none() {
             return;
@@ -83,7 +83,7 @@ impl Stack {
         }
     }
 
-    /// Leaves all objects: a ray that meets nothing more is in none.
+    /// Leaves all objects: a ray that hits nothing more is in none.
     pub(crate) fn leave_objects(&mut self) {
         self.0.retain(|entry| *entry == Entry::WORLD);
     }
@@ -117,7 +117,7 @@ impl Stack {
     }
 }
 
-/// The borders of media that a ray meets, nearest first, with how far they are.
+/// The borders of media that a ray hits, nearest first, with how far they are.
 pub(crate) fn crossings(scene: &Scene, accel: &Accel, ray: &Ray, kind: Rays) -> Vec<(f32, SurfacePoint)> {
     let mut found: Vec<(f32, SurfacePoint)> = Vec::new();
     let mut note = |hit: &Hit| {

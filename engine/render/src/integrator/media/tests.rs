@@ -2,7 +2,7 @@
 
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::path::{Approximations, KindLimits, Limits, trace, trace_all};
 use crate::sampler::PathSampler;
 use crate::scene::SceneBuilder;
@@ -46,7 +46,7 @@ fn volume(kind: &str, inputs: &str, more: &str) -> Material {
     );
     let (graph, reports) = Graph::of(&Shaders::from_json(&text).unwrap(), 0);
     assert_eq!(reports, Vec::<String>::new());
-    Material { name: kind.into(), graph: Some(Arc::new(graph)), ..Material::default_grey() }
+    Material::new(kind, Arc::new(graph))
 }
 
 /// Nodes that give the place's z in the object, as node 1's density times `slope` plus `base`.
@@ -62,9 +62,9 @@ fn rising(base: f32, slope: f32) -> String {
 
 const FROM_RISING: &str = r#""Density": {"node": 1, "socket": "Value"}"#;
 
-fn stage(material: Material, world: f32, sun: f32) -> Stage {
+fn stage(material: Material, world: f32, sun: f32) -> PreparedScene {
     let mut builder = SceneBuilder::new();
-    let m = builder.add_material(material).unwrap();
+    let m = builder.add_material(material);
     let mesh = builder.add_mesh(cube()).unwrap();
     builder.add_instance("cube", mesh, DMat4::IDENTITY, &[m], true, true).unwrap();
     builder.set_world(World { color: Rgb::splat(world), ..Default::default() }).unwrap();
@@ -72,11 +72,11 @@ fn stage(material: Material, world: f32, sun: f32) -> Stage {
     // Shines along its -z: from +x.
     let turned = DMat4::from_rotation_y(std::f64::consts::FRAC_PI_2);
     builder.add_lamp(Lamp { kind, color: Rgb::splat(sun), ..Lamp::default() }, turned).unwrap();
-    Stage::new(builder.build(DVec3::ZERO))
+    PreparedScene::new(builder.build(DVec3::ZERO))
 }
 
 /// The mean along a ray down the middle of the cube, or from its inside.
-fn down(stage: &Stage, from: f32, bounces: u32, samples: u32) -> Rgb {
+fn down(stage: &PreparedScene, from: f32, bounces: u32, samples: u32) -> Rgb {
     let mut sum = DVec3::ZERO;
     for i in 0..samples {
         let ray = Ray::new(Vec3A::new(0.05, -0.03, from), Vec3A::NEG_Z);
@@ -164,7 +164,7 @@ fn thin_media_are_lit_for_every_path() {
     close(down(&stage(thin, 0.0, 3.0), 3.0, 0, 16), expected, 0.01 * expected.max_element());
 }
 
-/// What shines: over a length of 2, dimmed by itself where it absorbs.
+/// Emission over a length of 2, dimmed by the medium itself where it absorbs.
 #[test]
 fn what_shines_adds_up() {
     let glow = volume("Emission", r#""Color": [1.0, 0.5, 0.2], "Strength": 0.7"#, "");
@@ -182,7 +182,7 @@ fn what_shines_adds_up() {
     close(down(&rising, 3.0, 0, 8192), Rgb::ONE, 0.01);
 }
 
-/// What a path finds does not depend on those that go with it.
+/// The result of a path does not depend on the paths that are traced with it.
 #[test]
 fn paths_know_nothing_of_each_other() {
     let inputs = format!(r#""Color": [0.9, 0.7, 0.5], "Anisotropy": 0.3, {FROM_RISING}"#);
@@ -201,7 +201,7 @@ fn paths_know_nothing_of_each_other() {
 }
 
 /// A cube that absorbs everywhere, and far more above a height; the bounds are too low by a factor.
-fn spike(dense: f32, above: f32, part: f32) -> Stage {
+fn spike(dense: f32, above: f32, part: f32) -> PreparedScene {
     let steep = format!(
         r#", {{"type": "ShaderNodeMath", "name": "times", "options": {{"operation": "MULTIPLY_ADD"}},
         "inputs": {{"Value": {{"node": 2, "socket": "Value"}}, "Value_001": {dense}, "Value_002": 0.5}}}},
@@ -217,7 +217,7 @@ fn spike(dense: f32, above: f32, part: f32) -> Stage {
     stage
 }
 
-/// A spike that no sample found before the render is met all the same, on average rightly; and counted.
+/// A spike that no sample found before the render is hit all the same, on average rightly; and counted.
 #[test]
 fn what_is_denser_than_its_bound_is_no_bias() {
     // Density 0.5, and 40 more in the last hundredth.

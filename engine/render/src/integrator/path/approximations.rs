@@ -1,56 +1,55 @@
 //! Approximations of indirect light that Cycles makes: less noise or time, for a picture that is not quite the scene's.
 
-use crate::nodes::Way;
+use crate::nodes::PathState;
 
-/// Which of them are made; by default none.
+/// The approximations that are made; by default none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Approximations {
     /// Filter Glossy of Cycles: surfaces are rougher where a path looks that was scattered with less than this density per
     /// steradian. 0 is off.
     pub filter_glossy: f32,
-    /// What stands for indirect light, or is added to it.
+    /// A replacement of indirect light, or an addition to it.
     pub fast_gi: FastGi,
 }
 
 /// Fast GI Approximation of Cycles: ambient occlusion instead of indirect light, or besides it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum FastGi {
-    /// Neither.
+    /// No approximation.
     #[default]
     Off,
-    /// The last rays of a path find what glows within `distance`, and where nothing is within it the world, times `factor`.
+    /// The last rays of a path find what emits within `distance`, and where nothing is within it the world, times `factor`.
     Replace {
         /// Number of the bounce with which a path ends; 0 is off. Bounces through a surface do not count, nor does the first that is
         /// glossy.
         bounces: u32,
-        /// How far these rays go.
+        /// Length of the last rays.
         distance: f32,
-        /// What the world counts; 0 is off.
+        /// Factor of the world's light; 0 is off.
         factor: f32,
     },
     /// White light from wherever nothing is within `distance` falls on all that scatters diffusely.
     Add {
-        /// How far is looked.
+        /// Length of the occlusion rays.
         distance: f32,
         /// Radiance of that light.
         factor: f32,
     },
 }
 
-/// How a last ray of a path looks for light.
+/// The last ray of a path, by fast global illumination.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LastRay {
-    /// How far it goes.
+    /// Length of the ray.
     pub(super) distance: f32,
-    /// What the world counts.
+    /// Factor of the world's light.
     pub(super) factor: f32,
 }
 
 impl FastGi {
-    /// How a path goes on that came this way, if that is the last that it does. As `path_state_ao_bounce` in path_state.h of
-    /// Cycles.
+    /// The ray by which a path in this state goes on, if that is its last. As `path_state_ao_bounce` in path_state.h of Cycles.
     #[inline]
-    pub(super) fn last_ray(self, way: Way) -> Option<LastRay> {
+    pub(super) fn last_ray(self, way: PathState) -> Option<LastRay> {
         let Self::Replace { bounces, distance, factor } = self else { return None };
         let uncounted = u32::from(way.transmission) + u32::from(way.glossy > 0);
         let is_last = bounces > 0 && factor != 0.0 && u32::from(way.depth) + 1 > bounces + uncounted;
@@ -84,10 +83,10 @@ mod tests {
     #[test]
     fn a_last_ray_follows_the_bounces_that_count() {
         let of = |bounces: u32| FastGi::Replace { bounces, distance: 2.0, factor: 0.5 };
-        let is_last = |bounces: u32, way: Way| of(bounces).last_ray(way).is_some();
+        let is_last = |bounces: u32, way: PathState| of(bounces).last_ray(way).is_some();
         let [diffuse, glossy, through] = [(true, false), (false, false), (false, true)]
-            .map(|(matte, through)| move |way: Way| way.scattered(matte, false, through));
-        let camera = Way::CAMERA;
+            .map(|(matte, through)| move |way: PathState| way.scattered(matte, false, through));
+        let camera = PathState::CAMERA;
         assert!(!is_last(1, camera) && !is_last(0, diffuse(camera)));
         assert!(is_last(1, diffuse(camera)) && !is_last(2, diffuse(camera)));
         assert!(!is_last(1, glossy(camera)) && !is_last(1, through(through(camera))));
@@ -98,7 +97,7 @@ mod tests {
         assert_eq!(FastGi::Add { distance: 2.0, factor: 0.5 }.last_ray(diffuse(camera)), None);
     }
 
-    /// At the density of a Lambertian surface along its normal, by hand: sqrt(1 - 1 / pi) / 2.
+    /// The roughness at the density of a Lambertian surface along its normal, by hand: sqrt(1 - 1 / pi) / 2.
     #[test]
     fn a_diffuse_scattering_makes_facets_wide() {
         let on = Approximations { filter_glossy: 1.0, ..Approximations::default() };

@@ -1,17 +1,18 @@
-//! How a ray was chosen, and what the light that it finds counts beside light samples.
+//! The choice of a ray, and the weight of the light that it finds beside light samples.
 
-use crate::lights::receiver::Receiver;
+use crate::lights::receiver::LightSampleContext;
 
-/// How the current ray was chosen: what light it finds is weighted by this.
+/// The choice of the current ray, which determines the weight of the light that it finds.
 #[derive(Clone, Copy)]
-pub(super) enum Chosen {
-    /// By the camera or a mirror: no light sample competes.
+pub(super) enum MisContext {
+    /// The camera or a mirror chose the ray: no light sample competes.
     Alone,
-    /// By a surface's scattering, with this density per steradian; and where a light sample competed.
-    WithPdf(f32, Receiver),
+    /// A surface's scattering chose the ray, with this density per steradian; with the place at which a light sample
+    /// competed.
+    WithPdf(f32, LightSampleContext),
 }
 
-impl Chosen {
+impl MisContext {
     /// The weight of light found by this ray that a light sample finds with density `light_pdf`.
     pub(super) fn weight(self, light_pdf: f32) -> f32 {
         match self {
@@ -20,8 +21,8 @@ impl Chosen {
         }
     }
 
-    /// Where a light sample competed.
-    pub(super) fn receiver(&self) -> Option<&Receiver> {
+    /// The place at which a light sample competed.
+    pub(super) fn receiver(&self) -> Option<&LightSampleContext> {
         match self {
             Self::Alone => None,
             Self::WithPdf(_, to) => Some(to),

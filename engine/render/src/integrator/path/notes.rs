@@ -1,34 +1,34 @@
-//! What is noted of a path beside its light as a whole: that of groups of emitters, and parts ([`super::parts`]).
+//! Notes on a path beside its light as a whole: the light of light groups, and parts ([`super::parts`]).
 //!
 //! A kind rather than a value: where nothing of it is asked for, nothing is left in the code that follows paths.
 
-use super::by_part::{Belongs, ByPart};
+use super::by_part::{ByPart, LightOrigin};
 use super::parts::Parts;
 use crate::Rgb;
-use crate::integrator::Stage;
-use crate::nodes::{View, Way};
-use crate::shading::{LobeShares, Parted};
+use crate::integrator::PreparedScene;
+use crate::nodes::{PathState, View};
+use crate::shading::{LobeDecomposition, LobeShares};
 use crate::surface::SurfacePoint;
 
-/// Where paths note what they found beside their light as a whole.
-pub trait Notes {
-    /// What is known of where light comes from.
+/// Notes on the light that paths found, beside its sum.
+pub trait AovSink {
+    /// The origin of light, as far as it is known.
     type Of: Copy;
 
-    /// Light that a path's ray meets: of the sky, or of anything else; `number` is its emitter's group, 0 is none.
-    fn met(&self, path: u32, way: Way, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of;
+    /// Light that a path's ray hits: of the sky, or of anything else; `number` is its emitter's group, 0 is none.
+    fn met(&self, path: u32, way: PathState, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of;
 
     /// Light that a path's surface scatters, with the shares of its lobes.
     fn sampled(
         &self,
         path: u32,
-        way: Way,
+        way: PathState,
         shares: impl FnOnce() -> LobeShares,
         number: impl FnOnce() -> u16,
     ) -> Self::Of;
 
-    /// The same in a volume.
-    fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of;
+    /// Light that a volume scatters along a path.
+    fn sampled_in_volume(&self, path: u32, way: PathState, number: impl FnOnce() -> u16) -> Self::Of;
 
     /// Light that counts for the picture and in no group or part.
     fn outside_of_passes(&self) -> Self::Of;
@@ -43,39 +43,39 @@ pub trait Notes {
     fn add(&mut self, path: u32, of: Self::Of, light: Rgb);
 
     /// The first surface that a path did not pass.
-    fn finds(&mut self, path: u32, stage: &Stage, point: &SurfacePoint, view: &View);
+    fn finds(&mut self, path: u32, stage: &PreparedScene, point: &SurfacePoint, view: &View);
 
     /// A surface that a path is to be scattered by, with what comes to it, so far from where the ray began.
-    fn looks_at(&mut self, path: u32, way: Way, throughput: Rgb, bsdf: &impl Parted, distance: f32);
+    fn looks_at(&mut self, path: u32, way: PathState, throughput: Rgb, bsdf: &impl LobeDecomposition, distance: f32);
 
     /// True if [`Self::looks_at`] notes something of a surface that scatters nothing.
     fn looks(&self) -> bool;
 
     /// A path was scattered by a surface, with the shares of its lobes.
-    fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares);
+    fn turned(&mut self, path: u32, way: PathState, shares: impl FnOnce() -> LobeShares);
 
-    /// The same in a volume.
-    fn turned_in_volume(&mut self, path: u32, way: Way);
+    /// A path was scattered in a volume.
+    fn turned_in_volume(&mut self, path: u32, way: PathState);
 
-    /// What a path found: group by group, then part by part.
+    /// The light that a path found: group by group, then part by part.
     fn found(&self, path: usize) -> &[Rgb];
 }
 
-/// Notes nothing.
+/// Notes of nothing.
 #[derive(Default)]
-pub struct NoNotes;
+pub struct NoAovs;
 
-impl Notes for NoNotes {
+impl AovSink for NoAovs {
     type Of = ();
 
     #[inline(always)]
-    fn met(&self, _: u32, _: Way, _: bool, _: impl FnOnce() -> u16) {}
+    fn met(&self, _: u32, _: PathState, _: bool, _: impl FnOnce() -> u16) {}
 
     #[inline(always)]
-    fn sampled(&self, _: u32, _: Way, _: impl FnOnce() -> LobeShares, _: impl FnOnce() -> u16) {}
+    fn sampled(&self, _: u32, _: PathState, _: impl FnOnce() -> LobeShares, _: impl FnOnce() -> u16) {}
 
     #[inline(always)]
-    fn sampled_in_volume(&self, _: u32, _: Way, _: impl FnOnce() -> u16) {}
+    fn sampled_in_volume(&self, _: u32, _: PathState, _: impl FnOnce() -> u16) {}
 
     #[inline(always)]
     fn outside_of_passes(&self) {}
@@ -90,10 +90,10 @@ impl Notes for NoNotes {
     fn add(&mut self, _: u32, (): (), _: Rgb) {}
 
     #[inline(always)]
-    fn finds(&mut self, _: u32, _: &Stage, _: &SurfacePoint, _: &View) {}
+    fn finds(&mut self, _: u32, _: &PreparedScene, _: &SurfacePoint, _: &View) {}
 
     #[inline(always)]
-    fn looks_at(&mut self, _: u32, _: Way, _: Rgb, _: &impl Parted, _: f32) {}
+    fn looks_at(&mut self, _: u32, _: PathState, _: Rgb, _: &impl LobeDecomposition, _: f32) {}
 
     #[inline(always)]
     fn looks(&self) -> bool {
@@ -101,10 +101,10 @@ impl Notes for NoNotes {
     }
 
     #[inline(always)]
-    fn turned(&mut self, _: u32, _: Way, _: impl FnOnce() -> LobeShares) {}
+    fn turned(&mut self, _: u32, _: PathState, _: impl FnOnce() -> LobeShares) {}
 
     #[inline(always)]
-    fn turned_in_volume(&mut self, _: u32, _: Way) {}
+    fn turned_in_volume(&mut self, _: u32, _: PathState) {}
 
     #[inline(always)]
     fn found(&self, _: usize) -> &[Rgb] {
@@ -113,15 +113,15 @@ impl Notes for NoNotes {
 }
 
 /// Notes the light of groups number 1 and on, and parts.
-pub struct Noted {
+pub struct AovBuffers {
     groups: u16,
     parts: ByPart,
-    /// Path by path.
+    /// Sums of light, path by path.
     sums: Vec<Rgb>,
 }
 
-impl Noted {
-    /// For that many groups, and for parts.
+impl AovBuffers {
+    /// Notes of that many groups, and of parts.
     pub fn new(groups: u16, parts: Parts) -> Self {
         Self { groups, parts: ByPart::new(parts), sums: Vec::new() }
     }
@@ -141,29 +141,29 @@ fn of_parts(sums: &mut [Rgb], path: usize, groups: usize, count: usize) -> &mut 
     &mut sums[path * count + groups..(path + 1) * count]
 }
 
-impl Notes for Noted {
-    type Of = (u16, Belongs);
+impl AovSink for AovBuffers {
+    type Of = (u16, LightOrigin);
 
-    fn met(&self, path: u32, way: Way, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of {
+    fn met(&self, path: u32, way: PathState, is_sky: bool, number: impl FnOnce() -> u16) -> Self::Of {
         (self.group(number), self.parts.met(path, way, is_sky))
     }
 
     fn sampled(
         &self,
         path: u32,
-        way: Way,
+        way: PathState,
         shares: impl FnOnce() -> LobeShares,
         number: impl FnOnce() -> u16,
     ) -> Self::Of {
         (self.group(number), self.parts.sampled(path, way, shares))
     }
 
-    fn sampled_in_volume(&self, path: u32, way: Way, number: impl FnOnce() -> u16) -> Self::Of {
+    fn sampled_in_volume(&self, path: u32, way: PathState, number: impl FnOnce() -> u16) -> Self::Of {
         (self.group(number), self.parts.sampled_in_volume(path, way))
     }
 
     fn outside_of_passes(&self) -> Self::Of {
-        (0, Belongs::nowhere())
+        (0, LightOrigin::nowhere())
     }
 
     fn clear(&mut self) {
@@ -185,12 +185,12 @@ impl Notes for Noted {
         self.parts.add(of_parts(&mut self.sums, path as usize, groups, count), path, belongs, light);
     }
 
-    fn finds(&mut self, path: u32, stage: &Stage, point: &SurfacePoint, view: &View) {
+    fn finds(&mut self, path: u32, stage: &PreparedScene, point: &SurfacePoint, view: &View) {
         let (count, groups) = (self.count(), usize::from(self.groups));
         self.parts.finds(of_parts(&mut self.sums, path as usize, groups, count), path, stage, point, view);
     }
 
-    fn looks_at(&mut self, path: u32, way: Way, throughput: Rgb, bsdf: &impl Parted, distance: f32) {
+    fn looks_at(&mut self, path: u32, way: PathState, throughput: Rgb, bsdf: &impl LobeDecomposition, distance: f32) {
         let (count, groups) = (self.count(), usize::from(self.groups));
         let sums = of_parts(&mut self.sums, path as usize, groups, count);
         self.parts.looks_at(sums, path, way, throughput, bsdf, distance);
@@ -200,11 +200,11 @@ impl Notes for Noted {
         self.parts.has_features()
     }
 
-    fn turned(&mut self, path: u32, way: Way, shares: impl FnOnce() -> LobeShares) {
+    fn turned(&mut self, path: u32, way: PathState, shares: impl FnOnce() -> LobeShares) {
         self.parts.turned(path, way, shares);
     }
 
-    fn turned_in_volume(&mut self, path: u32, way: Way) {
+    fn turned_in_volume(&mut self, path: u32, way: PathState) {
         self.parts.turned_in_volume(path, way);
     }
 

@@ -1,11 +1,11 @@
-//! What is kept of a path's light beside the whole, and of the first surface: the passes of light and colour, as Cycles parts
-//! them (its manual, "Render Passes"). [`super::by_part`] says what goes where.
+//! The parts of a path's light that are kept beside the whole, and features of the first surface: the passes of light and colour, as Cycles
+//! parts them (its manual, "Render Passes"). [`super::by_part`] says what goes where.
 
 use glam::{DMat4, Mat3A, Vec3A};
 
 /// Something that is kept beside the light as a whole, three numbers a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum LightPass {
     /// Light that a lobe of the first surface scattered; direct if it came straight from an emitter.
     Light(LobeKind, bool),
     /// Light that a volume scattered first; direct or not.
@@ -14,15 +14,15 @@ pub enum Part {
     Emission,
     /// The sky that the camera sees.
     Environment,
-    /// How much of white light the lobes of the first surface scatter in all directions.
+    /// The part of white light that the lobes of the first surface scatter in all directions.
     Colour(LobeKind),
-    /// 1 for every path: what colours are relative to.
+    /// 1 for every path: the divisor of colours.
     White,
-    /// For a denoiser, of the first surface that is no mirror: what it scatters in all.
+    /// For a denoiser: albedo of the first surface that is no mirror.
     DenoisingAlbedo,
-    /// Its normal; right, up and away from the camera.
+    /// For a denoiser: normal of the first surface that is no mirror; right, up and away from the camera.
     DenoisingNormal,
-    /// The way to it along the rays, Blender units; it stands in all three numbers.
+    /// For a denoiser: length of the way to the first surface that is no mirror, along the rays, Blender units; in all three numbers.
     DenoisingDepth,
     /// Output number so many of the shaders.
     Aov(u16),
@@ -43,16 +43,16 @@ pub enum Part {
 /// A kind of lobe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LobeKind {
-    /// Without a peak, on either side.
+    /// Lobes without a peak, on either side.
     Diffuse,
-    /// Reflected about a peak.
+    /// Lobes of reflection about a peak.
     Glossy,
-    /// Let through and bent, or scattered about a peak.
+    /// Lobes of light that is let through and bent, or scattered about a peak.
     Transmission,
 }
 
-impl Part {
-    /// One for each.
+impl LightPass {
+    /// The number of the part, a different one for each.
     fn number(self) -> usize {
         match self {
             Self::Light(lobe, is_direct) => 2 * lobe as usize + usize::from(is_direct),
@@ -74,16 +74,16 @@ impl Part {
         }
     }
 
-    /// Whether it counts as data do: each ray alike, for the pixel that it was started for. Else as light, where it lands.
+    /// True if the part counts as data do: each ray alike, for the pixel that it was started for. Else it counts as light, where it lands.
     pub fn is_data(self) -> bool {
-        use Part::{Aov, AovAlpha, Catches, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
+        use LightPass::{Aov, AovAlpha, Catches, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
         matches!(
             self,
             DenoisingAlbedo | DenoisingNormal | DenoisingDepth | Aov(_) | AovAlpha(_) | Catches | Uv | Mist | Ray
         )
     }
 
-    /// What it is divided by: light by the colour that scattered it, what is a mean by what it is of.
+    /// The divisor of a part: the colour for the light that it scattered, the number of rays for a mean.
     pub fn relative_to(self) -> Option<Self> {
         match self {
             Self::Light(lobe, _) => Some(Self::Colour(lobe)),
@@ -99,15 +99,15 @@ impl Part {
 pub struct Seen {
     to_camera: Mat3A,
     place: Vec3A,
-    /// Depth along the axis counts, not the distance.
+    /// True if depth is counted along the axis, not as distance.
     is_flat: bool,
-    /// Where mist begins, one over how deep it is, and the power of its falloff.
+    /// Start of the mist, the reciprocal of its depth, and the power of its falloff.
     mist: [f32; 3],
 }
 
 impl Seen {
-    /// By a camera of that matrix to the world, and the render space's origin there. `mist`: start, depth and the power by
-    /// which it falls off.
+    /// The view of a camera of that matrix to the world, and of render space's origin there. `mist`: start, depth and the power by which it
+    /// falls off.
     pub fn by(camera: DMat4, origin: glam::DVec3, is_flat: bool, mist: [f32; 3]) -> Self {
         let axes = [camera.x_axis, camera.y_axis, camera.z_axis].map(|axis| axis.truncate().normalize_or_zero());
         let rows = glam::DMat3::from_cols(axes[0], axes[1], axes[2]).transpose();
@@ -134,19 +134,19 @@ impl Seen {
     }
 }
 
-/// What is kept, and the numbers of its places.
+/// The parts that are kept, and their places in the list.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
-    list: Vec<Part>,
-    /// By [`Part::number`].
+    list: Vec<LightPass>,
+    /// Places in the list, by [`LightPass::number`].
     places: Vec<Option<u16>>,
     seen: Seen,
 }
 
 impl Parts {
-    /// These, and what they are relative to.
-    pub fn new(wanted: &[Part], seen: Seen) -> Self {
-        let mut list: Vec<Part> = Vec::new();
+    /// The parts that are wanted, and those that they are relative to.
+    pub fn new(wanted: &[LightPass], seen: Seen) -> Self {
+        let mut list: Vec<LightPass> = Vec::new();
         for part in wanted {
             let mut next = Some(*part);
             while let Some(part) = next {
@@ -166,22 +166,22 @@ impl Parts {
     }
 
     /// All that is kept.
-    pub fn list(&self) -> &[Part] {
+    pub fn list(&self) -> &[LightPass] {
         &self.list
     }
 
-    /// Where a part stands among them.
-    pub fn place(&self, part: Part) -> Option<usize> {
+    /// The place of a part in the list.
+    pub fn place(&self, part: LightPass) -> Option<usize> {
         self.places.get(part.number()).copied().flatten().map(usize::from)
     }
 
-    /// By whom the scene is seen.
+    /// The camera from which the scene is seen.
     pub fn seen(&self) -> &Seen {
         &self.seen
     }
 
-    /// Whether any of them is such.
-    pub fn any(&self, which: impl Fn(&Part) -> bool) -> bool {
+    /// True if any of the parts satisfies `which`.
+    pub fn any(&self, which: impl Fn(&LightPass) -> bool) -> bool {
         self.list.iter().any(which)
     }
 }
@@ -190,32 +190,46 @@ impl Parts {
 mod tests {
     use super::*;
 
-    /// What is asked for comes once, with all that it is divided by.
+    /// Each requested part is kept once, with all its divisors.
     #[test]
     fn what_parts_are_relative_to_is_kept() {
-        let direct = Part::Light(LobeKind::Glossy, true);
-        let parts = Parts::new(&[direct, Part::Light(LobeKind::Glossy, false), Part::Mist], Seen::default());
-        let colour = Part::Colour(LobeKind::Glossy);
-        let expected = [direct, colour, Part::White, Part::Light(LobeKind::Glossy, false), Part::Mist, Part::Ray];
+        let direct = LightPass::Light(LobeKind::Glossy, true);
+        let parts = Parts::new(&[direct, LightPass::Light(LobeKind::Glossy, false), LightPass::Mist], Seen::default());
+        let colour = LightPass::Colour(LobeKind::Glossy);
+        let expected = [
+            direct,
+            colour,
+            LightPass::White,
+            LightPass::Light(LobeKind::Glossy, false),
+            LightPass::Mist,
+            LightPass::Ray,
+        ];
         assert_eq!(parts.list(), expected);
-        assert_eq!(parts.place(Part::Emission), None);
+        assert_eq!(parts.place(LightPass::Emission), None);
     }
 
     /// However many there are, each has a place of its own.
     #[test]
     fn all_parts_have_places() {
         let lobes = [LobeKind::Diffuse, LobeKind::Glossy, LobeKind::Transmission];
-        let mut wanted: Vec<Part> =
-            lobes.iter().flat_map(|&lobe| [Part::Light(lobe, true), Part::Light(lobe, false)]).collect();
+        let mut wanted: Vec<LightPass> =
+            lobes.iter().flat_map(|&lobe| [LightPass::Light(lobe, true), LightPass::Light(lobe, false)]).collect();
         wanted.extend([
-            Part::Volume(true),
-            Part::Volume(false),
-            Part::Emission,
-            Part::Environment,
-            Part::DenoisingAlbedo,
+            LightPass::Volume(true),
+            LightPass::Volume(false),
+            LightPass::Emission,
+            LightPass::Environment,
+            LightPass::DenoisingAlbedo,
         ]);
-        wanted.extend([Part::DenoisingNormal, Part::DenoisingDepth, Part::Caught, Part::Catches, Part::Uv, Part::Mist]);
-        wanted.extend((0..40).flat_map(|output| [Part::Aov(output), Part::AovAlpha(output)]));
+        wanted.extend([
+            LightPass::DenoisingNormal,
+            LightPass::DenoisingDepth,
+            LightPass::Caught,
+            LightPass::Catches,
+            LightPass::Uv,
+            LightPass::Mist,
+        ]);
+        wanted.extend((0..40).flat_map(|output| [LightPass::Aov(output), LightPass::AovAlpha(output)]));
         let parts = Parts::new(&wanted, Seen::default());
         assert_eq!(parts.list().len(), wanted.len() + 5, "three colours, white and ray");
         for (place, &part) in parts.list().iter().enumerate() {

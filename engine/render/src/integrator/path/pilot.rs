@@ -1,22 +1,22 @@
-//! What a few hundred paths tell of a picture before it is rendered. Only noise and time depend on it, never the mean.
+//! Statistics of a few hundred paths before a picture is rendered. Only noise and time depend on it, never the mean.
 
 use super::{CAMERA_SETS, Limits, leave, trace_all};
 use crate::accel::Ray;
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::sampler::{PathSampler, warp};
 use crate::scene::visibility::Rays;
 use crate::surface::SurfacePoint;
 
 /// Surfaces that light comes to one after the other.
 const BOUNCES: u32 = 2;
-/// Told of a picture that sees no surface.
+/// The openness of a picture that sees no surface.
 const UNKNOWN: f32 = 0.5;
 /// Part of the paths that are not counted: the brightest would decide it all.
 const TRIMMED: f32 = 0.02;
 
-/// The part of cosine-distributed rays that meet nothing, from the surfaces that `rays` see and from those that these
+/// The part of cosine-distributed rays that hit nothing, from the surfaces that `rays` see and from those that these
 /// see.
-pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
+pub fn openness(stage: &PreparedScene, rays: &[Ray]) -> f32 {
     let (mut seen, mut open) = (0u32, 0u32);
     for (i, ray) in rays.iter().enumerate() {
         let mut ray = *ray;
@@ -39,15 +39,15 @@ pub fn openness(stage: &Stage, rays: &[Ray]) -> f32 {
     if seen == 0 { UNKNOWN } else { open as f32 / seen as f32 }
 }
 
-/// The number of [`Limits::roulette`] for a picture: a path may end by chance once its throughput is so many times less than after its first
-/// scattering.
+/// The number of [`Limits::roulette`] for a picture: Russian roulette may end a path once its throughput is so many times less than after
+/// its first scattering.
 ///
-/// The best chance to go on is in proportion to what the rest of a path brings, over the noise that the pixel has anyhow,
-/// for its cost (Rath et al. 2022, "EARS", equation 8). Where the rest is as bright and as costly as a whole path, that is
-/// its throughput, over that of the first scattering, times sqrt(1 + 1 / v), where v is the relative variance of a path: the less noise a
-/// picture has, the less it may be added to. 1.4 times as much measured best over scenes by others: what is left out is what a whole path
-/// finds by its own light samples.
-pub fn roulette(stage: &Stage, limits: &Limits, rays: &[Ray]) -> f32 {
+/// The best probability to go on is in proportion to the light of the rest of a path, over the noise that the pixel has anyhow, for its
+/// cost (Rath et al. 2022, "EARS", equation 8). Where the rest is as bright and as costly as a whole path, that is its throughput, over
+/// that of the first scattering, times sqrt(1 + 1 / v), where v is the relative variance of a path: the less noise a picture has, the less
+/// it may be added to. 1.4 times as much measured best over scenes by others: what is left out is what a whole path finds by its own light
+/// samples.
+pub fn roulette(stage: &PreparedScene, limits: &Limits, rays: &[Ray]) -> f32 {
     let twice = rays.iter().enumerate().flat_map(|(i, ray)| {
         (0..2).map(move |index| {
             let mut sampler = PathSampler::new(i as u32, 1, index, 0);

@@ -1,4 +1,4 @@
-//! Where coarse smooth faces would show at the edge of light: shadows are asked for from a little above them.
+//! The shadow terminator of coarse smooth meshes: shadow rays start a little above the faces.
 //!
 //! A smooth normal sees light that the flat triangles of the mesh hide. As in Cycles, a ray to a light that grazes starts on a
 //! curved surface over the triangle (Hanika 2021, "Hacking the shadow terminator", Ray Tracing Gems II), and what is lit at a
@@ -10,7 +10,8 @@ use crate::scene::Scene;
 use crate::surface::{SurfacePoint, mesh_of};
 use glam::Vec3A;
 
-/// The part of light along `d` that counts, at a point whose shading normal a displacement may have bent to `normal`, where an object's shading is dimmed towards the edge of light.
+/// The part of light along `d` that counts, at a point whose shading normal a displacement may have bent to `normal`, where an object's
+/// shading is dimmed towards the edge of light.
 #[inline]
 pub(super) fn dimmed(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A) -> f32 {
     if scene.dims { dimmed_by_object(scene, point, normal, d) } else { 1.0 }
@@ -19,18 +20,18 @@ pub(super) fn dimmed(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3
 #[cold]
 fn dimmed_by_object(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec3A) -> f32 {
     let cos = normal.dot(d);
-    let softening = &scene.instances[point.instance as usize].softening;
-    if softening.dims() && cos > 0.0 { softening.left_at(cos) } else { 1.0 }
+    let shadow_terminator = &scene.instances[point.instance as usize].shadow_terminator;
+    if shadow_terminator.dims() && cos > 0.0 { shadow_terminator.left_at(cos) } else { 1.0 }
 }
 
 /// Light that grazes a smooth triangle so that its shadow is asked for from elsewhere.
 #[derive(Clone, Copy)]
 pub(super) struct Grazing {
-    /// 1 where it comes from the side of the point's normal.
+    /// 1 where the light comes from the side of the point's normal.
     side: f32,
-    /// How much of the way to the curved surface.
+    /// The part of the way to the curved surface by which the ray's start is moved.
     amount: f32,
-    /// The smooth normal and the triangle's see it on different sides.
+    /// True if the light is on different sides of the smooth normal and of the triangle's.
     pub(super) is_beyond: bool,
 }
 
@@ -40,7 +41,7 @@ pub(super) fn grazing(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec
     if point.shading_normal == point.geometric_normal {
         return None;
     }
-    let below = scene.instances[point.instance as usize].softening.lift_below;
+    let below = scene.instances[point.instance as usize].shadow_terminator.lift_below;
     if below <= 0.0 {
         return None;
     }
@@ -52,7 +53,7 @@ pub(super) fn grazing(scene: &Scene, point: &SurfacePoint, normal: Vec3A, d: Vec
 }
 
 impl Grazing {
-    /// A ray that asks whether light arrives, from above the triangle.
+    /// The shadow ray of the light, from above the triangle.
     #[cold]
     pub(super) fn ray(self, scene: &Scene, point: &SurfacePoint, light: &LightSample) -> Ray {
         let LightSample { wi: d, distance, .. } = *light;
@@ -68,7 +69,7 @@ impl Grazing {
     }
 }
 
-/// From the point to the surface over it, on one side (1: that of its normal).
+/// The vector from the point to the surface over it, on one side (1: that of its normal).
 fn height(scene: &Scene, point: &SurfacePoint, side: f32) -> Vec3A {
     let instance = &scene.instances[point.instance as usize];
     let mesh = mesh_of(scene, point.instance);
@@ -102,8 +103,8 @@ mod tests {
     use crate::scene::SceneBuilder;
     use crate::scene::corners::Corners;
     use crate::scene::mesh::MeshDescription;
-    use crate::scene::softening::Softening;
-    use crate::scene::visibility::{Rays, Sets};
+    use crate::scene::shadow_terminator::ShadowTerminator;
+    use crate::scene::visibility::{LightSets, Rays};
     use glam::{DMat4, DVec3, Vec3};
 
     /// A triangle within the unit sphere, with the sphere's normals.
@@ -116,7 +117,7 @@ mod tests {
         let mesh = MeshDescription { name: "cap".into(), positions, triangles, corner_normals, ..Default::default() };
         let mesh = builder.add_mesh(mesh).unwrap();
         let instance = builder.add_instance("cap", mesh, DMat4::IDENTITY, &[], true, true).unwrap().unwrap();
-        builder.set_softening(instance, Softening::new(lift_below, 0.0));
+        builder.set_shadow_terminator(instance, ShadowTerminator::new(lift_below, 0.0));
         builder.build(DVec3::ZERO)
     }
 
@@ -159,7 +160,7 @@ mod tests {
             point_like: true,
             cast_shadow: true,
             reaches: Rays::ALL,
-            sets: Sets::EVERYTHING,
+            sets: LightSets::EVERYTHING,
             leaves: None,
         };
         let ray = found.ray(&scene, &point, &light);

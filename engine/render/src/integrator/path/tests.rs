@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::sampler::warp;
+use crate::scene::closure::{Closure, Principled};
 use crate::scene::lamp::{Lamp, LampKind};
-use crate::scene::material::{Input, Material};
+use crate::scene::material::Material;
 use crate::scene::mesh::MeshDescription;
 use crate::scene::{SceneBuilder, world::World};
 use glam::{DMat4, DVec3, Vec3, Vec3A};
@@ -30,16 +31,16 @@ fn cube() -> MeshDescription {
     MeshDescription { name: "cube".into(), positions, triangles, ..Default::default() }
 }
 
-fn stage(material: Material, world: Rgb, size: f64) -> Stage {
+fn stage(material: Material, world: Rgb, size: f64) -> PreparedScene {
     let mut builder = SceneBuilder::new();
-    let m = builder.add_material(material).unwrap();
+    let m = builder.add_material(material);
     let mesh = builder.add_mesh(cube()).unwrap();
     builder.add_instance("cube", mesh, DMat4::from_scale(DVec3::splat(size)), &[m], true, true).unwrap();
     builder.set_world(World { color: world, ..Default::default() }).unwrap();
-    Stage::new(builder.build(DVec3::ZERO))
+    PreparedScene::new(builder.build(DVec3::ZERO))
 }
 
-fn mean(stage: &Stage, origin: Vec3A, max_bounces: u32, n: u32) -> Rgb {
+fn mean(stage: &PreparedScene, origin: Vec3A, max_bounces: u32, n: u32) -> Rgb {
     let mut sum = glam::DVec3::ZERO;
     for i in 0..n {
         let mut sampler = PathSampler::new(0, 0, i, 1);
@@ -51,15 +52,10 @@ fn mean(stage: &Stage, origin: Vec3A, max_bounces: u32, n: u32) -> Rgb {
 }
 
 fn plain(albedo: f32, emission: f32) -> Material {
-    Material {
-        base_color: Input::Constant(Rgb::splat(albedo)),
-        emission_strength: emission,
-        specular: false,
-        ..Material::default_grey()
-    }
+    Material::diffuse("plain", Rgb::splat(albedo), Rgb::splat(emission))
 }
 
-/// A closed box that glows with radiance 1 and reflects half: 1 + 1/2 + 1/4 ... = 2, seen from anywhere inside.
+/// A closed box that emits radiance 1 and reflects half: 1 + 1/2 + 1/4 ... = 2, seen from anywhere inside.
 /// Every bounce is found by light samples and by scattering; their weights must add to one.
 #[test]
 fn a_glowing_box_sums_its_series() {
@@ -74,7 +70,7 @@ fn a_glowing_box_sums_its_series() {
     }
 }
 
-/// A small square that glows close to a floor, far from where numbers are fine: it must not shadow its own light.
+/// A small square that emits light close to a floor, far from where numbers are fine: it must not shadow its own light.
 #[test]
 fn what_glows_nearby_lights_fully() {
     let square = |half: f32, z: f32| MeshDescription {
@@ -90,13 +86,13 @@ fn what_glows_nearby_lights_fully() {
     let expected = 4.0 / PI * 0.5f64.sqrt() * 0.5f64.sqrt().atan();
     for distance in [3e-3, 0.03, 1.0] {
         let mut builder = SceneBuilder::new();
-        let [floor, glow] = [plain(1.0, 0.0), plain(0.0, 1.0)].map(|m| builder.add_material(m).unwrap());
+        let [floor, glow] = [plain(1.0, 0.0), plain(0.0, 1.0)].map(|m| builder.add_material(m));
         let place = DMat4::from_translation(DVec3::new(3.1, -2.3, 1.7));
         for (half, z, material) in [(9.0, 0.0, floor), (distance, distance, glow)] {
             let mesh = builder.add_mesh(square(half, z)).unwrap();
             builder.add_instance("square", mesh, place, &[material], true, true).unwrap();
         }
-        let stage = Stage::new(builder.build(DVec3::ZERO));
+        let stage = PreparedScene::new(builder.build(DVec3::ZERO));
         let (n, mut sum) = (4096, 0.0);
         for i in 0..n {
             let mut sampler = PathSampler::new(0, 0, i, 1);
@@ -109,15 +105,12 @@ fn what_glows_nearby_lights_fully() {
     }
 }
 
-/// In a uniform white world a white object cannot be seen: matte exactly, mixtures within their tables.
+/// A white object in a uniform white world is invisible: matte exactly, mixtures within their tables.
 #[test]
 fn white_furnace() {
-    let glossy = |metallic: f32, transmission: f32, roughness: f32| Material {
-        base_color: Input::Constant(Rgb::ONE),
-        metallic: Input::Constant(metallic),
-        transmission: Input::Constant(transmission),
-        roughness: Input::Constant(roughness),
-        ..Material::default_grey()
+    let glossy = |metallic: f32, transmission: f32, roughness: f32| {
+        let white = Principled { base_color: Rgb::ONE, metallic, transmission, roughness, ..Principled::default() };
+        Material::principled("glossy", white)
     };
     let cases = [
         (plain(1.0, 0.0), 0.005),
@@ -135,18 +128,19 @@ fn white_furnace() {
     }
 }
 
-/// Half-transparent walls around a point: the world shines through with their alpha, lamps too.
+/// Half-transparent walls around a point let light of the world and of lamps through by their alpha.
 #[test]
 fn alpha_lets_light_through() {
-    let material = Material { alpha: Input::Constant(0.25), ..plain(0.0, 0.0) };
+    let black = Closure::Diffuse { color: Rgb::ZERO, roughness: 0.0 };
+    let material = Material::even("sheet", [(0.25, black), (0.75, Closure::Transparent { color: Rgb::ONE })]);
     let see_through = stage(material.clone(), Rgb::ONE, 1.0);
     let found = mean(&see_through, Vec3A::ZERO, 10, 8192);
     assert!((found - Rgb::splat(0.75)).abs().max_element() < 0.01, "{found}");
 
     // A floor lit by a lamp through a sheet of that: the lamp's irradiance times 3/4 over pi.
     let mut builder = SceneBuilder::new();
-    let sheet = builder.add_material(material).unwrap();
-    let floor = builder.add_material(plain(1.0, 0.0)).unwrap();
+    let sheet = builder.add_material(material);
+    let floor = builder.add_material(plain(1.0, 0.0));
     let square = MeshDescription {
         name: "square".into(),
         positions: vec![
@@ -168,14 +162,14 @@ fn alpha_lets_light_through() {
         ..Lamp::default()
     };
     builder.add_lamp(lamp, DMat4::from_translation(DVec3::new(0.0, 0.0, 2.0))).unwrap();
-    let stage = Stage::new(builder.build(DVec3::ZERO));
+    let stage = PreparedScene::new(builder.build(DVec3::ZERO));
     let mut sampler = PathSampler::new(0, 0, 0, 1);
     // Off the diagonal, where two triangles of the sheet meet.
     let ray = Ray::new(Vec3A::new(0.02, 0.01, 0.5), -Vec3A::Z);
     let found = trace(&stage, ray, &limits(0), &mut sampler).radiance.x;
     let pi = std::f32::consts::PI;
     let expected = 100.0 / (4.0 * pi) / 4.0 / pi * 0.75;
-    // The floor is met 0.02 off the lamp's axis: cos^4 of a hundredth of a radian.
+    // The floor is hit 0.02 off the lamp's axis: cos^4 of a hundredth of a radian.
     assert!((found / expected - 1.0).abs() < 5e-4, "{found} {expected}");
 }
 
@@ -189,7 +183,7 @@ fn clamping_tells_direct_light_from_indirect() {
         trace(&stage, Ray::new(Vec3A::new(0.3, -0.2, 0.5), Vec3A::X), &limits, &mut sampler).radiance.x
     };
     let no_limit = f32::INFINITY;
-    // Glow 100, seen directly, and what is scattered once: found by a light sample, and met by the path.
+    // Glow 100, seen directly, and what is scattered once: found by a light sample, and hit by the path.
     let direct = one(0, no_limit, 1e-3);
     assert!(direct > 101.0, "{direct}");
     let clamped = one(0, 1.0, no_limit);
@@ -217,7 +211,7 @@ fn openness_is_what_is_seen_of_the_sky() {
     assert_eq!(openness(&stage, &[]), 0.5);
 }
 
-/// However soon paths end by chance, they find the same light: a box of albedo 0.8 that glows, where each bounce counts.
+/// Paths find the same light however soon Russian roulette ends them: a box of albedo 0.8 that emits light, where each bounce counts.
 #[test]
 fn paths_that_end_by_chance_find_the_same_light() {
     let stage = stage(plain(0.8, 1.0), Rgb::ZERO, 1.0);

@@ -1,4 +1,4 @@
-//! Paths that advance together, step by step: all rays are traced, then all that meet a surface are looked at in the
+//! Paths that advance together, step by step: all rays are traced, then all that hit a surface are looked at in the
 //! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
 //! the cache. What a path finds does not depend on which others go with it.
 
@@ -6,67 +6,66 @@ mod found;
 mod place;
 mod through;
 
-use super::choice::Chosen;
-use super::notes::{NoNotes, Notes};
+use super::choice::MisContext;
+use super::notes::{AovSink, NoAovs};
 use super::{
     CAMERA_SETS, FastGi, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening, transmittance,
 };
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::subsurface::leave;
-use crate::nodes::{self, Layers, View, Way};
+use crate::nodes::{self, Layers, PathState, View};
 use crate::sampler::PathSampler;
-use crate::scene::layer::Layer;
 use crate::scene::visibility::Rays;
 use crate::shading::Past;
 use crate::shading::mixture::Mixture;
 use crate::shading::principled::Bsdf;
-use crate::shading::{Parted, Scattering};
+use crate::shading::{LobeDecomposition, Scattering};
 use crate::surface::SurfacePoint;
 use found::Found;
 use glam::Vec3A;
 use place::{Place, Shadow};
-use through::{Brought, Inside, Veil, is_only_volume};
+use through::{MediumEvent, MediumState, ShadowMedia, is_only_volume};
 
 /// Memory for paths, used again and again. `VOLUMES`: what fills space counts; where there is nothing, none of it is in the
 /// code.
-pub struct Wave<N: Notes = NoNotes, const VOLUMES: bool = false> {
+pub struct Wavefront<N: AovSink = NoAovs, const VOLUMES: bool = false> {
     paths: Vec<Path>,
     results: Vec<PathResult>,
     notes: N,
-    /// Those that still go on, in the order of their numbers.
+    /// The paths that still go on, in the order of their numbers.
     live: Vec<u32>,
     hits: Vec<Option<Hit>>,
-    meetings: Vec<Meeting>,
+    meetings: Vec<SurfaceInteraction>,
     /// Numbers of the meetings by their materials.
     order: Vec<u32>,
-    /// By material, how many of the meetings are on it: all 0 between steps.
+    /// Number of meetings by material: all 0 between steps.
     counts: Vec<u32>,
-    /// The materials met.
+    /// The materials that are hit in this step.
     met: Vec<u32>,
     shadows: Vec<Shadow<N::Of>>,
-    /// By path, whether it goes on.
+    /// True for the paths that go on.
     is_alive: Vec<bool>,
-    /// Those of the material that is being looked at.
+    /// The closures of the material that is being evaluated.
     layers: Layers,
-    /// By path, what it is in; empty where there are no volumes.
-    inside: Vec<Inside>,
-    /// By shadow ray, what it goes through.
-    veils: Vec<Veil>,
+    /// The media that each path is in; empty where there are no volumes.
+    inside: Vec<MediumState>,
+    /// The media of each shadow ray.
+    veils: Vec<ShadowMedia>,
 }
 
 /// One path under way.
 struct Path {
     ray: Ray,
     throughput: Rgb,
-    chosen: Chosen,
-    way: Way,
-    /// Distance since the last scattering, over surfaces passed unbent: what densities by area need.
+    chosen: MisContext,
+    way: PathState,
+    /// Distance since the last scattering, over surfaces passed unbent; densities by area need it.
     travelled: f32,
-    /// Where the ray was scattered.
+    /// The point where the ray was scattered.
     start: Vec3A,
-    /// By which instance.
+    /// The instance that scattered the ray.
     from: u32,
     /// Least density of the directions that it was scattered in so far; infinite before the first.
     least_pdf: f32,
@@ -76,13 +75,13 @@ struct Path {
 }
 
 /// A path at a surface that scatters light.
-struct Meeting {
+struct SurfaceInteraction {
     path: u32,
     point: SurfacePoint,
-    /// What it counts, over the chance that it was not passed.
+    /// Weight of the surface over the probability that it was not passed.
     kept: f32,
     view: View,
-    /// To choose a light and a place on it: of one set, so that the places on each light are stratified, too.
+    /// Random numbers to choose a light and a place on it: of one set, so that the places on each light are stratified, too.
     u_light: [f32; 3],
     /// Probability of scattering, where paths that pass take a light sample, too, which is weighted by it; else 1.
     share: f32,
@@ -92,11 +91,11 @@ struct Meeting {
 /// The event that follows the light sample of a path at a surface.
 #[derive(Clone, Copy)]
 enum Next {
-    /// Scattered.
+    /// The path is scattered.
     Scatter,
-    /// Through the surface, unbent.
+    /// The path goes through the surface, unbent.
     Pass(Passage),
-    /// Not at all: the path has passed as many surfaces as it may.
+    /// The path ends: it has passed as many surfaces as it may.
     End,
 }
 
@@ -107,12 +106,12 @@ struct Passage {
     weight: Rgb,
     /// Distance of the surface from the ray's origin.
     t: f32,
-    /// The border of a volume alone is no surface: it is not counted.
+    /// False for the border of a volume alone, which is no surface.
     is_counted: bool,
 }
 
-/// At a surface that lets a part of the light through, the light sample does not depend on whether the path passes, as in Cycles: less
-/// noise. Not where fewer paths than this part are scattered: a shadow ray would seldom be worth its time.
+/// Least probability of scattering at a surface that lets a part of the light through with which the light sample does not depend on
+/// whether the path passes, as in Cycles: less noise. With a smaller one a shadow ray would seldom be worth its time.
 const LEAST_SHARE: f32 = 0.02;
 
 impl Path {
@@ -129,13 +128,13 @@ impl Path {
     }
 }
 
-impl Default for Wave {
+impl Default for Wavefront {
     fn default() -> Self {
-        Self::noting(NoNotes)
+        Self::noting(NoAovs)
     }
 }
 
-impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
+impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
     /// Sets of numbers used at each surface.
     const SETS: u32 = SETS_PER_STEP + if VOLUMES { 3 } else { 0 };
 
@@ -177,8 +176,8 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         self.paths.push(Path {
             ray,
             throughput: Rgb::ONE,
-            chosen: Chosen::Alone,
-            way: Way::CAMERA,
+            chosen: MisContext::Alone,
+            way: PathState::CAMERA,
             travelled: 0.0,
             start: ray.origin,
             from: 0,
@@ -188,22 +187,22 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         });
     }
 
-    /// What a path found, once all were followed.
+    /// The result of a path after all were followed.
     pub fn found(&self, path: usize) -> PathResult {
         self.results[path]
     }
 
-    /// What is noted of it besides.
+    /// The notes on a path beside its result.
     #[inline]
     pub fn found_beside(&self, path: usize) -> &[Rgb] {
         self.notes.found(path)
     }
 
     /// Follows all paths to their ends.
-    pub fn follow(&mut self, stage: &Stage, limits: &Limits) {
+    pub fn follow(&mut self, stage: &PreparedScene, limits: &Limits) {
         if VOLUMES {
             self.inside.clear();
-            self.inside.extend(self.paths.iter().map(|path| Inside::new(stage, path)));
+            self.inside.extend(self.paths.iter().map(|path| MediumState::new(stage, path)));
         }
         for step in 0..MOST_STEPS {
             if self.live.is_empty() {
@@ -219,8 +218,8 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// Finds what the rays meet.
-    fn trace(&mut self, stage: &Stage) {
+    /// Finds what the rays hit.
+    fn trace(&mut self, stage: &PreparedScene) {
         self.hits.clear();
         for &i in &self.live {
             let path = &self.paths[i as usize];
@@ -231,7 +230,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     }
 
     /// Light that the rays found; keeps those alive that go on through a surface, and notes where others scatter.
-    fn meet(&mut self, stage: &Stage, limits: &Limits, step: u32) {
+    fn meet(&mut self, stage: &PreparedScene, limits: &Limits, step: u32) {
         self.meetings.clear();
         self.shadows.clear();
         if VOLUMES {
@@ -246,12 +245,12 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                 let inside = &mut self.inside[i as usize];
                 let shades = (&mut self.shadows, &mut self.veils);
                 match inside.bring(stage, limits, path, hit.as_ref(), &mut found, shades) {
-                    Brought::ToTheEnd => {}
-                    Brought::Elsewhere => {
+                    MediumEvent::Passed => {}
+                    MediumEvent::Scattered => {
                         self.is_alive[i as usize] = true;
                         continue;
                     }
-                    Brought::Nowhere => continue,
+                    MediumEvent::Ended => continue,
                 }
             }
             let Some(hit) = hit else {
@@ -301,7 +300,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             {
                 let (kept, u_light) = (opening.rest / share, [u_light, u0, u1]);
                 let share = if is_split { share } else { 1.0 };
-                self.meetings.push(Meeting { path: i, point, kept, view, u_light, share, next });
+                self.meetings.push(SurfaceInteraction { path: i, point, kept, view, u_light, share, next });
             } else if let Next::Pass(passage) = next {
                 path.pass(&point, passage);
                 if VOLUMES {
@@ -312,8 +311,8 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// Brings the meetings in the order of their materials, first met first.
-    fn sort(&mut self, stage: &Stage) {
+    /// Sorts the meetings by material, the material that is hit first in front.
+    fn sort(&mut self, stage: &PreparedScene) {
         self.counts.resize(stage.scene.materials.len(), 0);
         self.met.clear();
         for meeting in &self.meetings {
@@ -340,30 +339,25 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
         }
     }
 
-    /// At each surface a sample of the lights, and a direction to go on in.
-    fn scatter(&mut self, stage: &Stage, limits: &Limits) {
+    /// Takes a sample of the lights at each surface, and chooses a direction to go on in.
+    fn scatter(&mut self, stage: &PreparedScene, limits: &Limits) {
         if self.order.is_empty() {
             return;
         }
         let mut material = &stage.scene.materials[0];
-        let mut tables = &stage.tables[0];
         // What is the same for all meetings on a material, which come one after the other.
         let mut current = u32::MAX;
-        let mut constants = None;
+        let mut plain = None;
         let mut is_even = false;
         let mut mixture = Mixture::empty();
         for number in 0..self.order.len() {
             let meeting = self.order[number] as usize;
-            let Meeting { path, point, kept, view, .. } = &self.meetings[meeting];
+            let SurfaceInteraction { path, point, kept, view, .. } = &self.meetings[meeting];
             if point.material != current {
                 current = point.material;
                 material = &stage.scene.materials[current as usize];
-                tables = &stage.tables[current as usize];
-                constants = nodes::constants(material);
-                is_even = match &material.graph {
-                    Some(graph) => graph.is_even(),
-                    None => material.layers.iter().all(Layer::is_constant),
-                };
+                plain = material.graph.plain.as_ref().zip(stage.plain_tables[current as usize].as_deref());
+                is_even = plain.is_none() && material.graph.is_even();
                 if is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
@@ -371,7 +365,16 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
             let Path { ray, way, least_pdf, .. } = &self.paths[*path as usize];
             let (wo, past) = (-ray.direction, Past { caustics: limits.caustics(*way), is_blurred: way.diffuse > 0 });
             let least_alpha = limits.approximations.least_alpha(*least_pdf);
-            if material.is_layered() {
+            if let Some((plain, tables)) = plain {
+                let at_point = || nodes::plain_values(material, plain, stage.around(), point, view);
+                let values = plain.constants.unwrap_or_else(at_point);
+                let mut bsdf = Bsdf::with_caustics(tables, &values, point, wo, past.caustics);
+                bsdf.scale(values.weight * kept);
+                if least_alpha > 0.0 {
+                    bsdf.widen(least_alpha);
+                }
+                self.go_on(stage, limits, meeting, None, &bsdf);
+            } else {
                 if !is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
@@ -380,29 +383,22 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
                     mixture.widen(least_alpha);
                 }
                 self.go_on(stage, limits, meeting, self.layers.bent_normal, &mixture);
-            } else {
-                let values = constants.unwrap_or_else(|| nodes::evaluate(material, &stage.scene, point));
-                let mut bsdf = Bsdf::with_caustics(material, &values, tables, point, wo, past.caustics);
-                if least_alpha > 0.0 {
-                    bsdf.widen(least_alpha);
-                }
-                self.go_on(stage, limits, meeting, None, &bsdf);
             }
         }
     }
 
-    /// A light sample at a meeting, whose shading normal may be bent, and a direction; where that leads into a body, the same at the place where it comes
-    /// out.
+    /// A light sample at a meeting, whose shading normal may be bent, and a direction; where that leads into a body, the same at the place
+    /// where it comes out.
     #[inline(always)]
     fn go_on(
         &mut self,
-        stage: &Stage,
+        stage: &PreparedScene,
         limits: &Limits,
         meeting: usize,
         bent: Option<Vec3A>,
-        bsdf: &(impl Scattering + Parted),
+        bsdf: &(impl Scattering + LobeDecomposition),
     ) {
-        let Meeting { path: i, point, view, u_light, share, next, .. } = &self.meetings[meeting];
+        let SurfaceInteraction { path: i, point, view, u_light, share, next, .. } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
         let at = Place { stage, limits, point, normal: bent.unwrap_or(point.shading_normal), share: *share };
@@ -476,7 +472,7 @@ impl<N: Notes, const VOLUMES: bool> Wave<N, VOLUMES> {
     }
 
     /// Adds the light whose way is free, as far as it is.
-    fn shadow(&mut self, stage: &Stage, limits: &Limits) {
+    fn shadow(&mut self, stage: &PreparedScene, limits: &Limits) {
         if VOLUMES {
             for (shadow, veil) in self.shadows.iter().zip(&self.veils) {
                 let Shadow { path, light, way, of, .. } = shadow;

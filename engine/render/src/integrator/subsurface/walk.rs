@@ -6,7 +6,7 @@
 use super::own_surface;
 use crate::Rgb;
 use crate::accel::{Ray, offset_origin};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::sampler::phase::PhaseLobe;
 use crate::sampler::{PathSampler, warp};
 use crate::shading::subsurface::Medium;
@@ -18,7 +18,7 @@ use std::f32::consts::TAU;
 const MOST_STEPS: u32 = 256;
 /// Scatterings after which their direction no longer matters.
 const EVEN_AFTER: u32 = 10;
-/// A walk with less of its light left ends by chance.
+/// Part of a walk's light below which Russian roulette may end it.
 const FAINT: f32 = 0.5;
 /// The other side of a body is looked for within so many of the longest free paths.
 const FAR_SIDE_PATHS: f32 = 10.0;
@@ -28,7 +28,7 @@ const MOST_EXPONENT: f32 = 60.0;
 /// The place where a walk that begins at `point` leaves the body, seen from outside, and the light that is left; `None` where the walk
 /// ends within.
 pub(super) fn walk(
-    stage: &Stage,
+    stage: &PreparedScene,
     point: &SurfacePoint,
     (direction, mut light, mut medium): (Vec3A, Rgb, Medium),
     sampler: &mut PathSampler,
@@ -86,7 +86,7 @@ pub(super) fn walk(
     None
 }
 
-/// The number of a chance that `u` falls into, and where within it, 0 to 1.
+/// The index of the probability that `u` falls into, and the place of `u` within it, 0 to 1.
 fn chosen(chances: [f32; 3], mut u: f32) -> (usize, f32) {
     for (i, chance) in chances.into_iter().enumerate() {
         if u < chance {
@@ -148,7 +148,7 @@ struct Guide {
     extinction: f32,
     /// Probability of a guided direction.
     share: f32,
-    /// The depth below the start in which a stretch straight on meets the body's other side, Blender units.
+    /// The depth below the start in which a stretch straight on hits the body's other side, Blender units.
     far_side: Option<f32>,
 }
 

@@ -1,7 +1,7 @@
 //! A render that was broken off, however often, comes to the bits of one that was not.
 
 use super::super::tests::{camera, settings, stage};
-use super::super::{Beside, Job, Settings};
+use super::super::{Job, OutputOptions, Settings};
 use super::{Checkpoints, Kept, MAGIC, check_file};
 use crate::camera::Model;
 use crate::film::cryptomatte::MatteLayer;
@@ -38,8 +38,13 @@ fn start(settings: &Settings, file: Option<&Path>, fingerprint: &str, every_ms: 
         fingerprint: fingerprint.into(),
         every: Duration::from_millis(every_ms),
     });
-    let beside =
-        Beside { mattes: vec![MatteLayer::Object], matte_levels: 2, light_groups: 1, checkpoints, ..Beside::default() };
+    let beside = OutputOptions {
+        mattes: vec![MatteLayer::Object],
+        matte_levels: 2,
+        light_groups: 1,
+        checkpoints,
+        ..OutputOptions::default()
+    };
     Job::start_with(stage(), vec![camera(Model::Lens)], settings.clone(), beside).unwrap()
 }
 

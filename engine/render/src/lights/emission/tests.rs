@@ -3,7 +3,7 @@
 use super::*;
 use crate::lights::Line;
 use crate::scene::lamp::{Lamp, LampKind};
-use crate::scene::material::{Input, Material};
+use crate::scene::material::Material;
 use crate::scene::mesh::MeshDescription;
 use crate::scene::texture::Texture;
 use crate::scene::{SceneBuilder, world::World};
@@ -49,9 +49,7 @@ fn with_lamp(kind: LampKind) -> Lit {
 
 fn with_triangles(closed: bool) -> Lit {
     let mut builder = SceneBuilder::new();
-    let glowing =
-        Material { emission_color: Input::Constant(WATTS), emission_strength: 0.1, ..Material::default_grey() };
-    let m = builder.add_material(glowing).unwrap();
+    let m = builder.add_material(Material::diffuse("glow", Rgb::ONE, WATTS * 0.1));
     let mut triangles = vec![[0, 2, 1]];
     if closed {
         triangles.extend([[0, 1, 3], [1, 2, 3], [2, 0, 3]]);
@@ -97,7 +95,7 @@ fn all_kinds() -> Vec<(&'static str, Lit)> {
     ]
 }
 
-/// Where a ray meets a sphere about the origin that holds all lamps, first: distance and place.
+/// The first point at which a ray hits a sphere about the origin that holds all lamps: distance and place.
 fn at_sphere(ray: &Ray, radius: f32) -> Option<(f32, Vec3A)> {
     let b = ray.origin.dot(ray.direction);
     let c = ray.origin.length_squared() - radius * radius;
@@ -122,7 +120,7 @@ fn light_paths_bring_what_light_samples_find() {
         let mut by_paths = glam::DVec3::ZERO;
         let mut by_samples = glam::DVec3::ZERO;
         let from_afar = ["sun", "wide sun", "even sky", "image sky"].contains(&name);
-        // Most of the sky's rays are to meet it.
+        // Most of the sky's rays are to hit it.
         let radius = if from_afar { 9.0 } else { 3.0 };
         // Weighted with the height, so that a wrong direction shows.
         let height = |p: Vec3A| 1.0 + (p.z + 0.5 * p.x) / radius;
@@ -146,7 +144,7 @@ fn light_paths_bring_what_light_samples_find() {
             if name == "even sky" {
                 let wi = warp::sample_sphere([w[2], w[3]]);
                 add(wi, scene.world.color / warp::SPHERE_PDF);
-            } else if let Some(s) = lights.sample(&scene, &to, w[2], [w[3], v[1]], Way::CAMERA) {
+            } else if let Some(s) = lights.sample(&scene, &to, w[2], [w[3], v[1]], PathState::CAMERA) {
                 add(s.wi, s.radiance / s.pdf);
             }
         }
@@ -156,8 +154,7 @@ fn light_paths_bring_what_light_samples_find() {
     }
 }
 
-/// What a lamp shines through a sphere about it is its power in watts; a triangle's is pi times radiance times
-/// area, for either side.
+/// The flux of a lamp through a sphere about it is its power in watts; a triangle's is pi times radiance times area, for either side.
 #[test]
 fn power_is_that_of_the_lamp() {
     for (name, Lit { scene, lights, emission }) in all_kinds() {
@@ -181,7 +178,7 @@ fn power_is_that_of_the_lamp() {
     }
 }
 
-/// What a ray brings says the same of its densities as a light sample, and a ray that meets the light, in that direction.
+/// The densities of an emitted ray agree with those of a light sample, and of a ray that hits the light, in that direction.
 #[test]
 fn densities_agree_from_both_ends() {
     for (name, Lit { scene, lights, emission }) in all_kinds() {
@@ -199,11 +196,11 @@ fn densities_agree_from_both_ends() {
             let wi = -e.ray.direction;
             let mut met = None;
             let line = Line { from: p, towards: wi, t_max: f32::INFINITY };
-            lights.lamps_along(&scene, line, Way::BOUNCE, Some(&to), |one| {
+            lights.lamps_along(&scene, line, PathState::BOUNCE, Some(&to), |one| {
                 met = Some((one.source, one.radiance, one.pdf))
             });
             if met.is_none() && lights.local.len() == 0 || name.contains("sun") {
-                lights.sky_along(&scene, wi, Way::BOUNCE, Some(&to), |one| {
+                lights.sky_along(&scene, wi, PathState::BOUNCE, Some(&to), |one| {
                     if one.source == e.source {
                         met = Some((one.source, one.radiance, one.pdf));
                     }
@@ -259,7 +256,7 @@ fn densities_integrate_to_one() {
                 }
             } else {
                 let line = Line { from: p, towards: wi, t_max: f32::INFINITY };
-                lights.lamps_along(&scene, line, Way::BOUNCE, None, |one| {
+                lights.lamps_along(&scene, line, PathState::BOUNCE, None, |one| {
                     // Beyond its spread a lamp is dark, and no ray is chosen.
                     if one.radiance != Rgb::ZERO {
                         sum += f64::from(etendue * emission.density(&scene, &lights, one.source, wi, 1.0, MIDDLE));

@@ -16,12 +16,12 @@ pub(in crate::lights) struct LampRay {
 }
 
 impl PreparedLamp {
-    /// No light path leaves a lamp that shines through everything: where it should end nobody knows.
+    /// True if light paths leave the lamp: not from one without shadows, for where its rays should end is undefined.
     pub(in crate::lights) fn emits_rays(&self) -> bool {
         self.cast_shadow
     }
 
-    /// Whether no ray meets the lamp by chance.
+    /// True if no ray can hit the lamp: it has no extent.
     pub(in crate::lights) fn is_point_like(&self) -> bool {
         match self.kind {
             LampKind::Point { radius, .. } | LampKind::Spot { radius, .. } => radius <= 0.0,
@@ -91,8 +91,8 @@ impl PreparedLamp {
         }
     }
 
-    /// For a ray along `direction` that left the lamp and arrives at a place after `distance`: the density per steradian
-    /// with which [`PreparedLamp::sample`] there chooses it. `None` where the lamp, seen from that place, is not there.
+    /// The density per steradian with which [`PreparedLamp::sample`] at a place chooses a ray along `direction` that left the lamp and
+    /// arrives there after `distance`. `None` where the lamp, seen from that place, is not there.
     pub(in crate::lights) fn arrival_pdf(&self, at: Vec3A, direction: Vec3A, distance: f32) -> Option<f32> {
         match self.kind {
             LampKind::Point { radius, soft } | LampKind::Spot { radius, soft, .. } => {
@@ -121,7 +121,7 @@ impl PreparedLamp {
     }
 }
 
-/// 1 - cos of the cone that a spot shines into.
+/// 1 - cos of the cone of a spot.
 fn spot_limit(half_angle_rad: f32) -> f32 {
     one_minus_cos(half_angle_rad.min(PI))
 }

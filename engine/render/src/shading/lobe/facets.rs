@@ -13,7 +13,7 @@ use crate::scene::closure::Distribution;
 use glam::Vec3A;
 use std::f32::consts::{PI, TAU};
 
-/// How facets are tilted: GGX (Walter et al. 2007) or Beckmann's, `alpha` wide along x and y.
+/// The distribution of microfacets: GGX (Walter et al. 2007) or Beckmann's, `alpha` wide along x and y.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::shading) struct Slopes {
     alpha: [f32; 2],
@@ -66,8 +66,8 @@ impl Slopes {
         if a < 1.6 { (1.0 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a) } else { 0.0 }
     }
 
-    /// Area of the facets visible from `w`, projected along `w`, over that of the surface, for a `w` of that [`Slopes::lambda`]. Beckmann's is
-    /// exact, where `lambda` is a fit: it normalizes the density of [`Slopes::sample`].
+    /// Area of the facets visible from `w`, projected along `w`, over that of the surface, for a `w` of that [`Slopes::lambda`]. Beckmann's
+    /// is exact, where `lambda` is a fit: it normalizes the density of [`Slopes::sample`].
     fn visible_area(&self, w: Vec3A, lambda: f32) -> f32 {
         if !self.is_beckmann() {
             return w.z * (1.0 + lambda);
@@ -98,7 +98,7 @@ impl Slopes {
     }
 }
 
-/// How much a facet mirrors and how much it lets through.
+/// The parts of light that a facet reflects and transmits.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::shading) enum Fresnel {
     /// All, as far as it is not refracted.
@@ -146,10 +146,10 @@ impl Fresnel {
 pub(super) struct Facets {
     slopes: Slopes,
     fresnel: Fresnel,
-    /// Beyond over before.
+    /// Index of refraction beyond the surface over that before it.
     pub(super) eta: f32,
     lambda_o: f32,
-    /// [`Slopes::visible_area`] from there.
+    /// [`Slopes::visible_area`] from the direction of the view.
     visible_area: f32,
 }
 
@@ -168,14 +168,14 @@ impl Facets {
         }
     }
 
-    /// Makes them at least so wide along both axes.
+    /// Makes the facets at least so wide along both axes.
     pub(super) fn widen(&mut self, alpha: f32, wo: Vec3A) {
         self.slopes.alpha = self.slopes.alpha.map(|own| own.max(alpha));
         self.look_from(wo);
     }
 
-    /// What is mirrored and what is let through in all, seen from `wo`. The weight of those that give back what goes on from
-    /// facet to facet holds that, which here is in the table, too.
+    /// Albedos of reflection and transmission, seen from `wo`. The weight of those that give back what goes on from facet to facet holds
+    /// that, which here is in the table, too.
     pub(super) fn albedos(&self, wo: Vec3A) -> [Rgb; 2] {
         let (cos, roughness) = (wo.z, self.slopes.roughness());
         let (reflected, through) = match self.fresnel {
@@ -218,7 +218,7 @@ impl Facets {
         }
     }
 
-    /// Nothing but single directions.
+    /// True if the lobe has nothing but single directions.
     pub(super) fn is_mirror(&self) -> bool {
         // Where light passes all but unbent, half vectors are lost to rounding.
         self.slopes.is_mirror() || (self.transmits() && (self.eta - 1.0).abs() < 1e-4)
@@ -267,7 +267,7 @@ impl Facets {
         Some(Local { wi, transmitted: !mirrored, single })
     }
 
-    /// Where it is a mirror, what it sends along its mirrored or refracted direction, and the chance of that choice.
+    /// The value of a mirror along its mirrored or refracted direction, and the probability of that choice.
     pub(super) fn single(&self, transmitted: bool, wo: Vec3A) -> (Rgb, f32) {
         let (reflected, through) = self.fresnel.at(wo.z, self.eta);
         let total = (reflected + through).element_sum();

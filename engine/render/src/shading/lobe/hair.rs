@@ -8,19 +8,19 @@ use crate::shading::fresnel;
 use glam::Vec3A;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_8, LN_2, PI, TAU};
 
-/// What a fibre mirrors, or what comes through it: a Cauchy distribution about the cone of the mirrored ray (the Hair shader).
+/// Light that a fibre reflects or transmits: a Cauchy distribution about the cone of the mirrored ray (the Hair shader).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fibre {
     through: bool,
-    /// Of the cone, radians.
+    /// Tilt of the cone, radians.
     tilt: f32,
     /// Width of the cone's wall, radians.
     width: f32,
-    /// About the fibre.
+    /// Spread about the fibre.
     spread: f32,
     /// Angle of the view to the plane across the fibre.
     view_rad: f32,
-    /// Of the angles' distribution: the tangents' angle at its low end, and how far it goes.
+    /// The tangents' angle at the low end of the angles' distribution, and its extent.
     low: f32,
     span: f32,
 }
@@ -60,7 +60,7 @@ impl Fibre {
         along * about
     }
 
-    /// What the distribution about the fibre is divided by.
+    /// The normalization of the distribution about the fibre.
     fn turns(&self) -> f32 {
         2.0 * (FRAC_PI_2 / self.spread).atan()
     }
@@ -84,7 +84,7 @@ fn direction(sin: f32, cos: f32, turn: f32) -> Vec3A {
 /// Ways through a fibre: mirrored, straight through, mirrored once inside, and all others together.
 const WAYS: usize = 4;
 
-/// Of the variances along the fibre, by way: facets that bend light once tilt it half as much as a mirror, and each mirroring
+/// Factors of the variances along the fibre, by way: facets that bend light once tilt it half as much as a mirror, and each mirroring
 /// inside twice as much.
 const VARIANCE_FACTORS: [f32; WAYS] = [1.0, 0.25, 4.0, 4.0];
 
@@ -92,7 +92,7 @@ const VARIANCE_FACTORS: [f32; WAYS] = [1.0, 0.25, 4.0, 4.0];
 /// tracing"), for one offset from the fibre's middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chiang {
-    /// What goes each way, and the chance of choosing it.
+    /// The part of the light that goes each way, and the probability of choosing that way.
     parts: [(Rgb, f32); WAYS],
     /// Variances along the fibre.
     variances: [f32; WAYS],
@@ -105,19 +105,19 @@ pub(super) struct Chiang {
     cos_o: f32,
 }
 
-/// What a fibre is like.
+/// The properties of a fibre.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::shading) struct FibreShape {
-    /// Absorption by radius.
+    /// Absorption along a radius, by channel.
     pub(in crate::shading) sigma: Rgb,
-    /// Along and about the fibre, 0 to 1.
+    /// Roughness along and about the fibre, 0 to 1.
     pub(in crate::shading) roughness: [f32; 2],
-    /// Less of the roughness for what is mirrored, 0 to 1.
+    /// Reduction of the roughness for mirrored light, 0 to 1.
     pub(in crate::shading) coat: f32,
     pub(in crate::shading) ior: f32,
-    /// Of the scales, radians.
+    /// Tilt of the scales, radians.
     pub(in crate::shading) tilt: f32,
-    /// -1 to 1: where across its width the fibre is met.
+    /// -1 to 1: where across its width the fibre is hit.
     pub(in crate::shading) offset: f32,
 }
 
@@ -166,7 +166,7 @@ impl Chiang {
         self.scale = self.scale.max(least);
     }
 
-    /// What it scatters of all light.
+    /// Albedo of the fibre.
     pub(super) fn albedo(&self) -> Rgb {
         self.parts.iter().map(|part| part.0).sum()
     }
@@ -188,7 +188,7 @@ impl Chiang {
         (value, pdf)
     }
 
-    /// A direction, and whether it is mirrored. The way is chosen by `u_choice`.
+    /// A sampled direction, and true if it is mirrored. The way is chosen by `u_choice`.
     pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> (Vec3A, bool) {
         let (mut way, mut left) = (0, u_choice);
         while way + 1 < WAYS && left >= self.parts[way].1 {
@@ -207,7 +207,7 @@ impl Chiang {
     }
 }
 
-/// Of the distribution along a fibre that is so rough.
+/// Variance of the distribution along a fibre of a roughness.
 fn variance(roughness: f32) -> f32 {
     (0.726 * roughness + 0.812 * roughness * roughness + 3.7 * roughness.powi(20)).powi(2)
 }
@@ -250,18 +250,18 @@ fn log_bessel(x: f32) -> f32 {
     sum.ln()
 }
 
-/// To -pi to pi.
+/// The angle taken to -pi to pi.
 fn wrapped(angle: f32) -> f32 {
     angle - TAU * ((angle + PI) / TAU).floor()
 }
 
-/// Of the logistic distribution within -pi to pi.
+/// Density of the logistic distribution within -pi to pi.
 fn logistic(x: f32, scale: f32) -> f32 {
     let e = (-x.abs() / scale).exp();
     e / (scale * (1.0 + e) * (1.0 + e)) / (1.0 - 2.0 * below(scale))
 }
 
-/// What of the whole distribution is below -pi.
+/// The part of the whole distribution below -pi.
 fn below(scale: f32) -> f32 {
     1.0 / (1.0 + (PI / scale).exp())
 }
@@ -294,7 +294,7 @@ mod tests {
         shapes.flat_map(|shape| views().map(move |wo| Chiang::new(&shape, wo)))
     }
 
-    /// Over all directions, by their angles along the fibre and about it.
+    /// The integral over all directions, by their angles along the fibre and about it.
     fn integral(of: impl Fn(Vec3A) -> f32) -> f32 {
         let n = 400;
         let step = |i: u32| (i as f32 + 0.5) / n as f32;
@@ -305,7 +305,7 @@ mod tests {
         (0..n * n).map(part).sum::<f32>() * PI * TAU / (n * n) as f32
     }
 
-    /// What a white fibre does not absorb comes out, and the density is one.
+    /// Light that a white fibre does not absorb comes out, and the density integrates to one.
     #[test]
     fn a_clear_fibre_keeps_all_light() {
         for (tilt, fibre) in [0.0, 0.035].into_iter().flat_map(|tilt| fibres(tilt).map(move |fibre| (tilt, fibre))) {

@@ -13,7 +13,7 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 pub(super) struct OrenNayar {
     a: f32,
     b: f32,
-    /// Of the light between grooves, all but the factor of the other direction.
+    /// The light between grooves, all but the factor of the other direction.
     multiple: Rgb,
 }
 
@@ -34,7 +34,7 @@ impl OrenNayar {
         lobe
     }
 
-    /// What single scattering leaves of white light at that cosine.
+    /// Albedo of single scattering for white light at a cosine.
     fn single_albedo(&self, cos: f32) -> f32 {
         let g = if cos < 1e-6 {
             // The limit, where a tangent would be infinite.
@@ -115,12 +115,12 @@ impl Microfiber {
         (Self { a, b }, albedo.clamp(0.0, 1.0))
     }
 
-    /// Whether there is anything to see of it.
+    /// True if the lobe scatters a visible amount.
     pub(super) fn is_valid(&self) -> bool {
         self.a > 1e-5
     }
 
-    /// Its value times cosine, which is its density.
+    /// The lobe's value times cosine, which is its density.
     pub(super) fn density(&self, wi: Vec3A) -> f32 {
         let (x, y) = (self.a * wi.x + self.b * wi.z, self.a * wi.y);
         let length2 = x * x + y * y + wi.z * wi.z;
@@ -194,7 +194,7 @@ impl AshikhminShirley {
         2.0 / alpha.clamp(1e-4, 1.0).powi(2) - 2.0
     }
 
-    /// Makes it at least so wide along both axes.
+    /// Makes the lobe at least so wide along both axes.
     pub(super) fn widen(&mut self, alpha: f32) {
         self.exponents = self.exponents.map(|own| own.min(Self::exponent_of(alpha)));
     }

@@ -17,7 +17,7 @@ use hair::{Chiang, Fibre};
 use matte::{AshikhminShirley, Microfiber, OrenNayar, Toon, Velvet};
 use std::f32::consts::FRAC_1_PI;
 
-/// What a lobe scatters.
+/// The scattering model of a lobe.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Lambert,
@@ -36,23 +36,23 @@ enum Kind {
 
 /// A direction that a lobe chose, in its frame.
 pub(super) struct Local {
-    /// Unit.
+    /// The direction, unit.
     pub(super) wi: Vec3A,
-    /// Meant to go through the surface; a mirrored one that does is lost.
+    /// True if the direction is meant to go through the surface; a mirrored one that does is lost.
     pub(super) transmitted: bool,
-    /// Of a mirror: what it sends there, and the chance of that choice within the lobe.
+    /// For a mirror: the value in that direction, and the probability of that choice within the lobe.
     pub(super) single: Option<(Rgb, f32)>,
 }
 
 /// One lobe seen from one direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lobe {
-    /// What it counts.
+    /// Weight of the lobe.
     pub(super) weight: Rgb,
-    /// How much it is worth being chosen; of all lobes together 1 in the end.
+    /// Probability of the lobe's choice, up to a factor; of all lobes together 1 in the end.
     pub(super) chance: f32,
     frame: [Vec3A; 3],
-    /// In the frame.
+    /// The view, in the frame.
     wo: Vec3A,
     kind: Kind,
 }
@@ -85,7 +85,7 @@ impl Lobe {
         Self::new(weight, warp::frame(normal), wo, |_| Kind::Velvet(Velvet::new(sigma)))
     }
 
-    /// `None` where there is nothing to see of it.
+    /// The lobe of cloth by transformed cosines; `None` if there is nothing to see of it.
     pub(super) fn microfiber(weight: Rgb, roughness: f32, normal: Vec3A, wo: Vec3A) -> Option<Self> {
         let (cloth, albedo) = Microfiber::new(roughness, normal.dot(wo));
         let x = (wo - normal * normal.dot(wo)).normalize_or(warp::frame(normal)[0]);
@@ -103,7 +103,7 @@ impl Lobe {
         Self::new(weight, frame, wo, |_| Kind::AshikhminShirley(AshikhminShirley::new(alpha)))
     }
 
-    /// `albedo` is about what it scatters in all, for its chance.
+    /// A lobe of facets. `albedo` is an approximation of its albedo, for the probability of its choice.
     pub(super) fn facets(
         weight: Rgb,
         albedo: Rgb,
@@ -156,28 +156,28 @@ impl Lobe {
         self.frame[2]
     }
 
-    /// Beyond over before, where it refracts.
+    /// Index of refraction beyond the surface over that before it; `None` if the lobe does not refract.
     pub(super) fn relative_index(&self) -> Option<f32> {
         if let Kind::Facets(facets) = &self.kind { facets.transmits().then_some(facets.eta) } else { None }
     }
 
-    /// Whether any light comes through the surface.
+    /// True if any light comes through the surface.
     pub(super) fn transmits(&self) -> bool {
         matches!(self.kind, Kind::Translucent) || self.is_hair() || self.relative_index().is_some()
     }
 
-    /// Whether it scatters about a fibre, and so asks nothing of the surface's sides.
+    /// True if the lobe scatters about a fibre, independent of the surface's sides.
     #[inline]
     pub(super) fn is_hair(&self) -> bool {
         matches!(self.kind, Kind::Fibre(_) | Kind::Chiang(_))
     }
 
-    /// Whether light that it takes comes out elsewhere.
+    /// True if light that it takes comes out elsewhere.
     pub(super) fn is_body(&self) -> bool {
         matches!(self.kind, Kind::Body(_))
     }
 
-    /// Single directions alone.
+    /// True if the lobe has single directions alone.
     pub(super) fn is_mirror(&self) -> bool {
         match &self.kind {
             Kind::Facets(facets) => facets.is_mirror(),
@@ -187,7 +187,7 @@ impl Lobe {
         }
     }
 
-    /// Whether a path that it scatters counts as diffuse.
+    /// True if a path that it scatters counts as diffuse.
     pub(super) fn scatters_evenly(&self) -> bool {
         use Kind::{Body, Lambert, Microfiber, OrenNayar, Translucent, Velvet};
         match &self.kind {
@@ -215,7 +215,7 @@ impl Lobe {
         }
     }
 
-    /// What it scatters in all, mirrored or not, and what of it is let through where that is told apart.
+    /// Albedos of the lobe, mirrors included: in all or of reflection, and of transmission where that is told apart.
     pub(super) fn albedos(&self) -> [Rgb; 2] {
         let both = match &self.kind {
             Kind::Facets(facets) => facets.albedos(self.wo),
@@ -225,12 +225,12 @@ impl Lobe {
         both.map(|albedo| albedo * self.weight)
     }
 
-    /// Of facets, the product of their widths; 1 of all that is broad.
+    /// The product of the widths of facets; 1 for broad lobes.
     pub(super) fn width_squared(&self) -> f32 {
         if let Kind::Facets(facets) = &self.kind { facets.width_squared() } else { 1.0 }
     }
 
-    /// Makes it at least so wide, of those that Cycles blurs (`bsdf_blur` in bsdf.h): facets and Principled Hair.
+    /// Makes the lobe at least so wide, of those that Cycles blurs (`bsdf_blur` in bsdf.h): facets and Principled Hair.
     pub(super) fn widen(&mut self, alpha: f32) {
         match &mut self.kind {
             Kind::Facets(facets) => facets.widen(alpha, self.wo),
@@ -240,7 +240,7 @@ impl Lobe {
         }
     }
 
-    /// Broad enough for the shadows of a bent normal to show.
+    /// True if the lobe is broad enough for the shadows of a bent normal to show.
     fn is_matte(&self) -> bool {
         use Kind::{Lambert, Microfiber, OrenNayar, Toon, Velvet};
         matches!(self.kind, Lambert | OrenNayar(_) | Velvet(_) | Microfiber(_) | Toon(_))
@@ -304,7 +304,7 @@ impl Lobe {
         }
     }
 
-    /// A direction of its own; what is mirrored or refracted is chosen by `u_choice`.
+    /// A direction that the lobe samples; what is mirrored or refracted is chosen by `u_choice`.
     pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<Local> {
         let (wo, broad) = (self.wo, |wi| Some(Local { wi, transmitted: false, single: None }));
         match &self.kind {
@@ -327,7 +327,7 @@ impl Lobe {
         }
     }
 
-    /// What a mirror sends along `wi`, if that is its direction, and the chance of the choice.
+    /// The value of a mirror along `wi`, if that is its direction, and the probability of the choice.
     pub(super) fn single(&self, transmitted: bool, wi: Vec3A) -> Option<(Rgb, f32)> {
         let Kind::Facets(facets) = &self.kind else { return None };
         if !facets.is_mirror() || self.wo.z <= 0.0 {
@@ -344,9 +344,9 @@ impl Lobe {
     }
 }
 
-/// What is left of light along `wi` where a bump bends the smooth normal to `bent`: the shadows that facets of such slopes
-/// throw on each other, without which those of the bumps would end at a hard edge (Conty Estevez, Lecocq and Stein 2019,
-/// "A microfacet-based shadowing function to solve the bump terminator problem").
+/// The part of light along `wi` that is left where a bump bends the smooth normal to `bent`: the shadows that facets of such slopes throw
+/// on each other, without which those of the bumps would end at a hard edge (Conty Estevez, Lecocq and Stein 2019, "A microfacet-based
+/// shadowing function to solve the bump terminator problem").
 fn terminator(smooth: Vec3A, bent: Vec3A, wi: Vec3A) -> f32 {
     let (across, cos) = (smooth.dot(bent), smooth.dot(wi));
     if cos * across * bent.dot(wi) <= 0.0 {

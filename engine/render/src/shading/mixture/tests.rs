@@ -2,10 +2,9 @@
 //! common kind is the same as a mixture and by its own shorter way.
 
 use super::*;
-use crate::nodes::MaterialValues;
 use crate::sampler::warp;
-use crate::scene::closure::{Principled, SubsurfaceMethod, ThinFilm};
-use crate::scene::material::{Input, Material};
+use crate::scene::closure::{Principled, ThinFilm};
+use crate::scene::material::Material;
 use crate::shading::principled::{Bsdf, PrincipledTables};
 
 type Values = Closure<Rgb, f32>;
@@ -28,39 +27,10 @@ fn glass(roughness: f32, ior: f32, distribution: Distribution) -> Values {
 
 /// Principled as Blender's node starts, but white.
 fn plain() -> Principled<Rgb, f32> {
-    Principled {
-        base_color: Rgb::ONE,
-        metallic: 0.0,
-        roughness: 0.5,
-        ior: 1.5,
-        alpha: 1.0,
-        diffuse_roughness: 0.0,
-        subsurface_weight: 0.0,
-        subsurface_radius: Rgb::ONE,
-        subsurface_scale: 0.05,
-        subsurface_ior: 1.4,
-        subsurface_anisotropy: 0.0,
-        subsurface_method: SubsurfaceMethod::RandomWalk,
-        specular_ior_level: 0.5,
-        specular_tint: Rgb::ONE,
-        anisotropic: 0.0,
-        anisotropic_rotation: 0.0,
-        transmission: 0.0,
-        coat_weight: 0.0,
-        coat_roughness: 0.03,
-        coat_ior: 1.5,
-        coat_tint: Rgb::ONE,
-        sheen_weight: 0.0,
-        sheen_roughness: 0.5,
-        sheen_tint: Rgb::ONE,
-        emission_color: Rgb::ONE,
-        emission_strength: 0.0,
-        film: NO_FILM,
-        multiscatter: true,
-    }
+    Principled { base_color: Rgb::ONE, subsurface_radius: Rgb::ONE, ..Principled::default() }
 }
 
-/// What is white gives back all light where `keeps` is so; `reverses` where light takes a path both ways alike.
+/// A white mixture: it gives back all light where `keeps` is set; `reverses` where light takes a path both ways alike.
 struct Case {
     name: &'static str,
     closures: Vec<(f32, Values)>,
@@ -231,7 +201,7 @@ fn sampled_and_uniform_albedos_agree() {
     }
 }
 
-/// What metals say that they scatter, for the passes of colour, is what they scatter.
+/// Albedos of metals, for the passes of colour, agree with the light that they scatter.
 #[test]
 fn metals_know_their_albedo() {
     let (gold, edge) = (Rgb::new(0.9, 0.6, 0.3), Rgb::new(0.5, 0.8, 1.0));
@@ -290,7 +260,7 @@ fn symmetric_closures_reverse() {
     }
 }
 
-/// What has a shorter way in [`crate::shading::principled`] is the same surface as a mixture.
+/// A surface that has a shorter way in [`crate::shading::principled`] is the same surface as a mixture.
 #[test]
 fn plain_principled_is_the_same_both_ways() {
     for (metallic, transmission, roughness) in
@@ -298,12 +268,12 @@ fn plain_principled_is_the_same_both_ways() {
     {
         let base_color = Rgb::new(0.9, 0.6, 0.3);
         let principled = Principled { base_color, metallic, transmission, roughness, ..plain() };
-        let material = Material { transmission: Input::Constant(transmission), ..Material::default_grey() };
-        let tables = PrincipledTables::new(&material, energy::reflection().clone());
-        let values = MaterialValues { base_color, metallic, roughness, transmission };
+        let material = Material::principled("plain", principled);
+        let plain = material.graph.plain.as_ref().unwrap();
+        let (tables, values) = (PrincipledTables::new(plain, energy::reflection().clone()), plain.constants.unwrap());
         let views = directions().into_iter().flat_map(|d| [(d, false, 0.0), (d, true, 0.0), (d, false, 0.4)]);
         for (wo, backfacing, least_alpha) in views {
-            let mut short = Bsdf::new(&material, &values, &tables, &point(backfacing), wo);
+            let mut short = Bsdf::new(&tables, &values, &point(backfacing), wo);
             let mut long = Mixture::new(&point(backfacing), wo, Vec3A::X, true);
             long.add(1.0, &Closure::Principled(principled), Vec3A::Z);
             long.finish(1.0);

@@ -1,7 +1,8 @@
 //! Every mixture: samples follow their density, energy is conserved, and known limits hold.
 
 use super::*;
-use crate::scene::material::Input;
+use crate::scene::closure::Principled;
+use crate::scene::material::Material;
 
 struct Case {
     metallic: f32,
@@ -26,19 +27,23 @@ const CASES: [Case; 8] = [
     case(0.3, 0.6, 0.5, 0.7, false),
 ];
 
+/// Values and tables of a material that is plain and spatially constant.
+fn plain(material: Material) -> (PlainValues, PrincipledTables) {
+    let plain = material.graph.plain.as_ref().unwrap();
+    (plain.constants.unwrap(), PrincipledTables::new(plain, Arc::new(AlbedoTable::reflection())))
+}
+
 fn bsdf(c: &Case, wo: Vec3A) -> Bsdf {
-    let material = Material {
-        base_color: Input::Constant(Rgb::splat(c.base)),
-        transmission: Input::Constant(c.transmission),
-        ..Material::default_grey()
-    };
-    let tables = PrincipledTables::new(&material, Arc::new(AlbedoTable::reflection()));
-    let values = MaterialValues {
-        base_color: Rgb::splat(c.base),
-        metallic: c.metallic,
-        roughness: c.roughness,
-        transmission: c.transmission,
-    };
+    let (values, tables) = plain(Material::principled(
+        "case",
+        Principled {
+            base_color: Rgb::splat(c.base),
+            metallic: c.metallic,
+            roughness: c.roughness,
+            transmission: c.transmission,
+            ..Principled::default()
+        },
+    ));
     let point = SurfacePoint {
         position: Vec3A::ZERO,
         position_error: 0.0,
@@ -52,7 +57,7 @@ fn bsdf(c: &Case, wo: Vec3A) -> Bsdf {
         strand: crate::surface::NO_STRAND,
         moment: 0,
     };
-    Bsdf::new(&material, &values, &tables, &point, wo)
+    Bsdf::new(&tables, &values, &point, wo)
 }
 
 fn directions() -> [Vec3A; 3] {
@@ -120,9 +125,8 @@ fn white_surfaces_keep_their_energy() {
 }
 
 /// A surface without coat.
-fn plain(wo: Vec3A) -> Bsdf {
-    let material = Material { specular: false, ..Material::default_grey() };
-    let tables = PrincipledTables::new(&material, Arc::new(AlbedoTable::reflection()));
+fn uncoated(wo: Vec3A) -> Bsdf {
+    let (values, tables) = plain(Material::diffuse("uncoated", Rgb::splat(0.8), Rgb::ZERO));
     let point = SurfacePoint {
         position: Vec3A::ZERO,
         position_error: 0.0,
@@ -136,20 +140,19 @@ fn plain(wo: Vec3A) -> Bsdf {
         strand: crate::surface::NO_STRAND,
         moment: 0,
     };
-    let values = MaterialValues { base_color: Rgb::splat(0.8), metallic: 0.0, roughness: 0.5, transmission: 0.0 };
-    Bsdf::new(&material, &values, &tables, &point, wo)
+    Bsdf::new(&tables, &values, &point, wo)
 }
 
 /// A plain Lambert surface is that, and its samples are what it says of them.
 #[test]
 fn without_coat_it_is_lambert() {
     let (n, wi) = (Vec3A::new(0.2, -0.1, 1.0).normalize(), Vec3A::new(0.6, 0.0, 0.8));
-    let value = plain(Vec3A::Z).evaluate(wi).0.x;
+    let value = uncoated(Vec3A::Z).evaluate(wi).0.x;
     assert!((value - 0.8 * n.dot(wi) * FRAC_1_PI).abs() < 1e-6);
     let coated = bsdf(&case(0.0, 0.5, 0.0, 0.8, false), Vec3A::Z).evaluate(wi).0.x;
     assert!((coated - value).abs() > 1e-3);
     for wo in directions() {
-        let b = plain(wo);
+        let b = uncoated(wo);
         // Below the triangle the light ends, though the interpolated normal still sees it.
         assert_eq!(b.evaluate(Vec3A::new(0.995, 0.0, -0.0998)), (Rgb::ZERO, 0.0));
         let samples: Vec<BsdfSample> = points(1000, 1).filter_map(|u| b.sample(u[0], [u[1], u[2]])).collect();

@@ -18,13 +18,13 @@ const DIRECTIONS: [usize; 3] = [2, 512, 8192];
 
 /// (1 − transfer) / frequency, as a matrix of colours.
 pub(super) struct Table {
-    /// Of the frequencies, per mm.
+    /// The first of the frequencies, per mm.
     first_per_mm: f32,
     count: usize,
     directions: usize,
     /// Width and height of a pixel, mm.
     pixel_mm: [f32; 2],
-    /// By frequency, then by direction; columns of the matrix.
+    /// Columns of the matrix by frequency, then by direction.
     values: Vec<[f32; 9]>,
 }
 
@@ -147,8 +147,8 @@ fn smooth(values: &mut [[f32; 9]], width: f64) {
     }
 }
 
-/// The weight of a frequency in sampling rates, 1 − 3 f² + 2 |f|³: its copies around all multiples of the rate sum to one, and it is zero at all of
-/// them but 0. Its transform, a pixel's light, so has the integral one, is zero at all other pixels' middles, falls as the fourth
+/// The weight of a frequency in sampling rates, 1 − 3 f² + 2 |f|³: its copies around all multiples of the rate sum to one, and it is zero
+/// at all of them but 0. Its transform, a pixel's light, so has the integral one, is zero at all other pixels' middles, falls as the fourth
 /// power of the distance, and is nowhere below −2.2 %.
 fn weight(frequency: f32) -> f32 {
     let x = frequency.abs().min(1.0);

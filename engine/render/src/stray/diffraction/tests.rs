@@ -44,7 +44,7 @@ fn fine_pixels_see_airys_pattern() {
     assert!(least > -1e-6 * found[64 * 129 + 64].y, "{least}");
 }
 
-/// Where pixels are much larger than the pattern, nothing but tails is left of it: the geometric picture.
+/// Pixels much larger than the pattern show only its tails: the geometric picture.
 #[test]
 fn coarse_pixels_see_no_diffraction() {
     let size = [129, 97];

@@ -1,4 +1,4 @@
-//! Which ghosts are bright enough to be seen.
+//! The choice of the ghosts that are bright enough to be seen.
 
 use super::super::sources::Source;
 use crate::camera::straying::StrayLens;
@@ -12,17 +12,17 @@ use rayon::prelude::*;
 /// A ghost of a source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Candidate {
-    /// Its number.
+    /// The number of the ghost's source.
     pub(super) source: usize,
-    /// The number of its path.
+    /// The number of the ghost's path.
     pub(super) path: usize,
     /// Luminance in the picture, evenly over its bounds.
     pub(super) value: f32,
-    /// Its bounds' corners, pixels from the picture's lower left corner.
+    /// Corners of the ghost's bounds, pixels from the picture's lower left corner.
     pub(super) bounds: [DVec2; 2],
-    /// How far its images at the ends of the spectrum lie apart, pixels.
+    /// Distance between the ghost's images at the ends of the spectrum, pixels.
     pub(super) spread_px: f64,
-    /// How far the image of the source's edge lies from that of its middle, pixels.
+    /// Distance between the images of the source's edge and of its middle, pixels.
     pub(super) blur_px: f64,
 }
 
@@ -30,7 +30,7 @@ pub(super) struct Candidate {
 pub(super) const LINES_NM: [f64; 3] = [440.0, 550.0, 640.0];
 /// Bounds hold a ghost's light unevenly; the brightest parts of most ghosts are no more than so many times as bright.
 const PEAK: f32 = 4.0;
-/// Along each side of the picture, where it is counted what the left out add.
+/// Number of cells along each side of the picture in which the light that is left out is summed.
 const CELLS: usize = 24;
 
 /// All ghosts of all sources that reach the picture.
@@ -98,7 +98,7 @@ fn brightness(
     (value > 0.0 && value.is_finite()).then_some((value, [low, high]))
 }
 
-/// Those that are simulated, and what the others could add to a pixel at most: the weakest go as long as what all of them could add
+/// The ghosts that are simulated, and the most that the others could add to a pixel: the weakest go as long as what all of them could add
 /// stays within the tolerance, wherever they lie over each other.
 pub(super) fn keep(mut found: Vec<Candidate>, size_px: DVec2, tolerance: f32) -> (Vec<Candidate>, f32) {
     found.sort_by(|a, b| a.value.total_cmp(&b.value));

@@ -30,7 +30,7 @@ pub(super) fn lay(triangles: &[Vec<Triangle>], picture: &mut Picture) {
 struct Rows<'a> {
     light: &'a mut [Rgb],
     width: usize,
-    /// Of the picture.
+    /// The first row, in the picture.
     first: i64,
 }
 

@@ -61,7 +61,7 @@ fn zones_together_are_the_whole() {
     assert!(one.iter().zip(&four).all(|(a, b)| (*a - *b).abs().max_element() < 2e-4));
 }
 
-/// What is no number, or without bound, changes nothing around it.
+/// Pixels that are NaN or infinite change nothing around them.
 #[test]
 fn one_bad_pixel_stays_one() {
     let size = [16, 16];

@@ -1,4 +1,4 @@
-//! Where points lie in the picture, wavelength by wavelength: image heights of the reference data, and the fringes of
+//! Places of points in the picture, wavelength by wavelength: image heights of the reference data, and the fringes of
 //! colour that hero makes of a point off the axis.
 
 use super::exact::Exact;
@@ -48,7 +48,7 @@ fn slope_at(pencil: &[[DVec2; 2]], place: DVec2) -> DVec2 {
     slope + both * places.inverse() * (place - middle)
 }
 
-/// The film point that a chief ray of the reference data meets sees along that ray, at F, d and C alike: what the lens
+/// The film point that a chief ray of the reference data hits sees along that ray, at F, d and C alike: what the lens
 /// does to colours is in the camera to a fiftieth of a pixel.
 #[test]
 fn image_heights_are_those_of_the_reference() {

@@ -21,7 +21,7 @@ use petzval_render::spectrum::FilmSpectrum;
 /// Rays along a side of the grid that looks for the beam first, and then closes in on it.
 const SEARCH: i32 = 160;
 
-/// Of a spectrum with more wavelengths than this, each ray has one; of others all.
+/// Number of wavelengths of a spectrum above which each ray has one; of others all.
 const FEW: usize = 3;
 
 /// A lens before its film.
@@ -31,7 +31,7 @@ pub(crate) struct Exact {
     lines: Vec<Line>,
     picture_mm: DVec2,
     pixels: [u32; 2],
-    /// Where the camera's origin stands.
+    /// The z of the camera's origin, lens space, mm.
     pub(crate) pupil_z_mm: f64,
     mm_per_unit: f64,
 }
@@ -39,13 +39,13 @@ pub(crate) struct Exact {
 /// A wavelength.
 struct Line {
     tracer: Tracer,
-    /// What the middle of the film gets from a world of radiance one.
+    /// Exposure of the middle of the film by a world of radiance one.
     exposure: f64,
-    /// What white light adds to the channels.
+    /// Contribution of white light to the channels.
     white: [f64; 3],
 }
 
-/// What exact rays make of a lamp.
+/// The picture of a lamp by exact rays.
 pub(crate) struct Truth {
     /// Colours, rows from below.
     pub(crate) pixels: Vec<[f64; 3]>,
@@ -55,7 +55,7 @@ pub(crate) struct Truth {
     pub(crate) counts: Vec<[u32; 3]>,
     /// The centroid of the light in the picture, pixels, by channel.
     pub(crate) centroids: [DVec2; 3],
-    /// The root of the mean squared distance from it, pixels.
+    /// The root of the mean squared distance from the centroid, pixels.
     pub(crate) spread_px: f64,
 }
 
@@ -116,13 +116,13 @@ impl Exact {
         Self { system, film, lines, picture_mm, pixels, pupil_z_mm, mm_per_unit }
     }
 
-    /// From camera space, Blender units, to lens space, mm.
+    /// A place of camera space, Blender units, in lens space, mm.
     pub(crate) fn to_lens(&self, at: DVec3) -> DVec3 {
         at * self.mm_per_unit + DVec3::new(0.0, 0.0, self.pupil_z_mm)
     }
 
-    /// Where a ray behind the lens arrives: pixels from the lower left corner of the picture, which is the film turned
-    /// by half a turn.
+    /// The place at which a ray behind the lens arrives: pixels from the lower left corner of the picture, which is the
+    /// film turned by half a turn.
     fn arrive(&self, ray: &Ray) -> Option<DVec2> {
         let at = DVec2::from(self.film.frame().meet(ray)?);
         Some((DVec2::splat(0.5) - at / self.picture_mm) * self.pixels_f64())

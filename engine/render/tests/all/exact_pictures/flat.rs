@@ -7,7 +7,7 @@ use super::studio::{lens, white_world};
 use crate::cameras::camera;
 use petzval_render::camera::CameraDescription;
 use petzval_render::film::TILE_SIZE;
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::sampler::warp::Filter;
@@ -23,7 +23,7 @@ struct Field {
 
 impl Field {
     fn new(
-        stage: &Arc<Stage>,
+        stage: &Arc<PreparedScene>,
         d: &CameraDescription,
         pipeline: Pipeline,
         size: [u32; 2],
@@ -51,7 +51,7 @@ impl Field {
         Self { size: size.map(|n| n as usize), shots: (0..SEEDS as u32).map(one).collect() }
     }
 
-    /// The same with so much more light along both sides of each tile's edges.
+    /// A copy of these pictures with so much more light along both sides of each tile's edges.
     fn rippled(&self, by: f64) -> Self {
         let tile = TILE_SIZE as usize;
         let ripple = |i: usize| {
@@ -109,7 +109,7 @@ impl Field {
     }
 }
 
-/// In standard errors.
+/// Scores in standard errors.
 #[derive(Debug)]
 struct Scores {
     worst: f64,

@@ -13,8 +13,8 @@ const PIXELS: [u32; 2] = [96, 64];
 
 /// The plane of sharp focus, camera space in Blender units: a point and a normal.
 ///
-/// It goes through the hinge, the line in which the object focal plane meets the plane parallel to the film through the
-/// object principal point (Merklinger 1992), and through the point of the axis that is focused on.
+/// The plane goes through the hinge, the line in which the object focal plane meets the plane parallel to the film
+/// through the object principal point (Merklinger 1992), and through the point of the axis that is focused on.
 fn hinge_plane(exact: &Exact, d: &CameraDescription) -> [DVec3; 2] {
     let info = Paraxial::new(&exact.system, d.wavelength_nm.unwrap());
     let distance_mm = 1000.0 * d.focus_distance.unwrap();

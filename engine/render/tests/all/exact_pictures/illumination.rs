@@ -1,4 +1,4 @@
-//! How bright a uniform world is from the middle of the film to its corner: closed forms where there are some, else
+//! Brightness of a uniform world from the middle of the film to its corner: closed forms where there are some, else
 //! exact rays counted.
 
 use super::noise::photographs;
@@ -58,7 +58,7 @@ impl Counter {
             let cosines = (direction.z * direction.dot(film.normal)).abs();
             if passes { cosines / to.length_squared() } else { 0.0 }
         };
-        // A bulging rear glass is met beyond its rim's shadow on the plane.
+        // A bulging rear glass is hit beyond its rim's shadow on the plane.
         let mut bounds = [DVec2::splat(-1.3 * self.rear_radius_mm), DVec2::splat(1.3 * self.rear_radius_mm)];
         for side in [SEARCH, SEARCH, COUNT] {
             let size = bounds[1] - bounds[0];
@@ -84,7 +84,7 @@ impl Counter {
     }
 }
 
-/// What the camera makes of a white world at a picture point.
+/// The camera's brightness of a white world at a picture point.
 fn by_camera(camera: &Camera, p: Vec2) -> f64 {
     let n = 16_384;
     let point = |i| sobol_burley::sample_4d(i, 0, 3);
@@ -124,8 +124,8 @@ fn behind_a_rear_stop_light_falls_off_by_the_closed_form() {
     }
 }
 
-/// From the middle to the corner, for a wide angle, telephoto, double Gauss, fisheye, mirror lens, a retina and a film
-/// that is turned.
+/// Vignetting from the middle to the corner, for a wide angle, telephoto, double Gauss, fisheye, mirror lens, a retina
+/// and a film that is turned.
 #[test]
 fn vignetting_is_that_of_counted_rays() {
     let film = |name: &str, width: f64, f_number: Option<f64>| CameraDescription {
@@ -162,7 +162,7 @@ fn vignetting_is_that_of_counted_rays() {
     }
 }
 
-/// The same in pictures, by every pipeline: middle, edge and corner of two lenses.
+/// Pictures of a white world by every pipeline fall off as counted rays do: middle, edge and corner of two lenses.
 #[test]
 fn pictures_of_a_white_world_fall_off_as_counted() {
     const PIXELS: [u32; 2] = [12, 8];

@@ -3,7 +3,7 @@
 use super::exact::Truth;
 use super::studio::{Exposure, shoot};
 use petzval_render::camera::CameraDescription;
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use std::sync::Arc;
 
 /// Photographs of each kind.
@@ -17,7 +17,7 @@ pub(crate) struct Mean {
     shots: Vec<Vec<[f64; 3]>>,
 }
 
-pub(crate) fn photographs(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure) -> Mean {
+pub(crate) fn photographs(stage: &Arc<PreparedScene>, d: &CameraDescription, e: &Exposure) -> Mean {
     let shots: Vec<_> = (0..SEEDS).map(|k| shoot(stage, d, e, 100 + k)).collect();
     let n = f64::from(SEEDS);
     let one = |i: usize, c: usize| {
@@ -28,12 +28,12 @@ pub(crate) fn photographs(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposur
     Mean { pixels, size: e.pixels.map(|p| p as usize), shots }
 }
 
-/// How well photographs fit the truth.
+/// The fit of photographs to the truth.
 #[derive(Debug)]
 pub(crate) struct Fit {
     /// Mean of the squared differences over their variances, over the pixels where light is expected.
     pub(crate) chi2: f64,
-    /// Of them.
+    /// Number of pixels where light is expected.
     pub(crate) pixels: usize,
     /// The photographs' light over the truth's, and its standard error.
     pub(crate) light: [f64; 2],
@@ -44,7 +44,7 @@ pub(crate) struct Fit {
 /// A pixel that is compared.
 struct Pixel {
     truth: f64,
-    /// Variance of the truth, if its rays came by chance.
+    /// Variance of the truth, if its rays were random.
     truth_error2: f64,
     value: f64,
     error2: f64,
@@ -115,7 +115,7 @@ impl Fit {
         assert!(self.is_good(), "{what}: {self:?}");
     }
 
-    /// For what must be told from the truth.
+    /// Asserts that a wrong picture is told from the truth.
     pub(crate) fn check_not(&self, what: &str) {
         println!("not {what}: {self:.3?}");
         assert!(!self.is_good(), "{what} fits as well: {self:?}");

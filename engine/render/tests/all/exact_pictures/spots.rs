@@ -1,4 +1,4 @@
-//! What a lens makes of a far point: the shape of its spot, pixel by pixel, by every pipeline.
+//! The spot of a far point through a lens: its shape, pixel by pixel, by every pipeline.
 
 use super::exact::{Exact, Truth};
 use super::noise::photographs;

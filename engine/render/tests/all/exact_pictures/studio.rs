@@ -4,11 +4,11 @@ use crate::cameras::camera;
 use glam::{DMat4, DVec3, Vec3};
 use petzval_render::Rgb;
 use petzval_render::camera::{CameraDescription, Model, Spectrum};
-use petzval_render::integrator::Stage;
+use petzval_render::integrator::PreparedScene;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
 use petzval_render::sampler::warp::Filter;
-use petzval_render::scene::material::{Input, Material};
+use petzval_render::scene::material::Material;
 use petzval_render::scene::{SceneBuilder, mesh::MeshDescription, world::World};
 use std::path::Path;
 use std::sync::Arc;
@@ -30,12 +30,12 @@ pub(crate) fn lens(name: &str) -> CameraDescription {
     }
 }
 
-/// The same in three wavelengths, one for each channel.
+/// The camera in three wavelengths, one for each channel.
 pub(crate) fn in_three(d: &CameraDescription) -> CameraDescription {
     CameraDescription { wavelength_nm: None, spectrum: Spectrum::Three, ..d.clone() }
 }
 
-/// A square that glows with radiance one, upright before the camera.
+/// A square that emits radiance one, upright before the camera.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lamp {
     /// Camera space, Blender units.
@@ -45,7 +45,7 @@ pub(crate) struct Lamp {
 }
 
 /// Lamps in the dark.
-pub(crate) fn lamps(list: &[Lamp]) -> Arc<Stage> {
+pub(crate) fn lamps(list: &[Lamp]) -> Arc<PreparedScene> {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let square = MeshDescription {
         name: "lamp".into(),
@@ -53,30 +53,25 @@ pub(crate) fn lamps(list: &[Lamp]) -> Arc<Stage> {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Default::default()
     };
-    let glow = Material {
-        base_color: Input::Constant(Rgb::ZERO),
-        specular: false,
-        emission_strength: 1.0,
-        ..Material::default_grey()
-    };
+    let glow = Material::diffuse("glow", Rgb::ZERO, Rgb::ONE);
     let mut builder = SceneBuilder::new();
     let mesh = builder.add_mesh(square).unwrap();
-    let material = builder.add_material(glow).unwrap();
+    let material = builder.add_material(glow);
     for lamp in list {
         let place = DMat4::from_translation(lamp.at) * DMat4::from_scale(DVec3::splat(lamp.half_side));
         builder.add_instance("lamp", mesh, place, &[material], true, true).unwrap();
     }
-    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+    Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
 /// A world of radiance one and nothing else.
-pub(crate) fn white_world() -> Arc<Stage> {
+pub(crate) fn white_world() -> Arc<PreparedScene> {
     let mut builder = SceneBuilder::new();
     builder.set_world(World { color: Rgb::ONE, ..Default::default() }).unwrap();
-    Arc::new(Stage::new(builder.build(DVec3::ZERO)))
+    Arc::new(PreparedScene::new(builder.build(DVec3::ZERO)))
 }
 
-/// How a picture is taken. Pixels are squares without overlap, so that no filter is between them and the truth.
+/// The settings of a picture. Pixels are squares without overlap, so that no filter is between them and the truth.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Exposure {
     pub(crate) pixels: [u32; 2],
@@ -85,7 +80,7 @@ pub(crate) struct Exposure {
 }
 
 /// One photograph: colours, rows from below.
-pub(crate) fn shoot(stage: &Arc<Stage>, d: &CameraDescription, e: &Exposure, seed: u32) -> Vec<[f64; 3]> {
+pub(crate) fn shoot(stage: &Arc<PreparedScene>, d: &CameraDescription, e: &Exposure, seed: u32) -> Vec<[f64; 3]> {
     let [width, height] = e.pixels;
     let settings = Settings {
         width,

@@ -35,8 +35,8 @@ fn lenses() -> [(&'static str, CameraDescription); 7] {
     ]
 }
 
-/// How two pictures differ, in standard errors: by block and channel, and over the whole picture. Both show the same in
-/// every pixel but for noise, so that the spread of the differences over parts of a block is noise alone.
+/// The difference of two pictures, in standard errors: by block and channel, and over the whole picture. Both show the same in every pixel
+/// but for noise, so that the spread of the differences over parts of a block is noise alone.
 struct Difference {
     blocks: Vec<f64>,
     whole: [f64; 3],
@@ -78,7 +78,8 @@ fn difference(a: &[[f32; 4]], b: &[[f32; 4]]) -> Difference {
     Difference { blocks, whole: whole.map(|(mean, error)| mean / error), noise }
 }
 
-/// Seven lenses, each with three of five scenes (all five in `make test-all`), whose light comes from lamps, glowing meshes and the sky. Hero is the measure.
+/// Seven lenses, each with three of five scenes (all five in `make test-all`), whose light comes from lamps, glowing meshes and the sky.
+/// Hero is the measure.
 ///
 /// A comparison's noise is 1 to 10 % of the picture's mean, about 2 % for half of them: a pipeline that is wrong by 2.5 %
 /// through every lens is told by all 19 together, and through a single one by 10 %; one that is wrong by half in one

@@ -34,7 +34,7 @@ fn by_tracing_again(case: &Case, truth: &Truth, precision: Precision) -> Sensiti
     worst
 }
 
-/// How many numbers move the ray: all but semi-diameter, obstruction and side.
+/// Count of the numbers that move the ray: all but semi-diameter, obstruction and side.
 fn moving_numbers(case: &Case) -> usize {
     let mut count = 0;
     case.clone().for_each_number(|_| count += 1);

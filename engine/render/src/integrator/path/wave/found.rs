@@ -1,25 +1,25 @@
-//! Light that a path's ray meets: of lamps, of the sky, and of the surface at its end.
+//! Light that a path's ray hits: of lamps, of the sky, and of the surface at its end.
 
-use super::super::notes::Notes;
+use super::super::notes::AovSink;
 use super::super::{Limits, PathResult};
 use super::Path;
 use crate::Rgb;
 use crate::accel::Hit;
-use crate::integrator::Stage;
-use crate::lights::{Line, Shining};
+use crate::integrator::PreparedScene;
+use crate::lights::{LightHit, Line};
 use crate::nodes::{self, View};
-use crate::scene::visibility::Sets;
+use crate::scene::visibility::LightSets;
 use crate::surface::SurfacePoint;
 
-/// What a path has found.
+/// The result and the notes of one path, to add light to.
 pub(super) struct Found<'a, N> {
-    /// Its number.
+    /// The number of the path.
     pub(super) path: u32,
     pub(super) result: &'a mut PathResult,
     pub(super) notes: &'a mut N,
 }
 
-impl<N: Notes> Found<'_, N> {
+impl<N: AovSink> Found<'_, N> {
     /// Adds light of an emitter of that group.
     #[inline(always)]
     pub(super) fn add(&mut self, of: N::Of, light: Rgb) {
@@ -29,15 +29,15 @@ impl<N: Notes> Found<'_, N> {
 }
 
 impl Path {
-    /// How what it meets is looked at.
+    /// The view along the path's ray at the hit at this distance.
     pub(super) fn view(&self, distance: f32) -> View {
         View::along(&self.ray, distance, self.way)
     }
 
-    /// Whether light that the ray found counts: not where its emitter does not light the object that it comes from, nor
-    /// where it has shadows of its own, which the ray knows nothing of.
+    /// True if light that the ray found counts: not where light linking excludes the object that the ray comes from
+    /// from its emitter's receivers, nor where the emitter has blockers of its own, of which the ray knows nothing.
     #[inline(always)]
-    pub(super) fn finds(&self, stage: &Stage, sets: impl FnOnce() -> Sets) -> bool {
+    pub(super) fn finds(&self, stage: &PreparedScene, sets: impl FnOnce() -> LightSets) -> bool {
         if !stage.lights.is_linked() || self.way.is_camera() {
             return true;
         }
@@ -46,17 +46,23 @@ impl Path {
         stage.scene.instances[self.from as usize].links.takes_light_of(sets) && (is_alone || sets.blockers == 0)
     }
 
-    /// Adds the light of lamps that the ray meets within `t_max` of where it was scattered: from there a light sample
+    /// Adds the light of lamps that the ray hits within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     #[inline(always)]
-    pub(super) fn lamps_before<N: Notes>(&self, stage: &Stage, limits: &Limits, t_max: f32, found: &mut Found<'_, N>) {
+    pub(super) fn lamps_before<N: AovSink>(
+        &self,
+        stage: &PreparedScene,
+        limits: &Limits,
+        t_max: f32,
+        found: &mut Found<'_, N>,
+    ) {
         if stage.scene.lamps.is_empty() {
             return;
         }
         let to = self.chosen.receiver();
-        let Stage { scene, lights, .. } = stage;
+        let PreparedScene { scene, lights, .. } = stage;
         let line = Line { from: self.start, towards: self.ray.direction, t_max };
-        lights.lamps_along(scene, line, self.way, to, |Shining { source, radiance, pdf, .. }| {
+        lights.lamps_along(scene, line, self.way, to, |LightHit { source, radiance, pdf, .. }| {
             if !self.finds(stage, || lights.sets(source)) {
                 return;
             }
@@ -69,7 +75,7 @@ impl Path {
 
     /// Adds the light of the world and of suns.
     #[inline(always)]
-    pub(super) fn sky<N: Notes>(&self, stage: &Stage, limits: &Limits, found: &mut Found<'_, N>) {
+    pub(super) fn sky<N: AovSink>(&self, stage: &PreparedScene, limits: &Limits, found: &mut Found<'_, N>) {
         let to = self.chosen.receiver();
         if self.way.is_camera() && limits.hide_sky {
             return;
@@ -80,7 +86,7 @@ impl Path {
             self.ray.direction,
             self.way,
             to,
-            |Shining { source, radiance, pdf, .. }| {
+            |LightHit { source, radiance, pdf, .. }| {
                 if !self.finds(stage, || stage.lights.sets(source)) {
                     return;
                 }
@@ -94,22 +100,29 @@ impl Path {
         );
     }
 
-    /// Notes how much of what the camera sees there is a hole; whether all of it is.
+    /// Notes how much of what the camera sees there is a hole; true if all of it is.
     #[cold]
     #[inline(never)]
-    fn falls_into(&self, stage: &Stage, hit: &Hit, point: &SurfacePoint, kept: f32, result: &mut PathResult) -> bool {
+    fn falls_into(
+        &self,
+        stage: &PreparedScene,
+        hit: &Hit,
+        point: &SurfacePoint,
+        kept: f32,
+        result: &mut PathResult,
+    ) -> bool {
         let material = &stage.scene.materials[point.material as usize];
         let view = self.view(self.travelled + hit.t);
         let place = [hit.instance, hit.triangle];
-        let hole = nodes::hole(material, stage.around(), place, point.barycentric, &view) * kept;
+        let hole = nodes::holdout(material, stage.around(), place, point.barycentric, &view) * kept;
         result.hole += hole * self.throughput.element_sum() / 3.0;
         hole >= 1.0
     }
 
-    /// Adds the light of the surface that the ray meets; true where the path ends, in a hole.
-    pub(super) fn emission<N: Notes>(
+    /// Adds the light of the surface that the ray hits; true if the path ends, in a hole.
+    pub(super) fn emission<N: AovSink>(
         &self,
-        stage: &Stage,
+        stage: &PreparedScene,
         limits: &Limits,
         hit: &Hit,
         point: &SurfacePoint,
@@ -117,7 +130,7 @@ impl Path {
         found: &mut Found<'_, N>,
     ) -> bool {
         let material = &stage.scene.materials[point.material as usize];
-        if !material.speaks {
+        if !material.emits_or_holds_out {
             return false;
         }
         if self.way.is_camera() && material.may_hold_out() && self.falls_into(stage, hit, point, kept, found.result) {

@@ -1,18 +1,18 @@
-//! What happens where a path scatters: a sample of the lights, and a direction to go on in.
+//! The light sample and the next direction at a place where a path scatters.
 
-use super::super::choice::{Chosen, power_heuristic};
-use super::super::notes::Notes;
+use super::super::choice::{MisContext, power_heuristic};
+use super::super::notes::AovSink;
 use super::super::{FastGi, Limits, leave, terminator};
 use super::Path;
 use super::found::Found;
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::integrator::Stage;
-use crate::lights::{LightSample, receiver::Receiver};
-use crate::nodes::Way;
+use crate::integrator::PreparedScene;
+use crate::lights::{LightSample, receiver::LightSampleContext};
+use crate::nodes::PathState;
 use crate::sampler::warp;
-use crate::scene::visibility::{Rays, Sets};
-use crate::shading::{LobeShares, Parted, Scattering};
+use crate::scene::visibility::{LightSets, Rays};
+use crate::shading::{LobeDecomposition, LobeShares, Scattering};
 use crate::surface::SurfacePoint;
 use glam::Vec3A;
 
@@ -21,15 +21,15 @@ pub(super) struct Shadow<Of> {
     pub(super) path: u32,
     pub(super) ray: Ray,
     pub(super) light: Rgb,
-    pub(super) way: Way,
-    pub(super) sets: Sets,
+    pub(super) way: PathState,
+    pub(super) sets: LightSets,
     pub(super) of: Of,
 }
 
-/// Where a path scatters.
+/// A place where a path scatters.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
-    pub(super) stage: &'a Stage,
+    pub(super) stage: &'a PreparedScene,
     pub(super) limits: &'a Limits,
     pub(super) point: &'a SurfacePoint,
     /// The shading normal, bent where a displacement bends it.
@@ -41,14 +41,14 @@ pub(super) struct Place<'a> {
 impl Place<'_> {
     /// A sample of the lights. Gives the receiver that it was for; `None` of a surface that no light sample can light.
     #[inline(always)]
-    pub(super) fn light<N: Notes>(
+    pub(super) fn light<N: AovSink>(
         &self,
         path: &Path,
         found: &mut Found<'_, N>,
         shadows: &mut Vec<Shadow<N::Of>>,
-        bsdf: &(impl Scattering + Parted),
+        bsdf: &(impl Scattering + LobeDecomposition),
         [u_light, u0, u1]: [f32; 3],
-    ) -> Option<Receiver> {
+    ) -> Option<LightSampleContext> {
         let Self { stage, limits, point, normal, share } = *self;
         if bsdf.is_mirror() {
             return None;
@@ -95,14 +95,14 @@ impl Place<'_> {
         links.takes_light_of(light.sets).then_some(LightSample { point_like, ..light })
     }
 
-    /// A direction to go on in; whether there is one.
+    /// Samples the direction in which the path goes on; false if it ends.
     #[inline(always)]
-    pub(super) fn turn<N: Notes>(
+    pub(super) fn turn<N: AovSink>(
         &self,
         path: &mut Path,
         found: &mut Found<'_, N>,
-        bsdf: &(impl Scattering + Parted),
-        to: Option<Receiver>,
+        bsdf: &(impl Scattering + LobeDecomposition),
+        to: Option<LightSampleContext>,
         [u_end, u_lobe, u2, u3]: [f32; 4],
     ) -> bool {
         let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
@@ -118,10 +118,10 @@ impl Place<'_> {
             return false;
         }
         path.chosen = match to.filter(|_| !next.mirror) {
-            None => Chosen::Alone,
+            None => MisContext::Alone,
             Some(to) => {
                 path.least_pdf = path.least_pdf.min(next.pdf);
-                Chosen::WithPdf(next.pdf * self.share, to)
+                MisContext::WithPdf(next.pdf * self.share, to)
             }
         };
         path.travelled = 0.0;
@@ -138,12 +138,12 @@ impl Place<'_> {
     /// mean of the normals, in no pass but the whole picture.
     #[cold]
     #[inline(never)]
-    pub(super) fn ambient<N: Notes>(
+    pub(super) fn ambient<N: AovSink>(
         &self,
         path: &Path,
         found: &Found<'_, N>,
         shadows: &mut Vec<Shadow<N::Of>>,
-        bsdf: &impl Parted,
+        bsdf: &impl LobeDecomposition,
         u: [f32; 2],
     ) {
         let FastGi::Add { distance, factor } = self.limits.approximations.fast_gi else { return };
@@ -154,7 +154,7 @@ impl Place<'_> {
         }
         let d = warp::to_world(&warp::frame(normal), warp::sample_cosine_hemisphere(u)).normalize();
         let ray = Ray { t_max: distance, ..self.point.leaving(leave(self.point, d), d) };
-        let (way, sets, of) = (path.way, Sets::EVERYTHING, found.notes.outside_of_passes());
+        let (way, sets, of) = (path.way, LightSets::EVERYTHING, found.notes.outside_of_passes());
         shadows.push(Shadow { path: found.path, ray, light, way, sets, of });
     }
 }
@@ -163,8 +163,8 @@ impl Place<'_> {
 const LEAST_FIRST_THROUGHPUT: f32 = 0.02;
 
 impl Path {
-    /// Ends faint paths by chance; whether this one goes on. Faint is what has lost much of its light since the first scattering: the
-    /// pixel of a dark surface is dark itself, and its noise counts by that.
+    /// Ends faint paths by Russian roulette; true if this one goes on. A path is faint if it has lost much of its light since the first
+    /// scattering: the pixel of a dark surface is dark itself, and its noise counts by that.
     #[inline(always)]
     pub(super) fn goes_on(&mut self, limits: &Limits, u_end: f32) -> bool {
         let brightest = self.throughput.max_element();

@@ -1,17 +1,17 @@
-//! Paths through volumes: scattered on their way, dimmed on it, lit by what shines there.
+//! Paths through volumes: scattering, transmittance and emission along rays.
 
-use super::super::choice::{Chosen, power_heuristic};
-use super::super::notes::Notes;
+use super::super::choice::{MisContext, power_heuristic};
+use super::super::notes::AovSink;
 use super::super::{Limits, transmittance};
 use super::Path;
 use super::found::Found;
 use super::place::Shadow;
 use crate::Rgb;
 use crate::accel::{Hit, Ray};
-use crate::integrator::Stage;
+use crate::integrator::PreparedScene;
 use crate::integrator::media::{Event, Stack, Stretch};
-use crate::lights::receiver::Receiver;
-use crate::lights::{Line, Shining};
+use crate::lights::receiver::LightSampleContext;
+use crate::lights::{LightHit, Line};
 use crate::nodes::View;
 use crate::nodes::volume::Medium;
 use crate::sampler::hashed::HashedNumbers;
@@ -22,55 +22,55 @@ use crate::surface::SurfacePoint;
 use glam::Vec3A;
 use std::f32::consts::TAU;
 
-/// What a path is in.
-pub(super) struct Inside {
+/// The media that a path is in.
+pub(super) struct MediumState {
     pub(super) stack: Stack,
     /// Scatterings in volumes so far.
     bounces: u32,
 }
 
-/// What a shadow ray goes through, by where it begins; and where its random numbers begin.
-pub(super) struct Veil {
+/// The media that a shadow ray starts in, and the seed of its random numbers.
+pub(super) struct ShadowMedia {
     stack: Stack,
     seed: u64,
 }
 
-/// Where volumes bring a path.
-pub(super) enum Brought {
-    /// To what its ray meets.
-    ToTheEnd,
-    /// It is scattered before that.
-    Elsewhere,
-    /// It ends.
-    Nowhere,
+/// The result of a path's way through volumes.
+pub(super) enum MediumEvent {
+    /// Light comes to the hit of the path's ray.
+    Passed,
+    /// The path is scattered before the hit.
+    Scattered,
+    /// The path ends.
+    Ended,
 }
 
-/// Whether there is nothing at a point but the border of a volume.
-pub(super) fn is_only_volume(stage: &Stage, point: &SurfacePoint) -> bool {
-    stage.scene.materials[point.material as usize].graph.as_ref().is_some_and(|graph| graph.is_only_volume())
+/// True if the surface at a point is only the border of a volume.
+pub(super) fn is_only_volume(stage: &PreparedScene, point: &SurfacePoint) -> bool {
+    stage.scene.materials[point.material as usize].graph.is_only_volume()
 }
 
-impl Inside {
-    /// Where a path begins.
-    pub(super) fn new(stage: &Stage, path: &Path) -> Self {
+impl MediumState {
+    /// The media at the start of a path.
+    pub(super) fn new(stage: &PreparedScene, path: &Path) -> Self {
         Self { stack: Stack::around(stage, &path.ray), bounces: 0 }
     }
 
-    /// Whether scattering in volumes has left a scattering to the path.
+    /// True if the limit of scatterings in volumes allows another.
     pub(super) fn may_scatter(&self, limits: &Limits) -> bool {
         self.bounces <= limits.kinds.volume
     }
 
-    /// Follows a path to what its ray meets, and adds the light of lamps on the way.
-    pub(super) fn bring<N: Notes>(
+    /// Follows a path to what its ray hits, and adds the light of lamps on the way.
+    pub(super) fn bring<N: AovSink>(
         &mut self,
-        stage: &Stage,
+        stage: &PreparedScene,
         limits: &Limits,
         path: &mut Path,
         hit: Option<&Hit>,
         found: &mut Found<'_, N>,
-        shades: (&mut Vec<Shadow<N::Of>>, &mut Vec<Veil>),
-    ) -> Brought {
+        shades: (&mut Vec<Shadow<N::Of>>, &mut Vec<ShadowMedia>),
+    ) -> MediumEvent {
         let t_max = hit.map_or(path.ray.t_max, |hit| hit.t);
         if hit.is_none() {
             self.stack.leave_objects();
@@ -86,9 +86,9 @@ impl Inside {
             &mut HashedNumbers::new([u_distance[2], u_distance[3], u_first[0]]),
         );
         if self.stack.is_empty() {
-            return Brought::ToTheEnd;
+            return MediumEvent::Passed;
         }
-        // A last ray that meets nothing goes on through what fills all space, and may be scattered there; one that meets a surface
+        // A last ray that hits nothing goes on through what fills all space, and may be scattered there; one that hits a surface
         // ends there.
         let is_last = limits.approximations.fast_gi.last_ray(path.way).is_some();
         let t_max = if is_last && hit.is_none() { f32::INFINITY } else { t_max };
@@ -110,10 +110,10 @@ impl Inside {
         match event {
             Event::Absorbed => {
                 found.result.hit = true;
-                Brought::Nowhere
+                MediumEvent::Ended
             }
-            Event::Through if path.throughput == Rgb::ZERO => Brought::Nowhere,
-            Event::Through => Brought::ToTheEnd,
+            Event::Through if path.throughput == Rgb::ZERO => MediumEvent::Ended,
+            Event::Through => MediumEvent::Passed,
             Event::Scattered { distance, medium, density } => {
                 found.result.hit = true;
                 let position = path.ray.origin + path.ray.direction * distance;
@@ -142,13 +142,13 @@ impl Inside {
     /// (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"), or, for light from
     /// infinity, as if the path were scattered for certain. `None` where the medium varies, so that the density along the ray is
     /// not known.
-    fn light_beside<N: Notes>(
+    fn light_beside<N: AovSink>(
         &self,
         limits: &Limits,
         path: &mut Path,
         stretch: &Stretch<'_>,
         found: &mut Found<'_, N>,
-        shades: (&mut Vec<Shadow<N::Of>>, &mut Vec<Veil>),
+        shades: (&mut Vec<Shadow<N::Of>>, &mut Vec<ShadowMedia>),
     ) -> Option<Beside> {
         let stage = stretch.stage;
         if !stage.lights.any_is_sampled() {
@@ -191,15 +191,15 @@ impl Inside {
     }
 
     /// A light sample at a place that this much light comes to.
-    fn light<N: Notes>(
+    fn light<N: AovSink>(
         &self,
         at: &Place<'_>,
         path: &Path,
         throughput: Rgb,
         found: &mut Found<'_, N>,
-        (shadows, veils): (&mut Vec<Shadow<N::Of>>, &mut Vec<Veil>),
+        (shadows, veils): (&mut Vec<Shadow<N::Of>>, &mut Vec<ShadowMedia>),
         [u_light, u0, u1, u_seed]: [f32; 4],
-    ) -> Receiver {
+    ) -> LightSampleContext {
         let Place { stage, limits, position, medium, share } = *at;
         let to = self.receiver(stage, limits, position).at(path.ray.moment);
         let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way) else {
@@ -220,7 +220,7 @@ impl Inside {
             // Where it starts is not on a surface: no rounding moved it off one.
             let ray = Ray { t_max: light.reach(0.0), ..Ray::new(position, light.wi).at(path.ray.moment) };
             shadows.push(Shadow { path: found.path, ray, light: arrives, way: path.way, sets: light.sets, of });
-            veils.push(Veil { stack: self.stack.clone(), seed: seed([u_seed, u_light, u0]) });
+            veils.push(ShadowMedia { stack: self.stack.clone(), seed: seed([u_seed, u_light, u0]) });
         } else {
             found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
         }
@@ -232,10 +232,10 @@ impl Inside {
         &mut self,
         at: &Place<'_>,
         path: &mut Path,
-        to: Receiver,
+        to: LightSampleContext,
         [u_end, u_lobe, u_cos, u_around]: [f32; 4],
-    ) -> Brought {
-        let Some(cos) = at.medium.sample(path.throughput, u_lobe, u_cos) else { return Brought::Nowhere };
+    ) -> MediumEvent {
+        let Some(cos) = at.medium.sample(path.throughput, u_lobe, u_cos) else { return MediumEvent::Ended };
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let (s, c) = (TAU * u_around).sin_cos();
         let wi = warp::to_world(&warp::frame(path.ray.direction), Vec3A::new(sin * c, sin * s, cos)).normalize();
@@ -244,9 +244,9 @@ impl Inside {
         path.way = path.way.scattered_in_volume();
         self.bounces += 1;
         if !path.throughput.is_finite() || !path.goes_on(at.limits, u_end) {
-            return Brought::Nowhere;
+            return MediumEvent::Ended;
         }
-        path.chosen = Chosen::WithPdf(pdf * at.share, to);
+        path.chosen = MisContext::WithPdf(pdf * at.share, to);
         path.least_pdf = path.least_pdf.min(pdf);
         path.travelled = 0.0;
         path.ray = Ray::new(at.position, wi).at(path.ray.moment);
@@ -256,26 +256,26 @@ impl Inside {
         }
         path.start = at.position;
         path.from = self.stack.innermost().unwrap_or(0);
-        Brought::Elsewhere
+        MediumEvent::Scattered
     }
 
-    fn receiver(&self, stage: &Stage, limits: &Limits, position: Vec3A) -> Receiver {
+    fn receiver(&self, stage: &PreparedScene, limits: &Limits, position: Vec3A) -> LightSampleContext {
         match self.stack.innermost() {
             Some(instance) => stage.lights.receiver_on(instance, position, None, limits.openness),
             None => stage.lights.receiver(position, None, limits.openness),
         }
     }
 
-    /// Whether light of an emitter of these sets lights what the path is in.
-    fn takes(&self, stage: &Stage, sets: crate::scene::visibility::Sets) -> bool {
+    /// True if light of an emitter of these sets lights the object whose medium the path is in.
+    fn takes(&self, stage: &PreparedScene, sets: crate::scene::visibility::LightSets) -> bool {
         let links = |instance: u32| &stage.scene.instances[instance as usize].links;
         !stage.lights.is_linked() || self.stack.innermost().is_none_or(|instance| links(instance).takes_light_of(sets))
     }
 
     /// Adds the light of lamps on this stretch of the ray, each as far as it comes through.
-    fn lamps<N: Notes>(
+    fn lamps<N: AovSink>(
         &self,
-        stage: &Stage,
+        stage: &PreparedScene,
         limits: &Limits,
         path: &Path,
         t_max: f32,
@@ -285,10 +285,10 @@ impl Inside {
         if stage.scene.lamps.is_empty() {
             return;
         }
-        let Stage { scene, lights, .. } = stage;
+        let PreparedScene { scene, lights, .. } = stage;
         let (end, to) = (path.travelled + t_max, path.chosen.receiver());
         let line = Line { from: path.start, towards: path.ray.direction, t_max: end };
-        lights.lamps_along(scene, line, path.way, to, |Shining { source, radiance, pdf, distance }| {
+        lights.lamps_along(scene, line, path.way, to, |LightHit { source, radiance, pdf, distance }| {
             if distance <= path.travelled || !path.finds(stage, || lights.sets(source)) {
                 return;
             }
@@ -311,7 +311,7 @@ impl Inside {
         scene: &Scene,
         point: &SurfacePoint,
         shadows: &[Shadow<Of>],
-        veils: &mut Vec<Veil>,
+        veils: &mut Vec<ShadowMedia>,
         u: [f32; 3],
     ) {
         if veils.len() < shadows.len()
@@ -321,7 +321,7 @@ impl Inside {
             if shadow.ray.direction.dot(point.geometric_normal) < 0.0 {
                 stack.cross(scene, point);
             }
-            veils.push(Veil { stack, seed: seed(u) });
+            veils.push(ShadowMedia { stack, seed: seed(u) });
         }
     }
 
@@ -333,34 +333,35 @@ impl Inside {
     }
 }
 
-/// Where light is scattered.
+/// A place in a volume where light is scattered.
 #[derive(Clone, Copy)]
 struct Place<'a> {
-    stage: &'a Stage,
+    stage: &'a PreparedScene,
     limits: &'a Limits,
     position: Vec3A,
     medium: &'a Medium,
-    /// Of the density of light samples here, what is due to following the path: its directions compete with all.
+    /// The part of the density of light samples here that is due to following the path: its directions compete with all.
     share: f32,
 }
 
-/// How the place of a light sample beside a path was chosen.
+/// The choice of a place for a light sample beside a path.
 #[derive(Clone, Copy)]
 enum Beside {
-    /// About a light. Where the path is scattered there is a light sample, too: both share by their densities along the ray.
+    /// Equiangular sampling about a light. Where the path is scattered there is a light sample, too: both share by their densities along
+    /// the ray.
     Pivot(Pivot),
-    /// As if the path were scattered for certain: it is this part of paths. Where the path is scattered there is no light sample.
+    /// Sampling as if the path were scattered for certain: it is this part of paths. Where the path is scattered there is no light sample.
     Scattered { part: f32 },
 }
 
 /// Places along a ray, evenly by the angle under which a point beside it sees them.
 #[derive(Clone, Copy)]
 struct Pivot {
-    /// Along the ray, where it comes closest to the point.
+    /// Distance along the ray at which it comes closest to the point.
     closest: f32,
-    /// The point's distance from it.
+    /// Distance of the point from the ray.
     away: f32,
-    /// The angles of its ends.
+    /// The angles of the ends of the ray.
     angles: [f32; 2],
 }
 
@@ -392,9 +393,9 @@ fn seed(u: [f32; 3]) -> u64 {
     bits(0) ^ (bits(1) << 21) ^ (bits(2) << 42)
 }
 
-impl Veil {
-    /// What of a light sample comes through surfaces and volumes.
-    pub(super) fn light_through<Of>(&self, stage: &Stage, limits: &Limits, shadow: &Shadow<Of>) -> Rgb {
+impl ShadowMedia {
+    /// The part of a light sample's light that surfaces and volumes let through.
+    pub(super) fn light_through<Of>(&self, stage: &PreparedScene, limits: &Limits, shadow: &Shadow<Of>) -> Rgb {
         let Shadow { ray, way, sets, .. } = shadow;
         let scene = &stage.scene;
         let mut left = limits.shadows_pass(*way);

@@ -1,23 +1,23 @@
-//! How a path came to where it is: what Blender's Light Path node tells, and what bounces are counted by.
+//! The path state: the fields of Blender's Light Path node, and the counts of bounces.
 
 use crate::scene::visibility::Rays;
 use petzval_nodes::Field;
 
-/// Of a path's last scattering, what it was; and how many there were of each kind.
+/// The path state: the kind of the last scattering, and the number of scatterings of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 // Moved about as one word.
 #[repr(C, align(8))]
-pub struct Way {
+pub struct PathState {
     is: u8,
-    /// Reflected without a peak; at most 255 are counted.
+    /// Diffuse reflections; at most 255 are counted.
     pub diffuse: u8,
-    /// Reflected about a peak.
+    /// Number of glossy reflections.
     pub glossy: u8,
-    /// Let through and scattered.
+    /// Number of transmissions with scattering.
     pub transmission: u8,
-    /// Scatterings in all.
+    /// Scatterings of all kinds.
     pub depth: u16,
-    /// Surfaces passed unbent.
+    /// Number of surfaces passed unbent.
     pub transparent: u16,
 }
 
@@ -30,16 +30,16 @@ const REFLECTED: u8 = 32;
 const TRANSMITTED: u8 = 64;
 const IN_VOLUME: u8 = 128;
 
-impl Way {
+impl PathState {
     const START: Self = Self { is: 0, depth: 0, diffuse: 0, glossy: 0, transmission: 0, transparent: 0 };
-    /// Straight from the camera.
+    /// The state of a camera ray.
     pub const CAMERA: Self = Self { is: CAMERA, ..Self::START };
-    /// After one diffuse reflection: for who does not know better.
+    /// The state after one diffuse reflection: the default where nothing else is known.
     pub const BOUNCE: Self = Self { is: DIFFUSE | REFLECTED, depth: 1, diffuse: 1, ..Self::START };
-    /// A light that is asked what it sends to the first surface.
+    /// The state for a light that is evaluated at the first surface.
     pub const LIGHT: Self = Self { depth: 1, ..Self::START };
 
-    /// The same after a scattering: without a peak or with one, of which one that has a single direction is the narrowest.
+    /// The path state after a scattering at a surface. `is_matte`: by a diffuse lobe; `is_mirror`: by a lobe of a single direction.
     #[inline]
     #[must_use]
     pub fn scattered(self, is_matte: bool, is_mirror: bool, is_transmitted: bool) -> Self {
@@ -60,47 +60,47 @@ impl Way {
         }
     }
 
-    /// The same after a scattering in a volume.
+    /// The path state after a scattering in a volume.
     #[inline]
     #[must_use]
     pub fn scattered_in_volume(self) -> Self {
         Self { is: IN_VOLUME, depth: self.depth + 1, ..self }
     }
 
-    /// The same after so many scatterings.
+    /// This path state with a depth of so many scatterings.
     #[must_use]
     pub fn at_depth(self, depth: u32) -> Self {
         Self { depth: depth as u16, ..self }
     }
 
-    /// The same behind a surface that it passed unbent.
+    /// The path state behind a surface that was passed unbent.
     #[inline]
     #[must_use]
     pub fn passed(self) -> Self {
         Self { transparent: self.transparent.saturating_add(1), ..self }
     }
 
-    /// Of a ray from there that asks whether light arrives.
+    /// The state of a shadow ray from the place that this path has reached.
     #[inline]
     #[must_use]
     pub fn shadow(self) -> Self {
         Self { is: SHADOW, depth: self.depth + 1, ..self }
     }
 
-    /// Of a light that is asked what it sends there: Blender counts this as one scattering more, and as no kind of ray.
+    /// The state for a light that is evaluated at that place: Blender counts this as one scattering more, and as no kind of ray.
     #[inline]
     #[must_use]
     pub fn light(self) -> Self {
         Self { is: 0, depth: self.depth + 1, ..self }
     }
 
-    /// Whether nothing scattered it yet.
+    /// True if nothing scattered the path yet.
     #[inline]
     pub fn is_camera(self) -> bool {
         self.is & CAMERA != 0
     }
 
-    /// Whether its last scattering had no peak.
+    /// True if the path's last scattering was diffuse.
     #[inline]
     pub fn is_diffuse(self) -> bool {
         self.is & DIFFUSE != 0
@@ -120,7 +120,7 @@ impl Way {
         }
     }
 
-    /// The same where there are volumes, too.
+    /// The kind of ray that objects may hide from, scattering in volumes included; see [`Self::rays`].
     #[inline]
     pub fn rays_with_volumes(self) -> Rays {
         if self.is & IN_VOLUME != 0 { Rays::VOLUME_SCATTER } else { self.rays() }
@@ -137,7 +137,7 @@ impl Way {
             .and(of(IN_VOLUME, Rays::VOLUME_SCATTER))
     }
 
-    /// What a node program reads of it.
+    /// The value of a Light Path field for node programs.
     pub(super) fn read(self, field: Field) -> Option<f32> {
         let is = |bit: u8| f32::from(u8::from(self.is & bit != 0));
         Some(match field {
@@ -159,7 +159,7 @@ impl Way {
     }
 }
 
-/// What tells of kinds of bounces: a world that asks for any of these is another one for each.
+/// The fields that tell kinds of bounces apart: a world that reads any of these differs for each kind.
 pub const OF_BOUNCES: [Field; 11] = [
     Field::IsDiffuseRay,
     Field::IsGlossyRay,
