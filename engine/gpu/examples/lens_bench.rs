@@ -62,7 +62,7 @@ fn median(mut numbers: Vec<f64>) -> f64 {
     numbers[numbers.len() / 2]
 }
 
-/// What is timed: a lens and its rays.
+/// The subject of a timing: a lens and its rays.
 struct Subject {
     name: String,
     system: System,

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::GpuError;
 
-/// What a device is.
+/// The kind of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A graphics card.
@@ -40,7 +40,7 @@ impl From<wgpu::DeviceType> for Kind {
 pub struct DeviceInfo {
     /// Its name, as its driver says it.
     pub name: String,
-    /// What it is.
+    /// The kind of the device.
     pub kind: Kind,
     /// Name and version of its driver.
     pub driver: String,
@@ -99,7 +99,7 @@ impl Choice {
     }
 }
 
-/// What a driver reported since it was last asked.
+/// Errors that a driver has reported and that have not been taken yet.
 #[derive(Debug, Default)]
 struct Faults {
     first: Mutex<Option<Fault>>,
@@ -203,7 +203,7 @@ impl Gpu {
         self.faults.note(Fault::Lost("closed".to_owned()));
     }
 
-    /// What the driver reported since the last call. A lost device stays lost.
+    /// Returns the first error that the driver has reported since the last call. A lost device stays lost.
     pub(crate) fn check(&self) -> Result<(), GpuError> {
         let mut first = self.faults.first.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(fault) = first.clone() else { return Ok(()) };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What can go wrong on a device, each in one line that says what to do.
+//! Errors of a device, each one line that says what to do.
 
 use thiserror::Error;
 
@@ -32,7 +32,7 @@ pub enum GpuError {
     Refused {
         /// The device's name.
         device: String,
-        /// What the driver said.
+        /// The driver's message.
         why: String,
     },
     /// The device lacks a kind of number.
@@ -54,7 +54,7 @@ pub enum GpuError {
     TooLarge {
         /// The device's name.
         device: String,
-        /// What the buffer holds.
+        /// The contents of the buffer.
         what: &'static str,
         /// Its size.
         bytes: u64,
@@ -66,7 +66,7 @@ pub enum GpuError {
     Lost {
         /// The device's name.
         device: String,
-        /// What the driver said.
+        /// The driver's message.
         why: String,
     },
     /// A shader or a command was refused: a fault of this program or of the driver.
@@ -74,7 +74,7 @@ pub enum GpuError {
     Rejected {
         /// The device's name.
         device: String,
-        /// What the driver said.
+        /// The driver's message.
         why: String,
     },
     /// A ray names a wavelength that the lens was not laid out for.
@@ -82,7 +82,7 @@ pub enum GpuError {
     NoSuchWavelength {
         /// The wavelength's number.
         asked: u32,
-        /// How many there are.
+        /// Their number.
         known: u32,
     },
     /// A lens was to be laid out for no wavelength.

@@ -85,7 +85,7 @@ fn mixed(x: u32) -> u32 {
     (word >> 22) ^ word
 }
 
-/// How the work is cut.
+/// The division of the work into dispatches, workgroups and threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut {
     /// Threads in a workgroup: a power of two.
@@ -105,7 +105,7 @@ impl Cut {
     }
 }
 
-/// What came of a run.
+/// The result of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flooded {
     /// Rays that were traced.
@@ -116,7 +116,7 @@ pub struct Flooded {
     pub sum: f64,
     /// From the submission to the end, in seconds.
     pub wall_s: f64,
-    /// What the device's own clock says, where it has one.
+    /// Seconds by the device's own clock, if it has one.
     pub device_s: Option<f64>,
 }
 

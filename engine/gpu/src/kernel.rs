@@ -154,7 +154,7 @@ impl<N: Number> LensKernel<N> {
         Ok(Self { gpu: gpu.clone(), lens: lens.clone(), loaded, number: PhantomData })
     }
 
-    /// What becomes of rays in lens space: those that leave the lens, or the surfaces and reasons that ended them, as
+    /// The results of rays in lens space: those that leave the lens, or the surfaces and reasons that ended them, as
     /// `Tracer::from_scene` and `from_film` of the same wavelength say it.
     pub fn trace(&self, rays: &[LineRay]) -> Result<Vec<Result<Ray, Lost>>, GpuError> {
         let known = self.lens.wavelengths as u32;
@@ -210,7 +210,7 @@ impl<N: Number> LensKernel<N> {
         Ok(())
     }
 
-    /// What the bytes of a traced ray say.
+    /// The result of a ray by its bytes.
     fn result(&self, ray: &[u8], is_number: bool) -> Result<Ray, Lost> {
         let number =
             |i: usize| bytemuck::pod_read_unaligned::<N>(&ray[i * size_of::<N>()..][..size_of::<N>()]).to_f64();

@@ -10,7 +10,7 @@ use petzval_optics::vector::Vector;
 use crate::error::GpuError;
 use crate::number::Number;
 
-/// What a surface does to the direction, by the numbers of surface.wgsl.
+/// The change of a ray's direction at a surface, by the numbers of surface.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bend {
     Refract = 0,
@@ -58,7 +58,7 @@ pub(crate) struct Opening {
     pub(crate) radius_squared: f64,
     pub(crate) apothem: f64,
     pub(crate) bulge: f64,
-    /// Of curved blades.
+    /// The arc of curved blades.
     pub(crate) slope: f64,
     pub(crate) bound: f64,
     pub(crate) sides: Vec<[f64; 2]>,
@@ -72,7 +72,7 @@ pub(crate) struct Mask {
     pub(crate) side: usize,
     /// Brightness less a half, rows from below.
     pub(crate) values: Vec<f32>,
-    /// Of its turn, over the stop's radius in mm.
+    /// Cosine and sine of the mask's rotation, over the stop's radius in mm.
     pub(crate) cos: f64,
     pub(crate) sin: f64,
 }
@@ -84,17 +84,17 @@ pub struct LensTable {
     pub(crate) opening: Opening,
     pub(crate) travel: Travel,
     pub(crate) wavelengths: usize,
-    /// Of the first wavelength; rays enter and leave by it.
+    /// The tracer of the first wavelength, by which rays enter and leave.
     pub(crate) tracer: Tracer,
 }
 
-/// What lies in `numbers` of bindings.wgsl.
+/// The contents of `numbers` of bindings.wgsl.
 struct Numbers {
     all: Vec<f64>,
     places: Vec<Places>,
 }
 
-/// Where in them the numbers of a stage begin.
+/// Offsets of the numbers of a stage in [`Numbers`].
 struct Places {
     terms: u32,
     pose: u32,
@@ -192,7 +192,7 @@ impl LensTable {
         Numbers { all, places }
     }
 
-    /// Where the fields of the gradients before and behind each stage begin.
+    /// Offsets of the fields of the gradients before and behind each stage.
     pub(crate) fn field_places(&self) -> Vec<[u32; 2]> {
         self.numbers().places.iter().map(|places| places.fields).collect()
     }

@@ -9,7 +9,7 @@ pub trait Number: Real + bytemuck::Pod {
     const NAME: &'static str;
     /// The shader's first part: what `real` is.
     const WGSL: &'static str;
-    /// What a device must have.
+    /// Features that a device must have.
     const FEATURES: wgpu::Features;
 }
 

@@ -17,7 +17,7 @@ const FLOOD: &str = include_str!("shaders/flood.wgsl");
 /// Rays in a workgroup, unless another number is measured to be better.
 pub const GROUP: u32 = 128;
 
-/// How a lens comes to the shader.
+/// The form in which a lens comes to the shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     /// One shader for all lenses, but for those with gradients, which have another: it reads surfaces from memory.
@@ -113,7 +113,7 @@ fn opening<N: Number>(opening: &Opening) -> String {
     text + "    return open;\n}\n"
 }
 
-/// What `form_any` and `profile_any` of loaded.wgsl read from memory.
+/// The numbers that `form_any` and `profile_any` of loaded.wgsl read from memory.
 fn profile<N: Number>(s: usize, stage: &Stage) -> String {
     let number = |x: f64| exact::<N>(x);
     let (c, k, across) = (number(stage.curvature), number(stage.conic), number(stage.across));

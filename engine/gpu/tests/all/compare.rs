@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What rays came to on a device beside the CPU's tracer in f64.
+//! Results of rays on a device beside those of the CPU's tracer in f64.
 //!
 //! Errors are taken over what the data allow, as docs/numerics.md has it: over the change of the ray that leaves when one number of
 //! the ray that enters moves by a unit in its last place. The device may be off by twice what the CPU's f32 is off. A ray that is lost
@@ -21,7 +21,7 @@ pub(crate) const WAVELENGTHS_NM: [f64; 5] = [404.66, 486.13, 546.07, 587.56, 706
 pub(crate) const RAYS: u32 = 2000;
 pub(crate) const WAYS: [Travel; 2] = [Travel::FromScene, Travel::FromFilm];
 
-/// What rays came to beside the CPU's f64.
+/// Results of rays beside the CPU's f64.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Report {
     pub(crate) rays: usize,
@@ -65,7 +65,7 @@ fn moved<N: Number>(tracer: &Tracer, travel: Travel, ray: Ray, by: [f64; 6]) -> 
     Ray { origin: near.with_z(near.z + z), direction }
 }
 
-/// How far the ray that leaves moves, point and direction, when one number of the one that enters does.
+/// Sensitivity of the ray that leaves, point and direction, to the numbers of the one that enters.
 fn sensitivity<N: Number>(tracer: &Tracer, travel: Travel, ray: Ray, out: Ray) -> [f64; 2] {
     let mut most = [0.0f64; 2];
     for i in 0..6 {
@@ -164,16 +164,16 @@ pub(crate) fn report_of<N: Number>(gpu: &Gpu, system: &System, travel: Travel, s
     Report { cpu, cpu_squares, ..report }
 }
 
-/// How many times the CPU's error a device may be off.
+/// The greatest error of a device over the CPU's.
 #[derive(Clone, Copy)]
 pub(crate) struct Allowed {
     worst: f64,
     mean: f64,
 }
 
-/// What the device's f32 is allowed beside the CPU's.
+/// The limits of the device's f32 beside the CPU's.
 pub(crate) const SINGLE: Allowed = Allowed { worst: 2.0, mean: 2.0 };
-/// What the difference of the device's f64 from the CPU's is allowed beside the CPU's f32, each in its own units. There is no truth
+/// The limits of the difference of the device's f64 from the CPU's, beside the error of the CPU's f32, each in its own units. There is no truth
 /// beyond f64 here: both have errors, and their worst are not of the same rays.
 pub(crate) const DOUBLE: Allowed = Allowed { worst: 6.0, mean: 3.0 };
 /// Errors below this many units are as good as rounded arithmetic gets, whichever of two is smaller.

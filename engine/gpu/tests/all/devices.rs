@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What goes wrong on a device comes back as an error of one line.
+//! Errors of a device come back in one line.
 
 use crate::common::{gpu, rays, shipped};
 use glam::DVec3;

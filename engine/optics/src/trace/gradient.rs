@@ -63,11 +63,11 @@ pub struct GradientNumbers {
     pub rows: Vec<Vec<f64>>,
     /// The vertex of the surface that the medium follows.
     pub vertex_z: f64,
-    /// How that surface stands there; `None`: on the axis, upright.
+    /// Pose of that surface; `None`: on the axis, upright.
     pub pose: Option<Pose>,
     /// From there to where z is 0.
     pub from: f64,
-    /// How long a ray's steps are, in length over index, and how many it makes at most; 0 of a medium that it only enters.
+    /// Length of a ray's steps over the index, mm, and their greatest number; 0 of a medium that a ray only enters.
     pub step: f64,
     /// See [`Self::step`].
     pub most_steps: u32,

@@ -1,4 +1,4 @@
-//! What a tracer on another processor needs of a lens.
+//! Data of a lens for a tracer on another processor.
 
 use glam::DVec3;
 

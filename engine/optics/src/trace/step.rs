@@ -35,7 +35,7 @@ pub struct Step<R = f64> {
     pub clear_squared: R,
     /// Square of the radius of the central obstruction, mm²; 0 without one.
     pub obstruction_squared: R,
-    /// What happens to the direction.
+    /// The change of the ray's direction.
     pub action: Action<R>,
     /// True if the diaphragm is here.
     pub is_stop: bool,
