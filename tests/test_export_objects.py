@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -214,6 +216,33 @@ def test_a_lights_nodes_are_read_once(parts, blender, monkeypatch):
     assert read.count(True) == 1
     assert len(recorder.lights) == 5 and len({one.graph for one in recorder.lights}) == 1
     assert recorder.lights[0].graph and len({one.matrix_world for one in recorder.lights}) == 5
+
+
+def test_a_plain_world_is_a_colour_or_an_image(parts, blender):
+    """All others are their nodes."""
+    world = blender.context.scene.world = parts.grey_world(0.5)
+    tree = world.node_tree
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Strength"].default_value = 2.0
+
+    def sent():
+        return parts.sent()[0].world
+
+    assert (sent().color, sent().image, sent().graph) == ((1.0, 1.0, 1.0), None, None)
+    image = tree.nodes.new("ShaderNodeTexEnvironment")
+    image.image = blender.data.images.new("sky", 8, 4)
+    mapping = tree.nodes.new("ShaderNodeMapping")
+    mapping.inputs["Rotation"].default_value = (0.0, 0.0, math.pi / 2.0)
+    place = tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(place.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs[0], image.inputs["Vector"])
+    tree.links.new(image.outputs["Color"], background.inputs["Color"])
+    assert sent().color == (2.0, 2.0, 2.0) and sent().image is not None and sent().graph is None
+    assert np.allclose(sent().rotation, [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=1e-6)
+    mapping.inputs["Scale"].default_value[0] = 2.0
+    assert sent().graph is not None
+    tree.links.remove(background.outputs[0].links[0])
+    assert (sent().color, sent().image, sent().graph) == ((0.0, 0.0, 0.0), None, None)
 
 
 def test_texts_with_one_font_are_not_mixed_up(parts, blender):

@@ -51,8 +51,10 @@ def _surface(world: bpy.types.World, images: Images) -> WorldDescription:
 
 def _plain(described: dict[str, Any]) -> WorldDescription | None:
     """A colour or an equirectangular image, turned; None where the nodes say more."""
-    if described["volume"] is not None or described["surface"] is None:
+    if described["volume"] is not None:
         return None
+    if described["surface"] is None:
+        return WorldDescription()
     color, strength = described["surface"], 1.0
     shader = described["nodes"][color["node"]]
     if shader["type"] in {"ShaderNodeBackground", "ShaderNodeEmission"}:
