@@ -32,7 +32,7 @@ _running, _asked = "", 0
 def render_still() -> None:
     """Renders the scene into its file; what Cycles is known to take of it is copied there."""
     scene = bpy.context.scene
-    kept = _place() if scene.render.engine == "CYCLES" else None
+    kept = _place() if scene.render.engine == "CYCLES" and is_reproducible() else None
     if kept is not None and kept.exists() and not os.environ.get("PETZVAL_CYCLES_AGAIN"):
         shutil.copyfile(kept, scene.render.filepath)
         return
@@ -45,6 +45,11 @@ def render_still() -> None:
         part = kept.with_suffix(f".{os.getpid()}.part")
         shutil.copyfile(scene.render.filepath, part)
         part.replace(kept)
+
+
+def is_reproducible() -> bool:
+    """False if Blender makes the scene otherwise in each process: children of particles grow at other places."""
+    return not any(one.particle_systems for one in bpy.data.objects)
 
 
 def _place() -> Path | None:

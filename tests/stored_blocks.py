@@ -33,7 +33,8 @@ Pictures = np.ndarray | dict[str, np.ndarray]
 
 def find(key: str) -> Pictures | None:
     """A stored picture, each block filled with its mean; or several by their names. `None`: it is not stored."""
-    found = None if os.environ.get("PETZVAL_STORE_BLOCKS") else _file(_place()).get(key)
+    can_be = kept_references.is_reproducible() and not os.environ.get("PETZVAL_STORE_BLOCKS")
+    found = _file(_place()).get(key) if can_be else None
     if found is None:
         return None
     pictures = {name: _filled(one) for name, one in found.items()}
@@ -43,7 +44,7 @@ def find(key: str) -> Pictures | None:
 def check(key: str, pictures: Pictures, blocks: tuple[int, int]) -> None:
     """Holds what is stored against the pictures that Cycles has rendered anew."""
     stored = _file(_place()).get(key)
-    if stored is None:
+    if stored is None or not kept_references.is_reproducible():
         return
     for name, picture in _named(pictures).items():
         means = _means(picture, blocks)
@@ -58,7 +59,7 @@ def store(key: str, pictures: Pictures, blocks: tuple[int, int]) -> None:
     known = _file(place)
     named = _named(pictures)
     fits = all((picture >= 0.0).all() and picture.shape[0] % blocks[0] == picture.shape[1] % blocks[1] == 0 for picture in named.values())  # fmt: skip
-    if blocks[0] * blocks[1] > MOST_BLOCKS or not fits:
+    if blocks[0] * blocks[1] > MOST_BLOCKS or not fits or not kept_references.is_reproducible():
         return
     known[key] = {
         name: {
