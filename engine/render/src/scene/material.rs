@@ -23,6 +23,10 @@ pub struct Material {
     pub emits_or_holds_out: bool,
     /// True if any of its closures may scatter light: a scene's builder sets it.
     pub scatters: bool,
+    /// True if its surface may emit.
+    pub is_emissive: bool,
+    /// True if its surface may let light through unbent.
+    pub is_clear: bool,
 }
 
 /// Values that nodes give out: a graph with a layer of emission for each, and their numbers.
@@ -37,6 +41,8 @@ pub struct Aovs {
 impl Material {
     /// A material of a graph.
     pub fn new(name: impl Into<String>, graph: Arc<Graph>) -> Self {
+        // Every ray and shadow ray asks for these.
+        let (is_emissive, is_clear) = (graph.emits(), graph.may_be_transparent());
         Self {
             name: name.into(),
             graph,
@@ -45,6 +51,8 @@ impl Material {
             holds_out: false,
             emits_or_holds_out: false,
             scatters: true,
+            is_emissive,
+            is_clear,
         }
     }
 
@@ -71,8 +79,9 @@ impl Material {
     }
 
     /// True if any of its surface may emit.
+    #[inline]
     pub fn emits(&self) -> bool {
-        self.graph.emits()
+        self.is_emissive
     }
 
     /// True if the camera may see a hole in its place.
@@ -81,8 +90,9 @@ impl Material {
     }
 
     /// True if any of its surface may let light through unbent.
+    #[inline]
     pub fn may_be_transparent(&self) -> bool {
-        self.graph.may_be_transparent()
+        self.is_clear
     }
 
     /// The volume behind the material's surface.
