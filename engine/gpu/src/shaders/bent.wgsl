@@ -10,7 +10,7 @@ struct Bending_any {
     pace: vec3<real>,
 }
 
-/// Where a ray need only go straight on to meet a surface, or that it does not come so far.
+/// The ray before a surface, which it hits going straight on; or a ray that does not come so far.
 struct Arrival_any {
     at: vec3<real>,
     direction: vec3<real>,

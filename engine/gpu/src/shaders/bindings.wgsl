@@ -20,13 +20,13 @@ struct Step {
     flags: u32,
     /// Its number from the scene.
     surface: u32,
-    /// Where in `numbers` the terms of its polynomial begin: even powers, then odd.
+    /// Offset in `numbers` of the terms of its polynomial: even powers, then odd.
     terms: u32,
     even: u32,
     odd: u32,
-    /// Where in `numbers` its pose begins: axes x, y, z, then the vertex.
+    /// Offset in `numbers` of its pose: axes x, y, z, then the vertex.
     pose: u32,
-    /// Where in `numbers` the gradients before and behind it begin (field.wgsl); 0 where they are none.
+    /// Offsets in `numbers` of the gradients before and behind it (field.wgsl); 0 for a medium without one.
     before: u32,
     behind: u32,
 }
@@ -56,7 +56,7 @@ struct Job {
     wavelengths: u32,
     /// Blades of the diaphragm.
     blades: u32,
-    /// Of the rays of a timed run.
+    /// Numbers of the rays of a timed run.
     seed: u32,
     rays_each: u32,
     /// 1 if the blades are curved.
