@@ -56,7 +56,7 @@ struct Job {
     wavelengths: u32,
     /// Blades of the diaphragm.
     blades: u32,
-    /// Numbers of the rays of a timed run.
+    /// Seed of the rays of a timed run.
     seed: u32,
     rays_each: u32,
     /// 1 if the blades are curved.
