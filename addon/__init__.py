@@ -5,6 +5,11 @@ from __future__ import annotations
 
 import sys
 
+try:
+    import petzval.description  # noqa: F401
+except ImportError as error:
+    raise ImportError(f"Petzval's package is missing ({error}): install the extension again") from None
+
 from . import (
     autofocus,
     cost_operator,

@@ -15,10 +15,10 @@ from typing import Any
 import bpy
 from mathutils import Vector
 
-from .description import Report
 from .export import aperture_mask
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .export.report import Report
 from .lookout import Lookout
 from .native import EngineMissing, engine
 
@@ -60,8 +60,7 @@ def find(
         return distance
 
     try:
-        camera = camera_export.describe(holder, scene, width, height, Report())
-        camera.aperture_mask = aperture_mask.read(holder.data)
+        camera = aperture_mask.added(camera_export.describe(holder, scene, width, height, Report()), holder.data)
         at = tuple(holder.data.petzval.autofocus_point) if point is None else point
         native = engine()
     except (ExportError, EngineMissing) as error:

@@ -16,6 +16,8 @@ from bpy.props import (
     StringProperty,
 )
 
+from petzval.description import OF_LENS_FILE
+
 from . import viewport_camera
 from .choices import (
     ANCHORS,
@@ -28,7 +30,6 @@ from .choices import (
     PRECISIONS,
     SPECTRA,
 )
-from .description import OF_LENS_FILE
 
 # A path may begin with //, and newer Blenders want to be told so.
 _RELATIVE_PATH = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set())

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+from petzval.description import flat
 
 from . import loop
 from .fingerprint import Watched, feed
@@ -68,7 +69,7 @@ def _short(text: str) -> str:
 #: Settings that differ between parts of one picture.
 _OF_A_PART = ("samples", "sample_offset", "seed", "threads")
 #: What says where a camera's lens is, and not which it is.
-_PLACES = ("object_name", "lens_path", "aperture_mask")
+_PLACES = ("object_name", "lens_path", "lens.aperture_mask")
 #: Characters of a value that is told as it is; of a longer one a short digest.
 _LONGEST_VALUE = 40
 
@@ -102,9 +103,8 @@ class Checkpoint:
         have the same."""
         told = {}
         for kind, whole, left_out in (("camera", camera, _PLACES), ("settings", settings, _OF_A_PART)):
-            values = {one.name: getattr(whole, one.name) for one in dataclasses.fields(whole)}
-            told |= {f"{kind}.{name}": _short_value(value) for name, value in values.items() if name not in left_out}
-        digests = {"lens": _lens(camera), "aperture mask": camera.aperture_mask, **others}
+            told |= {f"{kind}.{name}": _short_value(value) for name, value in flat(whole).items() if name not in left_out}
+        digests = {"lens": _lens(camera), "aperture mask": camera.lens.aperture_mask, **others}
         return (
             {"scene": self._scene.hexdigest()[:16]} | {name: _digest(value) for name, value in digests.items()} | told
         )

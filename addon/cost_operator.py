@@ -11,8 +11,8 @@ import bpy
 from bpy.props import FloatProperty, IntProperty
 
 from . import effects, loop, redraw, render_settings, shown_pictures, staging
-from .description import Report
 from .export import camera as camera_export
+from .export.report import Report
 from .lettering import Letters
 from .native import engine
 from .operators import result_of
@@ -40,8 +40,8 @@ def subject(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, width: int) 
     builder = native.SceneBuilder()
     staging.fill(builder, depsgraph, camera, size, report)
     stage = builder.build(staging.place(camera), settings.threads, None)
-    if camera.autofocus is not None:
-        staging.focus(native, stage, camera, *size)
+    if camera.focus.autofocus is not None:
+        camera, _ = staging.focus(native, stage, camera, *size)
     wishes = effects.wishes(scene.petzval)
     return loop.Subject(stage, camera, settings, [], wishes, None, time.perf_counter() - began)
 

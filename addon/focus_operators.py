@@ -7,8 +7,9 @@ from math import degrees
 
 import bpy
 
+from petzval.description import OF_LENS_FILE
+
 from . import autofocus, sharp_points, viewport_camera
-from .description import OF_LENS_FILE
 from .export import camera as camera_export
 from .operators import result_of, shown_camera
 

@@ -9,8 +9,8 @@ from math import degrees
 import bpy
 from bpy.props import EnumProperty
 
-from .description import Report
 from .export import camera as camera_export
+from .export.report import Report
 from .focus_operators import LensOperator
 from .native import engine
 from .operators import result_of

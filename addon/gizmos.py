@@ -8,7 +8,8 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 from mathutils import Matrix, Vector
 from mathutils.geometry import intersect_line_line
 
-from .description import OF_LENS_FILE
+from petzval.description import OF_LENS_FILE
+
 from .engine import ENGINE
 
 _COLOR, _BRIGHT = (0.2, 0.85, 0.35), (0.6, 1.0, 0.7)

@@ -10,11 +10,13 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
+from petzval.description import CameraDescription, focused
+
 from . import autofocus
-from .description import CameraDescription, Report, focused
 from .export import aperture_mask
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .export.report import Report
 from .focus_operators import LensOperator
 from .native import engine
 from .operators import result_of
@@ -25,13 +27,12 @@ def described(
 ) -> tuple[CameraDescription, tuple[int, int]]:
     """The camera as it is set and focused now, and the picture's pixels. Raises `ExportError`."""
     size = camera_export.resolution(scene.render)
-    camera = camera_export.describe(holder, scene, *size, Report())
-    camera.aperture_mask = aperture_mask.read(holder.data)
-    if camera.autofocus is not None:
+    camera = aperture_mask.added(camera_export.describe(holder, scene, *size, Report()), holder.data)
+    if camera.focus.autofocus is not None:
         found = autofocus.find(holder, scene, depsgraph)
         if "error" in found:
             raise ExportError(found["error"])
-        camera = dataclasses.replace(camera, **focused(camera, found))
+        camera = focused(camera, found)
     return camera, size
 
 

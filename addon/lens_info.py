@@ -10,10 +10,12 @@ from typing import Any
 
 import bpy
 
+from petzval.description import CameraDescription, focused
+
 from . import redraw
-from .description import CameraDescription, Report, focused
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .export.report import Report
 from .native import EngineMissing, engine
 
 # A panel asks for one camera again and again; a slider being dragged leaves one entry a step.
@@ -34,7 +36,7 @@ def of_camera(
     try:
         description = camera_export.describe(camera, scene, width, height, Report(), model)
         if found is not None:
-            description = dataclasses.replace(description, **focused(description, found))
+            description = focused(description, found)
         return _ask(description, width, height)
     except (ExportError, EngineMissing) as error:
         return {"error": str(error)}

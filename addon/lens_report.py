@@ -11,11 +11,13 @@ from typing import Any
 import bpy
 import numpy as np
 
+from petzval.description import LensReportSettings
+
 from . import autofocus, lens_info
-from .description import CameraDescription, Report
 from .export import aperture_mask
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .export.report import Report
 from .lettering import Letters
 from .native import engine
 
@@ -34,34 +36,31 @@ _FEW, _MANY = (0.0, 0.7, 1.0), tuple(np.linspace(0.0, 1.0, 41).tolist())
 def picture(holder: bpy.types.Object, scene: bpy.types.Scene, kind: str) -> np.ndarray:
     """(height, width, 4), first row at the bottom, sRGB. Raises `ExportError`, `EngineMissing` and what the engine raises."""
     native = engine()
-    from petzval import lens_setting
     from petzval.plotting import pages
 
     width, height = camera_export.resolution(scene.render)
-    camera = camera_export.describe(holder, scene, width, height, Report())
-    camera.aperture_mask = aperture_mask.read(holder.data)
-    found_focus = autofocus.find(holder, scene, bpy.context.evaluated_depsgraph_get()) if camera.autofocus else None
+    camera = aperture_mask.added(camera_export.describe(holder, scene, width, height, Report()), holder.data)
+    found_focus = autofocus.find(holder, scene, bpy.context.evaluated_depsgraph_get()) if camera.focus.autofocus else None
     if found_focus is not None and "error" in found_focus:
         raise ExportError(found_focus["error"])
     info = lens_info.of_camera(holder, scene, found_focus)
     if "error" in info:
         raise ExportError(info["error"])
-    setting = _setting(camera, lens_setting.LensSetting)
     lens = native.Lens(camera.lens_path)
     half_deg = None if info["fov_diagonal_rad"] is None else degrees(info["fov_diagonal_rad"]) / 2.0
     distance_mm = info["focus_distance_mm"]
     if kind == "DRAWING":
         fields = [] if half_deg is None else [part * half_deg for part in _FEW]
         asked = {} if camera.wavelength_nm is None else {"wavelength_nm": camera.wavelength_nm}
-        answer = native.lens_drawing_json(lens, setting, fields, 9, focus_distance_mm=distance_mm, **asked)
+        answer = native.lens_drawing_json(lens, camera.lens, fields, 9, focus_distance_mm=distance_mm, **asked)
         with Letters() as letters:
             return pages.drawing(json.loads(answer), letters)
-    look = lens_setting.LensLook(
+    look = LensReportSettings(
         fields_deg=_fields(kind, half_deg),
         wavelengths_nm=() if camera.wavelength_nm is None else (camera.wavelength_nm,),
         focus_distance_mm=distance_mm,
     )
-    found, title, report = _ask(native, kind, lens, setting, look)
+    found, title, report = _ask(native, kind, lens, camera.lens, look)
     with Letters() as letters:
         return pages.report(found, report.size_in(found), title, report.draw, letters)
 
@@ -70,20 +69,6 @@ def _fields(kind: str, half_deg: float | None) -> tuple[float, ...]:
     """To the corner of the film; none where that sees nothing, which leaves the design's own."""
     parts = _MANY if kind in ("DISTORTION", "ILLUMINATION") else _FEW
     return () if not half_deg else tuple(part * half_deg for part in parts)
-
-
-def _setting(camera: CameraDescription, kind: Callable[..., Any]) -> Any:
-    return kind(
-        scale=camera.focal_scale,
-        focal_length_mm=camera.focal_length_mm,
-        f_number=camera.f_number,
-        pupil_diameter_mm=camera.pupil_diameter_mm,
-        blades=camera.blades,
-        blade_curvature=camera.blade_curvature,
-        blade_rotation_rad=camera.blade_rotation_rad,
-        aperture_mask=camera.aperture_mask,
-        coating=camera.coating,
-    )
 
 
 def _ask(native: Any, kind: str, lens: Any, setting: Any, look: Any) -> tuple[Any, str, Any]:

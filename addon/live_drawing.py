@@ -18,10 +18,12 @@ import bpy
 import bpy.utils.previews
 import numpy as np
 
+from petzval.description import CameraDescription, focused
+
 from . import autofocus, lens_drawing, lens_info, redraw
-from .description import CameraDescription, Report, focused
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .export.report import Report
 from .native import EngineMissing, engine
 
 # So long nothing may have changed: less, and a slider that is dragged would stutter.
@@ -110,8 +112,8 @@ def _describe(holder: bpy.types.Object, scene: bpy.types.Scene, found: dict | No
     width, height = camera_export.resolution(scene.render)
     camera = camera_export.describe(holder, scene, width, height, Report())
     if found is not None:
-        camera = dataclasses.replace(camera, **focused(camera, found))
-    if camera.focus_point_world is None:
+        camera = focused(camera, found)
+    if camera.focus.point_world is None:
         # The lens is the same wherever the camera stands.
         camera = dataclasses.replace(camera, matrix_world=((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)))
     return camera
@@ -134,7 +136,7 @@ def of_camera(holder: bpy.types.Object, scene: bpy.types.Scene, found: dict | No
     drawing = json.loads(
         native.lens_drawing_json(
             lens,
-            _setting(camera),
+            camera.lens,
             [part * half for part in _FIELDS],
             _RAYS,
             # Beyond infinity there is no distance.
@@ -149,18 +151,7 @@ def of_camera(holder: bpy.types.Object, scene: bpy.types.Scene, found: dict | No
 def of_axis(camera: CameraDescription) -> dict[str, Any]:
     """The same of a lens that looks at infinity, with one ray alone: what does not ask for a focus that there may not be."""
     native = engine()
-    return json.loads(native.lens_drawing_json(native.Lens(camera.lens_path), _setting(camera), [0.0], 1))
-
-
-def _setting(camera: CameraDescription) -> Any:
-    from petzval.lens_setting import LensSetting
-
-    return LensSetting(
-        scale=camera.focal_scale,
-        focal_length_mm=camera.focal_length_mm,
-        f_number=camera.f_number,
-        pupil_diameter_mm=camera.pupil_diameter_mm,
-    )
+    return json.loads(native.lens_drawing_json(native.Lens(camera.lens_path), camera.lens, [0.0], 1))
 
 
 def _place_film(drawing: dict[str, Any], camera: CameraDescription, info: dict[str, Any]) -> None:
@@ -170,8 +161,8 @@ def _place_film(drawing: dict[str, Any], camera: CameraDescription, info: dict[s
     if depths and max(depths) - min(depths) > 1e-6 * max(abs(drawing["film_z_mm"]), 1.0):
         return
     # The fields go to the picture's corner, so its diagonal lies in the drawing.
-    half, middle = 0.5 * hypot(info["picture_width_mm"], info["picture_height_mm"]), -camera.shift_mm[1]
-    along = np.array([sin(camera.tilt_rad), cos(camera.tilt_rad)])
+    half, middle = 0.5 * hypot(info["picture_width_mm"], info["picture_height_mm"]), -camera.film.shift_mm[1]
+    along = np.array([sin(camera.film.tilt_rad), cos(camera.film.tilt_rad)])
     base = np.array([film_z, 0.0])
     drawing["film_z_mm"] = film_z
     drawing["film"] = [list(base + v * along) for v in (middle - half, middle + half)]

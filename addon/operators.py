@@ -9,8 +9,9 @@ from typing import TypeVar
 import bpy
 from bpy.props import EnumProperty
 
+from petzval.description import OF_LENS_FILE
+
 from . import film_formats, lens_files, viewport_camera
-from .description import OF_LENS_FILE
 from .export.errors import ExportError
 from .native import EngineMissing, engine
 

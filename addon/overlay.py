@@ -12,10 +12,12 @@ import gpu
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix, Vector
 
-from .description import OF_LENS_FILE, Report, focused
+from petzval.description import OF_LENS_FILE, changed, focused
+
 from .engine import ENGINE
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .export.report import Report
 from .native import EngineMissing, engine
 
 #: Points over the picture's width and height: a surface of focus is smooth.
@@ -36,13 +38,11 @@ def of_camera(holder: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any
     size = camera_export.resolution(scene.render)
     try:
         camera = camera_export.describe(holder, scene, *size, Report())
-        if camera.autofocus is not None:
+        if camera.focus.autofocus is not None:
             found = _autofocus(holder, scene)
             if found is None:
                 return None
-            for name, value in focused(camera, found).items():
-                setattr(camera, name, value)
-        camera.autofocus = None
+            camera = changed(focused(camera, found), {"focus.autofocus": None})
         key = (camera, size, holder.data.petzval.confusion)
         known = _known.get(holder.name_full)
         if known is None or known[0] != key:

@@ -10,6 +10,8 @@ import time
 
 import bpy
 
+from petzval.description import CameraDescription, ShutterDescription, changed, focused
+
 from . import (
     checkpoints,
     effects,
@@ -22,12 +24,12 @@ from . import (
     staging,
     statistics,
 )
-from .description import CameraDescription, Report, ShutterDescription, focused
 from .export import camera as camera_export
 from .export import shutter as shutters
 from .export import velocity
 from .export import world as world_export
 from .export.motion import Frame, Motion
+from .export.report import Report
 from .native import engine
 from .results import Results, deliver_black
 
@@ -96,12 +98,13 @@ class Photograph:
         for warning in self.report.warnings:
             self.host.report({"WARNING"}, warning)
         self._tell("Preparing the lens", 0.0)
-        if camera.autofocus is not None:
-            self.focus = loop.stoppable(lambda: staging.focus(native, scene, camera, width, height), self._stop_asked)
-            moving = [dataclasses.replace(then, **focused(then, self.focus)) for then in moving]
-            neighbours = neighbours and tuple(
-                dataclasses.replace(then, **focused(then, self.focus)) for then in neighbours
+        if camera.focus.autofocus is not None:
+            unfocused = camera
+            camera, self.focus = loop.stoppable(
+                lambda: staging.focus(native, scene, unfocused, width, height), self._stop_asked
             )
+            moving = [focused(then, self.focus) for then in moving]
+            neighbours = neighbours and tuple(focused(then, self.focus) for then in neighbours)
         if not (scene.moving_count or moving or (opened and opened.camera_keys)):
             # Nothing moves: samples need no time.
             opened = None
@@ -224,9 +227,11 @@ class Photograph:
         count = max(shutters.most_keys(self.depsgraph), 3)
         blur, keys = shutters.Blur(self.report, shutter.length * velocity.frame_s(self.scene)), []
 
+        mask = {"lens.aperture_mask": camera.lens.aperture_mask}
+
         def describe() -> CameraDescription:
             then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
-            return dataclasses.replace(then, aperture_mask=camera.aperture_mask)
+            return changed(then, mask)
 
         def look(_: int) -> None:
             self._check_stop()
@@ -274,7 +279,7 @@ class Photograph:
             self._check_stop()
             self._frame_set(frame, subframe)
             then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
-            return dataclasses.replace(then, aperture_mask=camera.aperture_mask), Frame.read(self.depsgraph)
+            return changed(then, {"lens.aperture_mask": camera.lens.aperture_mask}), Frame.read(self.depsgraph)
 
         try:
             (first, before), (last, after) = at(now - 1), at(now + 1)

@@ -8,8 +8,8 @@ import json
 import bpy
 
 from . import effects, planning, redraw, render_settings, staging
-from .description import Report
 from .export import camera as camera_export
+from .export.report import Report
 from .native import engine
 from .operators import result_of
 
@@ -25,8 +25,8 @@ def plan(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> dict:
     builder = native.SceneBuilder()
     staging.fill(builder, depsgraph, camera, (width, height), report)
     stage = builder.build(staging.place(camera), settings.threads, None)
-    if camera.autofocus is not None:
-        staging.focus(native, stage, camera, width, height)
+    if camera.focus.autofocus is not None:
+        camera, _ = staging.focus(native, stage, camera, width, height)
     found = native.Plan(stage, camera, settings, [], **effects.wishes(scene.petzval))
     return json.loads(found.forecast(stage, camera, settings))
 

@@ -6,10 +6,11 @@ from __future__ import annotations
 import dataclasses
 
 import bpy
+from petzval.description import changed
 
 from . import loop, render_settings, staging
-from .description import Report
 from .export import camera as camera_export
+from .export.report import Report
 from .native import engine
 from .results import Results
 from .tiles import Tile
@@ -30,7 +31,7 @@ def render(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None
             raise loop.Stopped
 
     camera = camera_export.describe(scene.camera, scene, width, height, report)
-    camera = dataclasses.replace(camera, model="PINHOLE", autofocus=None)
+    camera = changed(camera, {"model": "PINHOLE", "focus.autofocus": None})
     builder = native.SceneBuilder()
     staging.fill(builder, depsgraph, camera, (width, height), report, check_stop)
     settings = dataclasses.replace(

@@ -7,7 +7,8 @@ import dataclasses
 
 import bpy
 
-from .description import SettingsDescription
+from petzval.description import Approximations, SettingsDescription
+
 from .export import visibility
 
 
@@ -29,13 +30,15 @@ def describe(
         sample_offset=own.sample_offset,
         threads=render.threads if render.threads_mode == "FIXED" else 0,
         max_bounces=visibility.most_bounces(scene),
-        **visibility.bounces(scene),
+        kinds=visibility.bounces(scene),
         clamp_direct=getattr(getattr(scene, "cycles", None), "sample_clamp_direct", 0.0),
         clamp_indirect=own.clamp_indirect,
-        **_filter(scene),
-        # Cycles keeps the filter of glossy light, as it keeps the kinds of bounces.
-        filter_glossy=getattr(getattr(scene, "cycles", None), "blur_glossy", 0.0),
-        **_fast_gi(scene, is_viewport),
+        filter=_filter(scene),
+        approximations=Approximations(
+            # Cycles keeps the filter of glossy light, as it keeps the kinds of bounces.
+            filter_glossy=getattr(getattr(scene, "cycles", None), "blur_glossy", 0.0),
+            fast_gi=_fast_gi(scene, is_viewport),
+        ),
         pipeline=own.pipeline,
         with_data=with_data,
         integrator=own.integrator,
@@ -48,25 +51,24 @@ def overrules_filter(scene: bpy.types.Scene) -> bool:
     return scene.petzval.is_property_set("filter_width") or not hasattr(scene, "cycles")
 
 
-def _filter(scene: bpy.types.Scene) -> dict[str, str | float]:
-    """The pixel filter, by the name of the engine's setting."""
+def _filter(scene: bpy.types.Scene) -> str | dict[str, float]:
+    """The pixel filter, as the engine takes it."""
     if overrules_filter(scene):
         width = scene.petzval.filter_width
-        return {"filter": "BLACKMAN_HARRIS" if width > 0.0 else "BOX", "filter_width_px": width}
-    return {"filter": scene.cycles.pixel_filter_type, "filter_width_px": scene.cycles.filter_width}
+        return {"BLACKMAN_HARRIS": width} if width > 0.0 else "BOX"
+    kind = scene.cycles.pixel_filter_type
+    return kind if kind == "BOX" else {kind: scene.cycles.filter_width}
 
 
-def _fast_gi(scene: bpy.types.Scene, is_viewport: bool) -> dict[str, str | int | float]:
-    """Cycles's Fast GI Approximation, by the names of the engine's settings. Without a world there is none, as in Cycles."""
+def _fast_gi(scene: bpy.types.Scene, is_viewport: bool) -> str | dict[str, dict[str, float]]:
+    """Cycles's Fast GI Approximation, as the engine takes it. Without a world there is none, as in Cycles."""
     cycles, world = getattr(scene, "cycles", None), scene.world
     if cycles is None or world is None or not cycles.use_fast_gi:
-        return {}
-    return {
-        "fast_gi": cycles.fast_gi_method,
-        "fast_gi_bounces": cycles.ao_bounces if is_viewport else cycles.ao_bounces_render,
-        "fast_gi_distance": world.light_settings.distance,
-        "fast_gi_factor": world.light_settings.ao_factor,
-    }
+        return "OFF"
+    light = {"distance": world.light_settings.distance, "factor": world.light_settings.ao_factor}
+    if cycles.fast_gi_method == "REPLACE":
+        light["bounces"] = cycles.ao_bounces if is_viewport else cycles.ao_bounces_render
+    return {cycles.fast_gi_method: light}
 
 
 def of_layer(

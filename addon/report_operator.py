@@ -6,8 +6,9 @@ from __future__ import annotations
 import bpy
 from bpy.props import EnumProperty
 
+from petzval.description import OF_LENS_FILE
+
 from . import lens_report, shown_pictures, viewport_camera
-from .description import OF_LENS_FILE
 from .operators import result_of, shown_camera
 
 

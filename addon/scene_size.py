@@ -14,10 +14,12 @@ from typing import Any
 import bpy
 from mathutils import Vector
 
+from petzval.description import OF_LENS_FILE
+
 from . import autofocus, lens_info, live_drawing
-from .description import OF_LENS_FILE, Report
 from .export import camera as camera_export
 from .export.errors import ExportError
+from .export.report import Report
 from .lookout import Lookout
 from .native import EngineMissing, engine
 
@@ -123,7 +125,7 @@ def _warnings(found: Size, holder: bpy.types.Object, scene: bpy.types.Scene) -> 
             said.append(f"'{found.nearest_name}' is nearer than half the focal length: no film can have it sharp")
         elif pupil_mm is not None:
             # Of a point at the nearest depth, with the film at the focal plane.
-            blur_px = pupil_mm * abs(focal) / near / camera.film_width_mm * width
+            blur_px = pupil_mm * abs(focal) / near / camera.film.width_mm * width
             if blur_px < _SEEN_PX:
                 said.append("All in view is as good as infinitely far: focus and f-number blur nothing")
     return said

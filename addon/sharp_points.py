@@ -9,8 +9,8 @@ from typing import Any
 
 import bpy
 
-from .description import Report
 from .export import camera as camera_export
+from .export.report import Report
 from .native import engine
 
 Point = Sequence[float]

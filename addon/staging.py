@@ -9,20 +9,21 @@ from typing import Any
 
 import bpy
 
+from petzval.description import CameraDescription, focused
+
 from . import export
-from .description import CameraDescription, Report, focused
 from .export import aperture_mask, viewport
 from .export import camera as camera_export
 from .export.kept import Kept
 from .export.motion import Motion
+from .export.report import Report
 from .export.shutter import Blur
 
 
 def camera(scene: bpy.types.Scene, width: int, height: int, report: Report) -> CameraDescription:
     """The scene's camera with the mask of its diaphragm."""
     found = camera_export.describe(scene.camera, scene, width, height, report)
-    found.aperture_mask = aperture_mask.read(scene.camera.data)
-    return found
+    return aperture_mask.added(found, scene.camera.data)
 
 
 def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int, report: Report) -> None:
@@ -73,9 +74,9 @@ def place(of: CameraDescription) -> tuple[float, float, float]:
     return tuple(row[3] for row in of.matrix_world[:3])
 
 
-def focus(native: Any, scene: Any, of: CameraDescription, width: int, height: int) -> dict[str, Any]:
-    """Puts a camera's film where what its autofocus point sees is sharpest; says what was found."""
-    found = json.loads(native.autofocus_json(scene, of, width, height, of.autofocus))
-    for name, value in focused(of, found).items():
-        setattr(of, name, value)
-    return found
+def focus(
+    native: Any, scene: Any, of: CameraDescription, width: int, height: int
+) -> tuple[CameraDescription, dict[str, Any]]:
+    """The camera with its film where the subject of its autofocus point is sharpest, and the engine's `autofocus_json`."""
+    found = json.loads(native.autofocus_json(scene, of, width, height, of.focus.autofocus))
+    return focused(of, found), found

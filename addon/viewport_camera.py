@@ -13,8 +13,9 @@ from collections.abc import Iterator
 import bpy
 from bpy.app.handlers import persistent
 
+from petzval.description import OF_LENS_FILE
+
 from . import lens_info
-from .description import OF_LENS_FILE
 from .engine import ENGINE
 from .export import camera as camera_export
 
@@ -80,7 +81,7 @@ def match(holder: bpy.types.Object, scene: bpy.types.Scene, model: str | None = 
     if camera.petzval.film_mode == "SIZE":
         if camera.sensor_fit != "HORIZONTAL":
             camera.sensor_fit = "HORIZONTAL"
-        wanted["sensor_width"] = info["viewport_sensor_width_mm"]
+        wanted["sensor_width"] = info["picture_width_mm"]
     # After the sensor's fit is as it will be.
     size = camera_export.resolution(scene.render)
     shift = camera_export.blender_shift(info["viewport_shift"], camera, scene.render, *size)

@@ -232,7 +232,7 @@ class _Sent(bpy.types.RenderEngine):
     kept = None
 
     def render(self, depsgraph):
-        recorder, report = Recorder(), part("description").Report()
+        recorder, report = Recorder(), part("export.report").Report()
         try:
             part("export").send_scene(depsgraph, recorder, report, lambda: None)
             scene = depsgraph.scene_eval

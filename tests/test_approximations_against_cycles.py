@@ -242,8 +242,8 @@ def test_fast_gi_of_view_and_picture(blender):
     for name, value in fast_gi("REPLACE", 3, 4.0, 0.5).items():
         setattr(scene.cycles, name, value)
     describe = parts.part("render_settings").describe
-    picture, view = describe(scene, 8, 8), describe(scene, 8, 8, is_viewport=True)
-    assert (picture.fast_gi, picture.fast_gi_bounces, view.fast_gi_bounces) == ("REPLACE", 3, 7)
-    assert (picture.fast_gi_distance, picture.fast_gi_factor) == (4.0, 0.5)
+    picture, view = (describe(scene, 8, 8, is_viewport=is_view).approximations.fast_gi for is_view in (False, True))
+    assert picture == {"REPLACE": {"bounces": 3, "distance": 4.0, "factor": 0.5}}
+    assert view["REPLACE"]["bounces"] == 7
     scene.world = None
-    assert describe(scene, 8, 8).fast_gi == "OFF"
+    assert describe(scene, 8, 8).approximations.fast_gi == "OFF"

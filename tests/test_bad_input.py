@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from petzval.description import ApertureMask
 from photograph import native
 from photograph.chart import LENSES, Studio
 
@@ -189,8 +190,8 @@ def test_a_camera_without_size(good_before_and_after):
         ("blade_curvature", 1.5, "curvature"),
         ("blade_curvature", nan, "curvature"),
         ("blade_rotation_rad", inf, "rotation"),
-        ("aperture_mask", native.description().ApertureMask("Dark", 2, bytes(4)), "'Dark'.* dark"),
-        ("aperture_mask", native.description().ApertureMask("Odd", 2, bytes(3)), "'Odd'.* square"),
+        ("aperture_mask", ApertureMask("Dark", 2, bytes(4)), "'Dark'.* dark"),
+        ("aperture_mask", ApertureMask("Odd", 2, bytes(3)), "'Odd'.* square"),
         ("wavelength_nm", 5.0, "wavelength"),
         ("scale_mm_per_unit", (0.0, 1.0, 1.0), "scale"),
     ],

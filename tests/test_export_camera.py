@@ -124,7 +124,7 @@ def test_the_focus(parts, blender):
     own = camera.petzval
     own.model = "LENS"
     camera.dof.focus_distance = 7.0
-    assert description(parts).focus_distance == 7.0
+    assert description(parts).focus.distance == 7.0
     target = blender.data.objects.new("Target", None)
     target.location = (0, 4, 1)
     parent = blender.data.objects.new("Parent", None)
@@ -133,18 +133,18 @@ def test_the_focus(parts, blender):
     for one in (target, parent):
         blender.context.scene.collection.objects.link(one)
     camera.dof.focus_object = target
-    assert description(parts).focus_point_world == pytest.approx((1, 4, 1))
+    assert description(parts).focus.point_world == pytest.approx((1, 4, 1))
     camera.dof.focus_object = None
     camera.dof.focus_distance = 0.0
     _, warnings, sent = parts.sent()
-    assert sent.focus_distance is None
+    assert sent.focus.distance is None
     assert len(warnings) == 1 and "focus distance is zero" in warnings[0]
     camera.dof.focus_distance = 7.0
     own.focus_mode = "INFINITY"
     sent = description(parts)
-    assert sent.focus_distance is None and sent.focus_point_world is None and sent.film_distance_mm is None
+    assert sent.focus.distance is None and sent.focus.point_world is None and sent.focus.film_distance_mm is None
     own.focus_mode, own.film_distance = "FILM", 61.5
-    assert description(parts).film_distance_mm == pytest.approx(61.5)
+    assert description(parts).focus.film_distance_mm == pytest.approx(61.5)
 
 
 def test_the_lens_settings(parts, blender):
@@ -152,9 +152,9 @@ def test_the_lens_settings(parts, blender):
     own = camera.petzval
     own.model = "LENS"
     sent = description(parts)
-    assert sent.f_number is None and sent.focal_length_mm is None and sent.focal_scale is None
-    assert sent.wavelength_nm is None and sent.blades == 0
-    assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((36.0, 24.0))
+    assert sent.lens.f_number is None and sent.lens.focal_length == "AS_PUBLISHED"
+    assert sent.wavelength_nm is None and sent.lens.blades == 0
+    assert (sent.film.width_mm, sent.film.height_mm) == pytest.approx((36.0, 24.0))
     own.wide_open, own.f_number, own.blades, own.blade_rotation = False, 4.0, 7, 0.3
     own.blade_curvature = 0.4
     own.focal_mode, own.focal_length, own.focal_scale = "LENGTH", 35.0, 0.5
@@ -162,18 +162,18 @@ def test_the_lens_settings(parts, blender):
     own.tilt, own.swing, own.shift_x, own.shift_y = 0.1, -0.2, 3.0, -4.0
     own.spectrum, own.wavelength = "SINGLE", 486.0
     sent = description(parts)
-    assert (sent.f_number, sent.blades, sent.blade_rotation_rad) == pytest.approx((4.0, 7, 0.3))
-    assert sent.blade_curvature == pytest.approx(0.4)
-    assert sent.focal_length_mm == pytest.approx(35.0) and sent.focal_scale is None
-    assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((60.0, 45.0))
-    assert (sent.tilt_rad, sent.swing_rad) == pytest.approx((0.1, -0.2))
-    assert sent.shift_mm == pytest.approx((3.0, -4.0))
+    assert (sent.lens.f_number, sent.lens.blades, sent.lens.blade_rotation_rad) == pytest.approx((4.0, 7, 0.3))
+    assert sent.lens.blade_curvature == pytest.approx(0.4)
+    assert sent.lens.focal_length == {"MILLIMETRES": pytest.approx(35.0)}
+    assert (sent.film.width_mm, sent.film.height_mm) == pytest.approx((60.0, 45.0))
+    assert (sent.film.tilt_rad, sent.film.swing_rad) == pytest.approx((0.1, -0.2))
+    assert sent.film.shift_mm == pytest.approx((3.0, -4.0))
     assert sent.wavelength_nm == pytest.approx(486.0)
     own.focal_mode = "SCALE"
     sent = description(parts)
-    assert sent.focal_scale == pytest.approx(0.5) and sent.focal_length_mm is None
+    assert sent.lens.focal_length == {"SCALE": pytest.approx(0.5)}
     own.blades = 2
-    assert description(parts).blades == 0
+    assert description(parts).lens.blades == 0
 
 
 def test_the_scale(parts, blender):
@@ -239,7 +239,7 @@ def test_a_film_format_is_chosen(parts, blender):
     assert blender.ops.petzval.choose_film(film="6x7cm") == {"FINISHED"}
     assert own.film_mode == "SIZE"
     sent = description(parts)
-    assert (sent.film_width_mm, sent.film_height_mm) == pytest.approx((69.5, 56.0))
+    assert (sent.film.width_mm, sent.film.height_mm) == pytest.approx((69.5, 56.0))
 
 
 def test_the_mask_of_the_aperture(parts, blender):

@@ -61,7 +61,7 @@ def test_three_objects_turn_the_film(blender, scene):
     choose(own, empties(blender, scene, *places))
     before = own.tilt, own.swing, own.focus_mode
     assert blender.ops.petzval.sharp_points() == {"FINISHED"}
-    report = scene_parts.part("description").Report()
+    report = scene_parts.part("export.report").Report()
     camera = scene_parts.part("export.camera").describe(scene.camera, scene, 48, 32, report)
     asked = json.loads(_native.sharp_points_json(camera, 48, 32, places))
     assert own.focus_mode == "FILM" and before != (own.tilt, own.swing, own.focus_mode)
@@ -272,7 +272,7 @@ def test_rays_that_fail_are_told(scene):
 
     own = scene.camera.data.petzval
     own.focus_mode = "AUTO"
-    report = scene_parts.part("description").Report()
+    report = scene_parts.part("export.report").Report()
     camera = scene_parts.part("export.camera").describe(scene.camera, scene, 48, 32, report)
 
     def fails(_origin, _direction):

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from petzval import _native
+from petzval.description import Focusing
 from photograph import native
 from photograph.chart import LENSES
 
@@ -151,7 +152,7 @@ def test_film_and_distance_are_linked_for_each_anchor_and_relation():
             by_film = native.info(native.camera(TRIPLET, film_distance_mm=film, **how), 48, 32)
             assert by_film["focus_scale_mm"] == pytest.approx(1200.0, rel=1e-9)
     for wrong in ({"anchor": "NOSE"}, {"focus_relation": "THICK"}):
-        with pytest.raises(_native.PetzvalError, match="there is no"):
+        with pytest.raises(_native.PetzvalError, match="unknown variant .*expected"):
             native.info(native.camera(TRIPLET, **wrong), 48, 32)
 
 
@@ -162,12 +163,12 @@ def test_the_panels_settings_reach_the_engine(blender):
     own = scene.camera.data.petzval
     own.lens_file, own.focus_mode = str(TRIPLET), "AUTO"
     own.anchor, own.focus_relation, own.autofocus_point = "FILM", "THIN", (0.25, 0.75)
-    report = scene_parts.part("description").Report()
+    report = scene_parts.part("export.report").Report()
     sent = scene_parts.part("export.camera").describe(scene.camera, scene, 48, 32, report)
-    assert (sent.anchor, sent.focus_relation, sent.autofocus) == ("FILM", "THIN", (0.25, 0.75))
+    assert sent.focus.focusing == Focusing("FILM", "THIN") and sent.focus.autofocus == (0.25, 0.75)
     own.focus_mode, own.model = "CAMERA", "THIN"
     sent = scene_parts.part("export.camera").describe(scene.camera, scene, 48, 32, report)
-    assert (sent.anchor, sent.focus_relation, sent.autofocus) == ("ENTRANCE_PUPIL", "EXACT", None)
+    assert sent.focus.focusing == Focusing() and sent.focus.autofocus is None
 
 
 @pytest.mark.once

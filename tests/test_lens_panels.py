@@ -309,7 +309,7 @@ def test_without_the_lens_the_framing_stays(blender, parts, scene, model, shift)
     scene.camera.data.lens, scene.camera.data.shift_x = 17.0, 0.3
     own.through_lens = False
     assert own.model == "PINHOLE" and not own.through_lens
-    described = parts.part("export.camera").describe(scene.camera, scene, 960, 540, parts.part("description").Report())
+    described = parts.part("export.camera").describe(scene.camera, scene, 960, 540, parts.part("export.report").Report())
     assert described.model == "PINHOLE"
     seen = project(parts, blender, scene)
     slope = info["picture_width_mm"] / info["viewport_focal_length_mm"]
@@ -354,7 +354,7 @@ def test_the_switch_can_be_animated(blender, parts, scene, kind):
     for frame, model in ((1, "THICK"), (4, "THICK"), (5, "PINHOLE"), (9, "PINHOLE"), (2, "THICK")):
         scene.frame_set(frame)
         evaluated = scene.camera.evaluated_get(blender.context.evaluated_depsgraph_get())
-        report = parts.part("description").Report()
+        report = parts.part("export.report").Report()
         assert parts.part("export.camera").describe(evaluated, scene, 48, 32, report).model == model, frame
         assert own.model == model and camera.lens == pytest.approx(lens, rel=1e-4)
 

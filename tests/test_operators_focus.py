@@ -39,7 +39,7 @@ def sharpest_film_mm(scene, point, depth) -> float:
     import scene_parts
 
     camera_export = scene_parts.part("export.camera")
-    report = scene_parts.part("description").Report()
+    report = scene_parts.part("export.report").Report()
     size = camera_export.resolution(scene.render)
     camera = camera_export.describe(scene.camera, scene, *size, report)
 

@@ -75,7 +75,7 @@ def test_the_report_is_of_the_camera_as_it_is_set(blender, scene, monkeypatch):
     calls = asked(monkeypatch, "lens_spots_json")
     assert blender.ops.petzval.lens_report(kind="SPOTS") == {"FINISHED"}
     (((_, setting, look, _, _), _),) = calls
-    assert (setting.focal_length_mm, setting.f_number, setting.blades) == (75.0, 8.0, 5)
+    assert (setting.focal_length, setting.f_number, setting.blades) == ({"MILLIMETRES": 75.0}, 8.0, 5)
     assert look.wavelengths_nm == pytest.approx((632.8,), rel=1e-6)
     info = scene_parts.part("lens_info").of_camera(scene.camera, scene)
     # To the corner of the film, focused where the camera is.

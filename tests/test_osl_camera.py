@@ -147,18 +147,19 @@ def test_its_rays_are_those_of_the_lens(blender, osl, scene, tmp_path, lens, f_n
         blender.data.objects.remove(wall)
     is_lit = (met[0][:, 1] > 0.0) & (met[1][:, 1] > 0.0)
     assert is_lit.mean() > 0.5
-    setting = {"scale": None, "focal_length_mm": 500.0 if "500" in lens else None, "f_number": f_number}
-    from petzval.lens_setting import LensSetting
+    from petzval.description import LensSettings, focal_length
+
+    settings = LensSettings(focal_length(500.0 if "500" in lens else None), f_number)
 
     native = _native.Lens(str(find_lens(lens)))
-    info = json.loads(native.info_json(LensSetting(**setting)))
+    info = json.loads(native.info_json(settings))
     # World (x right, y ahead, z up) in metres to lens space in mm; the camera stands at the entrance pupil.
     pupil_z = info["entrance_pupil"]["z_mm"]
     near, far = (np.stack([m[:, 0], m[:, 2], -m[:, 1]], axis=1) * 1000.0 + (0.0, 0.0, pupil_z) for m in met)
     direction = near - far
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     rays = [{"origin": o.tolist(), "direction": d.tolist(), "wavelength_nm": 587.5618} for o, d in zip(near[is_lit], direction[is_lit], strict=True)]  # fmt: skip
-    back = json.loads(native.trace_json(json.dumps({"rays": rays}), LensSetting(**setting)))["rays"]
+    back = json.loads(native.trace_json(json.dumps({"rays": rays}), settings))["rays"]
     passed = np.array([one["status"] == "ok" for one in back])
     assert passed.mean() > 0.98
     origin = np.array([one["origin"] for one in back if one["status"] == "ok"])

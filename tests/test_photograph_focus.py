@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from petzval import _native
-from petzval.lens_setting import LensSetting
+from petzval.description import LensSettings, focal_length
 from photograph.chart import LENSES, Studio, spots
 
 WIDE_ANGLE = "wide-angle-smith-f3.4"
@@ -35,9 +35,9 @@ def studio(blender, tmp_path):
     return Studio(blender, tmp_path, (WIDTH, HEIGHT), samples=32)
 
 
-def exact_film_z(focus_mm: float | None, **settings) -> float:
+def exact_film_z(focus_mm: float | None, focal_length_mm: float | None = None, **settings) -> float:
     lens = _native.Lens(str(LENSES / f"{WIDE_ANGLE}.lens"))
-    return json.loads(lens.info_json(LensSetting(**settings), focus_distance_mm=focus_mm))["film_z_mm"]
+    return json.loads(lens.info_json(LensSettings(focal_length(focal_length_mm), **settings), focus_distance_mm=focus_mm))["film_z_mm"]
 
 
 def test_the_film_stands_where_newton_says(studio):

@@ -56,20 +56,23 @@ OUTSIDE = 0.003
 
 def settings_of(lens: str, native, subject, focus_m: float | None, is_narrow: bool = False):
     """The scene's camera with this lens, wide open on as much film as it fills, or stopped down on a little of it."""
-    from petzval.lens_setting import LensSetting
+    from petzval.description import LensSettings, changed, focal_length
 
     path = TOP / "lenses" / f"{lens}.lens"
-    info = json.loads(native.Lens(str(path)).info_json(LensSetting(focal_length_mm=FOCAL_MM)))
+    info = json.loads(native.Lens(str(path)).info_json(LensSettings(focal_length(FOCAL_MM))))
     # Where half of the light still comes; a lens that does not say so by a stop of its own gets a small field.
     half_field = min(math.radians(info["half_vignetted_field_deg"] or 15.0), WIDEST_RAD)
     diagonal = 2.0 * FOCAL_MM * math.tan(0.9 * half_field)
     if is_narrow:
         diagonal = min(diagonal, NARROW_MM)
     size = [diagonal * side / math.hypot(WIDTH, HEIGHT) for side in (WIDTH, HEIGHT)]
-    return dataclasses.replace(
-        subject.camera, model="LENS", lens_path=str(path), focal_length_mm=FOCAL_MM, f_number=max(NARROWEST.get(path.stem, NARROW_F_NUMBER), info["f_number"]) if is_narrow else None, blades=0,
-        focus_distance=focus_m, focus_point_world=None, film_width_mm=size[0], film_height_mm=size[1],
-    )  # fmt: skip
+    narrow = max(NARROWEST.get(path.stem, NARROW_F_NUMBER), info["f_number"]) if is_narrow else None
+    film = {"film.width_mm": size[0], "film.height_mm": size[1]}
+    focus = {"focus.distance": focus_m, "focus.point_world": None}
+    lens_settings = LensSettings(focal_length(FOCAL_MM), narrow)
+    return changed(
+        subject.camera, {"model": "LENS", "lens_path": str(path), "lens": lens_settings} | film | focus
+    )
 
 
 class Pictures:

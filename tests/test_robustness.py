@@ -318,7 +318,7 @@ def test_parts_of_different_pictures_are_not_joined(parts, petzval_cli, tmp_path
     assert petzval_cli("merge", parts[0], parts[1], "-o", out).returncode == 0
     out.unlink()
     done = petzval_cli("merge", parts[0], parts[2], "-o", out)
-    assert "camera.f_number is 8.0" in one_line(done) and done.returncode == 1
+    assert "camera.lens.f_number is 8.0" in one_line(done) and done.returncode == 1
     done = petzval_cli("merge", parts[0], parts[3], "-o", out)
     assert done.returncode == 1 and ("lens" in one_line(done) or "focal" in done.stderr)
     assert not out.exists()
@@ -467,16 +467,15 @@ def test_shader_trees_of_any_shape_are_handed_over(shape, blender, tmp_path):
 def test_a_white_mask_takes_no_long(tmp_path):
     """2048 x 2048 took 11 seconds for a picture of 24 x 16."""
     import numpy as np
+    from petzval.description import ApertureMask, CameraDescription, FocusSettings, LensSettings
 
-    from petzval import load_addon
-
-    mask = load_addon().description.ApertureMask("white", 2048, np.full(2048 * 2048, 255, np.uint8).tobytes())
+    mask = ApertureMask("white", 2048, np.full(2048 * 2048, 255, np.uint8).tobytes())
     assert mask.side == 2048
     from petzval import _native
 
-    camera = load_addon().description.CameraDescription(
+    camera = CameraDescription(
         "Camera", tuple(tuple(float(i == j) for j in range(4)) for i in range(4)),
-        lens_path=str(ROOT / f"lenses/{LENS}.lens"), aperture_mask=mask, focus_distance=5.0,
+        lens_path=str(ROOT / f"lenses/{LENS}.lens"), lens=LensSettings(aperture_mask=mask), focus=FocusSettings(distance=5.0),
     )  # fmt: skip
     began = time.monotonic()
     _native.camera_info_json(camera, 24, 16)

@@ -32,7 +32,7 @@ class Viewer:
         self.changes_of = part("export.kept").Changes.of
         self.wanted_of = part("viewport.session").Wanted
         self.staging, self.settings = part("staging"), part("render_settings")
-        self.report_of = part("description").Report
+        self.report_of = part("export.report").Report
         self.sync, self.session = self.sync_of(self.native), self.session_of(self.native)
         self.drafts = 0
         bpy.app.handlers.depsgraph_update_post.append(self._updated)

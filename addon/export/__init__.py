@@ -11,8 +11,9 @@ from typing import Any
 
 import bpy
 
+from petzval.description import WorldDescription
+
 from .. import passes
-from ..description import Report, WorldDescription
 from . import world
 from .aovs import Aovs
 from .image import Images
@@ -21,6 +22,7 @@ from .kept import Kept
 from .light_groups import LightGroups
 from .material import Materials
 from .motion import Motion
+from .report import Report
 from .shutter import Blur
 
 

@@ -6,7 +6,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..description import ApertureMask
+from petzval.description import ApertureMask, CameraDescription, changed
+
 from .errors import ExportError
 
 
@@ -16,6 +17,11 @@ def load(path: str) -> bpy.types.Image:
     # What lies in the file counts, not what a screen would show of it.
     image.colorspace_settings.name = "Non-Color"
     return image
+
+
+def added(description: CameraDescription, camera: bpy.types.Camera) -> CameraDescription:
+    """The description with the camera's mask. Raises `ExportError`."""
+    return changed(description, {"lens.aperture_mask": read(camera)})
 
 
 def read(camera: bpy.types.Camera) -> ApertureMask | None:

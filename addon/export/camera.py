@@ -3,11 +3,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 
-from ..description import OF_LENS_FILE, CameraDescription, Matrix4, Report
+from petzval.description import (
+    MOST_BLADES,
+    OF_LENS_FILE,
+    CameraDescription,
+    FilmSettings,
+    FocalLength,
+    Focusing,
+    FocusSettings,
+    LensSettings,
+    Matrix4,
+    Perspective,
+    PhysicalExposure,
+    Scattering,
+)
+
 from ..lens_files import LensMissing, resolve
 from .errors import ExportError
+from .report import Report
 
 MILLIMETRES_PER_METRE = 1000.0
 
@@ -51,37 +68,28 @@ def describe(
     larger = max(width, height * aspect)
     model = settings.model if model is None else model
     of_lens = model in OF_LENS_FILE
-    wide_open = settings.wide_open
     description = CameraDescription(
         object_name=holder.name,
         matrix_world=rows(holder.matrix_world),
         model=model,
-        pinhole_focal_length_mm=camera.lens,
-        pinhole_film_width_mm=picture_width_mm,
-        pinhole_shift=(camera.shift_x * side / larger, camera.shift_y * side / larger),
+        perspective=Perspective(camera.lens, picture_width_mm, (camera.shift_x * side / larger, camera.shift_y * side / larger)),
         pixel_aspect=aspect,
-        f_number=(None if wide_open else settings.f_number) if of_lens else _thin_f_number(camera),
-        pupil_diameter_mm=(settings.pupil_diameter or None) if of_lens and not wide_open else None,
-        blades=_blades(settings.blades if of_lens or settings.blades else camera.dof.aperture_blades),
-        blade_rotation_rad=settings.blade_rotation,
-        blade_curvature=settings.blade_curvature,
-        roughness_nm=settings.glare_roughness,
-        cleanliness=settings.glare_cleanliness,
-        veiling_index=settings.glare_veil,
-        coating=_COATINGS.get(settings.coating) if of_lens else None,
-        exposes_by_f_number=settings.exposes_by_f_number,
+        lens=_lens(camera, of_lens),
         scale_mm_per_unit=scale(settings, scene),
         wavelength_nm=settings.wavelength if settings.spectrum == "SINGLE" else None,
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",
+        scattering=Scattering(settings.glare_roughness, settings.glare_cleanliness, settings.glare_veil),
+        exposes_by_f_number=settings.exposes_by_f_number,
         precision=settings.precision,
         exposure=_exposure(settings, model),
         clip=_clip(camera, holder.name, report),
     )
     if camera.type == "ORTHO":
         return _orthographic(description, camera, width / side, report)
-    _focus(description, camera, report)
+    description = replace(description, focus=_focus(description, camera, report))
     if of_lens:
-        _lens(description, camera, height * aspect / width)
+        path, film = _lens_path(description, camera), _film(description, camera, height * aspect / width)
+        description = replace(description, lens_path=path, film=film)
     _warn(description, camera, report)
     return description
 
@@ -103,9 +111,7 @@ def _orthographic(
         report.warn(
             f"Camera '{description.object_name}': it is orthographic, so no lens takes its picture: make it a perspective camera"
         )
-    description.model, description.exposure = "ORTHOGRAPHIC", None
-    description.orthographic_width = camera.ortho_scale * share
-    return description
+    return replace(description, model="ORTHOGRAPHIC", exposure=None, orthographic_width=camera.ortho_scale * share)
 
 
 def scale(settings: bpy.types.PropertyGroup, scene: bpy.types.Scene) -> tuple[float, float, float]:
@@ -142,42 +148,60 @@ def blender_shift(
     return x * larger / side, y * larger / side
 
 
-def _thin_f_number(camera: bpy.types.Camera) -> float:
+def _lens(camera: bpy.types.Camera, of_lens: bool) -> LensSettings:
+    """The settings of the lens; `of_lens`: of a lens file, else of a thin lens, which takes what is not set from Blender's depth of field."""
     settings = camera.petzval
-    return camera.dof.aperture_fstop if settings.wide_open else settings.f_number
+    f_number = None if settings.wide_open else settings.f_number
+    shape = {"blade_rotation_rad": settings.blade_rotation, "blade_curvature": settings.blade_curvature}
+    if not of_lens:
+        blades = settings.blades or camera.dof.aperture_blades
+        return LensSettings(
+            f_number=camera.dof.aperture_fstop if f_number is None else f_number, blades=_blades(blades), **shape
+        )
+    return LensSettings(
+        focal_length=_focal_length(settings),
+        f_number=f_number,
+        pupil_diameter_mm=None if settings.wide_open else settings.pupil_diameter or None,
+        blades=_blades(settings.blades),
+        coating=_COATINGS.get(settings.coating),
+        **shape,
+    )
 
 
-def _exposure(settings: bpy.types.PropertyGroup, model: str) -> tuple[float, float, float] | None:
+def _focal_length(settings: bpy.types.PropertyGroup) -> FocalLength:
+    if settings.focal_mode == "LENGTH":
+        return {"MILLIMETRES": settings.focal_length}
+    return {"SCALE": settings.focal_scale} if settings.focal_mode == "SCALE" else "AS_PUBLISHED"
+
+
+def _exposure(settings: bpy.types.PropertyGroup, model: str) -> PhysicalExposure | None:
     if not settings.physical_exposure or model == "PINHOLE":
         return None
-    return settings.shutter, settings.iso, settings.lumens_per_watt
+    return PhysicalExposure(settings.shutter, settings.iso, settings.lumens_per_watt)
 
 
 def _blades(count: int) -> int:
-    return min(count, 24) if count >= 3 else 0
+    return min(count, MOST_BLADES) if count >= 3 else 0
 
 
-def _focus(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> None:
+def _focus(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> FocusSettings:
     settings, dof = camera.petzval, camera.dof
-    mode = settings.focus_mode
+    mode, focus = settings.focus_mode, FocusSettings()
     if description.model in OF_LENS_FILE:
-        description.anchor = settings.anchor
-        description.focus_relation = settings.focus_relation
-        if mode == "AUTO":
-            description.autofocus = tuple(settings.autofocus_point)
-    if mode == "FILM" and description.model in OF_LENS_FILE:
-        description.film_distance_mm = settings.film_distance
-    elif mode == "INFINITY":
-        description.focus_distance = None
-    elif dof.focus_object is not None:
-        description.focus_point_world = _focus_point(dof)
-    elif dof.focus_distance > 0.0:
-        description.focus_distance = dof.focus_distance
-    else:
-        # Common in files that never had depth of field.
-        if description.model != "PINHOLE":
-            report.warn(f"Camera '{description.object_name}': its focus distance is zero, it is focused at infinity")
-        description.focus_distance = None
+        autofocus = tuple(settings.autofocus_point) if mode == "AUTO" else None
+        focus = FocusSettings(focusing=Focusing(settings.anchor, settings.focus_relation), autofocus=autofocus)
+        if mode == "FILM":
+            return replace(focus, film_distance_mm=settings.film_distance)
+    if mode == "INFINITY":
+        return focus
+    if dof.focus_object is not None:
+        return replace(focus, point_world=_focus_point(dof))
+    if dof.focus_distance > 0.0:
+        return replace(focus, distance=dof.focus_distance)
+    # Common in files that never had depth of field.
+    if description.model != "PINHOLE":
+        report.warn(f"Camera '{description.object_name}': its focus distance is zero, it is focused at infinity")
+    return focus
 
 
 def _focus_point(dof: bpy.types.CameraDOFSettings) -> tuple[float, float, float]:
@@ -188,26 +212,22 @@ def _focus_point(dof: bpy.types.CameraDOFSettings) -> tuple[float, float, float]
     return tuple(matrix.translation)
 
 
-def _lens(description: CameraDescription, camera: bpy.types.Camera, aspect: float) -> None:
-    """`aspect`: the picture's height over its width."""
-    settings = camera.petzval
+def _lens_path(description: CameraDescription, camera: bpy.types.Camera) -> str:
     try:
-        description.lens_path = resolve(settings.lens_file, camera.library)
+        return resolve(camera.petzval.lens_file, camera.library)
     except LensMissing as error:
         raise ExportError(f"Camera '{description.object_name}': {error}") from None
-    if settings.focal_mode == "LENGTH":
-        description.focal_length_mm = settings.focal_length
-    elif settings.focal_mode == "SCALE":
-        description.focal_scale = settings.focal_scale
+
+
+def _film(description: CameraDescription, camera: bpy.types.Camera, aspect: float) -> FilmSettings:
+    """The film of a lens; `aspect`: the picture's height over its width."""
+    settings = camera.petzval
     if settings.film_mode == "SIZE":
-        description.film_width_mm = settings.film_width
-        description.film_height_mm = settings.film_height
+        width_mm, height_mm = settings.film_width, settings.film_height
     else:
-        description.film_width_mm = description.pinhole_film_width_mm
-        description.film_height_mm = description.pinhole_film_width_mm * aspect
-    description.tilt_rad = settings.tilt
-    description.swing_rad = settings.swing
-    description.shift_mm = (settings.shift_x, settings.shift_y)
+        width_mm = description.perspective.film_width_mm
+        height_mm = width_mm * aspect
+    return FilmSettings(width_mm, height_mm, settings.tilt, settings.swing, (settings.shift_x, settings.shift_y))
 
 
 def _warn(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> None:
@@ -215,5 +235,5 @@ def _warn(description: CameraDescription, camera: bpy.types.Camera, report: Repo
     if camera.type != "PERSP":
         kind = {"PANO": "panoramic"}.get(camera.type, camera.type.lower())
         report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
-    if description.model in OF_LENS_FILE and any(description.pinhole_shift) and not camera.petzval.in_step:
+    if description.model in OF_LENS_FILE and any(description.perspective.shift) and not camera.petzval.in_step:
         report.warn(f"{name}: Blender's shift does not move a real lens: use the shift of its Film & Movements panel")

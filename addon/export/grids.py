@@ -17,8 +17,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Vector
 
-from ..description import Report
 from .camera import rows
+from .report import Report
 
 #: A grid's name; its values by z, y, x and channel; and the matrix from its voxels to the object's space.
 Grid = tuple[str, np.ndarray, tuple[tuple[float, ...], ...]]

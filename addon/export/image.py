@@ -6,8 +6,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..description import Report
 from .kept import Kept, uid
+from .report import Report
 
 MAGENTA = np.array([[[1.0, 0.0, 1.0, 1.0]]], np.float32)
 #: From this version on a missing image is magenta beyond its edges too, whatever its extension.

@@ -9,7 +9,8 @@ from typing import Any
 
 import bpy
 
-from ..description import RAYS, Report
+from petzval.description import RAYS
+
 from . import curves, grids, hair, mesh, object_info, points
 from .camera import rows
 from .image import Images
@@ -20,6 +21,7 @@ from .linking import Links
 from .material import Materials
 from .memory import Room
 from .motion import Motion
+from .report import Report
 from .shutter import Blur
 from .visibility import hidden_from
 

@@ -10,7 +10,8 @@ from typing import Any
 import bpy
 from mathutils import Matrix
 
-from ..description import Colour, LightDescription
+from petzval.description import Colour, LightDescription
+
 from . import graph
 from .camera import rows
 from .image import Images

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import bpy
 
-from ..description import Report
+from .report import Report
 
 #: As many as Cycles has, the first of which is everything.
 MOST_SETS = 64

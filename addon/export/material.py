@@ -8,12 +8,14 @@ from typing import Any
 
 import bpy
 
-from ..description import MaterialDescription, Report
+from petzval.description import MaterialDescription
+
 from . import attributes
 from .aovs import Aovs
 from .graph import describe as describe_graph
 from .image import Images
 from .kept import Kept, uid
+from .report import Report
 
 #: No material has this number.
 _SMOKE = -1

@@ -8,9 +8,11 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from ..description import Matrix4, Report
+from petzval.description import Matrix4
+
 from . import curves, hair, mesh, points, velocity
 from .camera import rows
+from .report import Report
 
 Key = tuple
 

@@ -10,10 +10,12 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from ..description import Matrix4, Report
+from petzval.description import Matrix4
+
 from . import curves, hair, mesh, points, velocity
 from .camera import rows
 from .motion import WITH_POSITIONS, Key, key, may_deform
+from .report import Report
 
 #: How much of the shutter's time has gone by at the frame.
 _OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}

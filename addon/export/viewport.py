@@ -5,16 +5,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..description import CameraDescription
+from petzval.description import CameraDescription
 
 
 def send(builder: Any, camera: CameraDescription, width: int, height: int) -> None:
     """Tells the engine's builder; width and height in pixels."""
-    across = camera.pinhole_focal_length_mm / camera.pinhole_film_width_mm
+    across = camera.perspective.focal_length_mm / camera.perspective.film_width_mm
     # In widths of a pixel.
     up = height * camera.pixel_aspect
     larger = max(width, up)
-    x, y = camera.pinhole_shift
+    x, y = camera.perspective.shift
     builder.set_viewport(
         camera.object_name,
         camera.matrix_world,

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..description import NO_LIMIT, RAYS
+from petzval.description import NO_LIMIT, RAYS, Caustics, KindLimits
 
 
 def hidden_from(*holders: bpy.types.Object) -> tuple[str, ...]:
@@ -20,16 +20,19 @@ def world_hidden_from(world: bpy.types.World) -> tuple[str, ...]:
     return tuple(kind for kind, name in names.items() if not getattr(visibility, name, True))
 
 
-def bounces(scene: bpy.types.Scene) -> dict[str, int | bool]:
-    """By the name of the engine's setting: limits that Blender keeps in Cycles's settings, where there is Cycles."""
+def bounces(scene: bpy.types.Scene) -> KindLimits:
+    """The limits that Blender keeps in Cycles's settings, where there is Cycles."""
     cycles = getattr(scene, "cycles", None)
-    found = {f"{kind}_bounces": getattr(cycles, f"{kind}_bounces", NO_LIMIT) for kind in KINDS}
-    if cycles is not None:
+    if cycles is None:
+        return KindLimits()
+    transparent = cycles.transparent_max_bounces
+    return KindLimits(
+        **{kind: getattr(cycles, f"{kind}_bounces", NO_LIMIT) for kind in KINDS},
         # Before 5.0 paths passed one surface more than this says.
-        most = cycles.transparent_max_bounces
-        found["transparent_bounces"] = most + (bpy.app.version < (5, 0, 0))
-        found["transparent_shadows"] = most
-    return found | {f"{kind}_caustics": getattr(cycles, f"caustics_{kind}", True) for kind in CAUSTICS}
+        transparent=transparent + (bpy.app.version < (5, 0, 0)),
+        transparent_shadows=transparent,
+        caustics=Caustics(**{kind: getattr(cycles, f"caustics_{kind}", True) for kind in CAUSTICS}),
+    )
 
 
 def most_bounces(scene: bpy.types.Scene) -> int:

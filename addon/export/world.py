@@ -9,7 +9,8 @@ from typing import Any
 import bpy
 from mathutils import Euler, Matrix
 
-from ..description import WorldDescription
+from petzval.description import WorldDescription
+
 from . import graph, nodes, visibility
 from .camera import rows
 from .image import Images

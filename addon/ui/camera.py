@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import bpy
 
+from petzval.description import OF_LENS_FILE
+
 from .. import favourites, film_formats
-from ..description import OF_LENS_FILE
 from .camera_parts import AperturePart, CameraPanel, LensPart
 from .focus import PETZVAL_CAMERA_PT_focus, PETZVAL_CAMERA_PT_sharp
 from .lens_data import PETZVAL_CAMERA_PT_info

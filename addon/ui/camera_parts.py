@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from ..description import OF_LENS_FILE
+from petzval.description import OF_LENS_FILE
+
 from .mixin import PetzvalPanel
 
 LENS_PANEL = "PETZVAL_CAMERA_PT_lens"

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import bpy
 
+from petzval.description import OF_LENS_FILE
+
 from .. import planning
-from ..description import OF_LENS_FILE
 from ..effects import EFFECTS, LABELS, camera, cost, size
 from .camera_parts import lines_of
 from .mixin import PetzvalPanel, columns

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import bpy
 
+from petzval.description import OF_LENS_FILE
+
 from .. import autofocus, viewport_camera
-from ..description import OF_LENS_FILE
 from ..focus_operators import SHARP_OBJECTS
 from .camera_parts import AperturePart, LensPart, complain, fact, focus_text
 from .mixin import columns

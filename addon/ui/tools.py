@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import bpy
 
+from petzval.description import OF_LENS_FILE
+
 from .. import cost_operator, lens_report
-from ..description import OF_LENS_FILE
 from ..engine import ENGINE
 from .camera_parts import LensPart
 

@@ -13,9 +13,9 @@ from typing import Any
 import bpy
 
 from .. import effects, messages, redraw, render_settings, staging
-from ..description import Report
 from ..export.errors import ExportError
 from ..export.kept import Changes
+from ..export.report import Report
 from ..native import EngineMissing, engine
 from . import view
 from .screen import Screen

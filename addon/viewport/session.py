@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ..description import CameraDescription, SettingsDescription, focused
+from petzval.description import CameraDescription, SettingsDescription, focused
+
 from ..tiles import Window
 
 #: How long a first picture may take, s; it has as many fewer pixels as that needs.
@@ -151,10 +152,10 @@ class Session:
 
     def _focused(self, wanted: Wanted) -> CameraDescription:
         camera, s = wanted.camera, wanted.settings
-        if camera.autofocus is None:
+        if camera.focus.autofocus is None:
             return camera
-        answer = self._native.autofocus_json(self._scene, camera, s.width, s.height, camera.autofocus)
-        return dataclasses.replace(camera, **focused(camera, json.loads(answer)))
+        answer = self._native.autofocus_json(self._scene, camera, s.width, s.height, camera.focus.autofocus)
+        return focused(camera, json.loads(answer))
 
     def _coarse(self, wanted: Wanted, camera: CameraDescription, began: float) -> bool:
         """One sample for each of as many pixels as go quickly, then for four times as many, until all have one; False where something

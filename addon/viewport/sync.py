@@ -9,8 +9,8 @@ from typing import Any
 import bpy
 
 from .. import export
-from ..description import Report
 from ..export.kept import Changes, Kept
+from ..export.report import Report
 from ..fingerprint import Watched
 
 #: Calls of the builder that `Kept` counts itself.

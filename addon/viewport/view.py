@@ -9,9 +9,11 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Matrix, Vector
 
-from ..description import CameraDescription, Report
+from petzval.description import CameraDescription, Perspective
+
 from ..export import aperture_mask
 from ..export import camera as camera_export
+from ..export.report import Report
 from ..tiles import Window
 
 #: Of a view along parallel lines, which shows what lies behind its middle too: how far before that it begins, of its depth.
@@ -72,8 +74,7 @@ def _through_camera(holder, region, rv3d, depsgraph, pixel_size, report) -> View
     whole = camera_export.resolution(scene.render)
     columns = _pixels(width, pixel_size)
     size = (columns, max(round(columns * whole[1] / whole[0]), 1))
-    camera = camera_export.describe(holder, scene, *size, report)
-    camera.aperture_mask = aperture_mask.read(holder.data)
+    camera = aperture_mask.added(camera_export.describe(holder, scene, *size, report), holder.data)
     seen = [(0.0, 0.0), (float(region.width), float(region.height))]
     if scene.render.use_border:
         low = (left + scene.render.border_min_x * width, bottom + scene.render.border_min_y * height)
@@ -97,9 +98,7 @@ def _own(space: bpy.types.SpaceView3D, rv3d: bpy.types.RegionView3D, size: tuple
             object_name="the view",
             matrix_world=camera_export.rows(place),
             model="PINHOLE",
-            pinhole_focal_length_mm=0.5 * across * _WIDTH_MM,
-            pinhole_film_width_mm=_WIDTH_MM,
-            pinhole_shift=tuple(shift),
+            perspective=Perspective(0.5 * across * _WIDTH_MM, _WIDTH_MM, tuple(shift)),
             clip=(space.clip_start, space.clip_end),
         )
     before = _BEFORE * space.clip_end

@@ -16,13 +16,15 @@ fn camera(model: Model, lens: &str, spectrum: Option<Spectrum>) -> Camera {
     let d = CameraDescription {
         model,
         lens_path: format!("{}/../../lenses/{lens}.lens", env!("CARGO_MANIFEST_DIR")).into(),
-        focus_distance: Some(3.0),
-        film_width_mm: 36.0,
-        film_height_mm: 20.25,
         wavelength_nm: if spectrum.is_none() { Some(587.5618) } else { None },
         spectrum: spectrum.unwrap_or_default(),
         ..CameraDescription::default()
-    };
+    }
+    .with(|c| {
+        c.focus.distance = Some(3.0);
+        c.film.width_mm = 36.0;
+        c.film.height_mm = 20.25;
+    });
     Camera::new(&d, SIZE[0], SIZE[1]).unwrap()
 }
 

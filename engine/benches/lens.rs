@@ -13,7 +13,7 @@ use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::lane::{Lane, LaneKernel, Level, Real};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Traced, Tracer, Travel};
 
 /// Kind of lens and its file in `lenses/`.
@@ -119,7 +119,7 @@ fn lenses(c: &mut Criterion) {
     for (kind, file) in LENSES {
         let path = folder.join(format!("{file}.lens"));
         let prescription = lens::read(&path, Catalogue::shipped()).unwrap_or_else(|error| panic!("{error}"));
-        let system = System::new(&prescription, &SystemSettings::default()).expect("the lens is shipped");
+        let system = System::new(&prescription, &LensSettings::default()).expect("the lens is shipped");
         let tracer = system.at_wavelength(line_nm::D);
         let rays = rays(&system, &tracer);
         bench_kind::<f64>(c, kind, "f64", &tracer, &rays);

@@ -3,37 +3,37 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
-import sys
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 
 import numpy as np
 
-import petzval
 from petzval import _native
+from petzval.description import CameraDescription, SettingsDescription, WorldDescription, changed, focal_length
 
 IDENTITY = tuple(tuple(float(row == column) for column in range(4)) for row in range(4))
 
 
-def description() -> ModuleType:
-    """The add-on's plain data classes, which need no Blender."""
-    name = "petzval_test_description"
-    if name not in sys.modules:
-        spec = importlib.util.spec_from_file_location(name, petzval.addon_folder() / "description.py")
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[name] = module
-        spec.loader.exec_module(module)
-    return sys.modules[name]
+#: Settings of lens, focus and film by the keywords of `camera`.
+INNER = {
+    **{name: f"lens.{name}" for name in ("f_number", "pupil_diameter_mm", "blades", "blade_rotation_rad")},
+    **{name: f"lens.{name}" for name in ("blade_curvature", "aperture_mask", "coating")},
+    **{f"film_{name}": f"film.{name}" for name in ("width_mm", "height_mm")},
+    **{name: f"film.{name}" for name in ("tilt_rad", "swing_rad", "shift_mm")},
+    "focus_distance": "focus.distance",
+    "film_distance_mm": "focus.film_distance_mm",
+    "focus_point_world": "focus.point_world",
+    "anchor": "focus.focusing.anchor",
+    "focus_relation": "focus.focusing.relation",
+}
 
 
-def camera(lens, **settings) -> object:
-    """A CameraDescription at the origin; wide open, at infinity, one wavelength unless said otherwise."""
-    given = {"wavelength_nm": 587.5618, **settings}
-    return description().CameraDescription(
-        object_name="Camera", matrix_world=IDENTITY, model="LENS", lens_path=os.fspath(lens), **given
-    )
+def camera(lens, focal_length_mm: float | None = None, **settings) -> CameraDescription:
+    """A camera at the origin; wide open, at infinity, one wavelength unless said otherwise."""
+    plain = CameraDescription("Camera", IDENTITY, lens_path=os.fspath(lens), wavelength_nm=587.5618)
+    inner = {INNER.get(name, name): value for name, value in settings.items()}
+    return changed(plain, inner | {"lens.focal_length": focal_length(focal_length_mm)})
 
 
 def info(lens_camera: object, width: int, height: int) -> dict:
@@ -43,8 +43,8 @@ def info(lens_camera: object, width: int, height: int) -> dict:
 def white_world(lens_camera: object, width: int, height: int, samples: int) -> np.ndarray:
     """(height, width, 3) of a uniform world of radiance one and nothing else; rows from below."""
     builder = _native.SceneBuilder()
-    builder.set_world(description().WorldDescription(color=(1.0, 1.0, 1.0)))
-    settings = description().SettingsDescription(width=width, height=height, samples=samples, seed=3)
+    builder.set_world(WorldDescription(color=(1.0, 1.0, 1.0)))
+    settings = SettingsDescription(width=width, height=height, samples=samples, seed=3)
     job = _native.Job(builder.build((0.0, 0.0, 0.0)), lens_camera, settings)
     assert job.wait(120.0)
     stats = SimpleNamespace(**json.loads(job.stats_json()))

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from petzval import _native
-from petzval.lens_setting import LensSetting
+from petzval.description import LensSettings, focal_length
 
 D_LINE_NM = 587.5618
 
@@ -80,7 +80,7 @@ class Camera:
     def info(self) -> dict:
         return json.loads(
             self._lens.info_json(
-                LensSetting(focal_length_mm=self.focal_length_mm, f_number=self.f_number),
+                LensSettings(focal_length(self.focal_length_mm), self.f_number),
                 wavelength_nm=self.wavelength_nm,
             )
         )
@@ -120,7 +120,7 @@ class Camera:
         ]
         answer = self._lens.trace_json(
             json.dumps({"rays": rays}),
-            LensSetting(focal_length_mm=self.focal_length_mm, f_number=self.f_number),
+            LensSettings(focal_length(self.focal_length_mm), self.f_number),
             from_film=from_film,
         )
         return json.loads(answer)["rays"]

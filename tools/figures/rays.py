@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from petzval.lens_loading import load
-from petzval.lens_setting import LensSetting
+from petzval.description import LensSettings, focal_length
 
 #: Rays are handed over so far before the first vertex.
 BEFORE_MM = 100.0
@@ -23,9 +23,10 @@ LINE_NM = 550.0
 class Rays:
     """A lens as it is set, focused on a plane so far before the entrance pupil, mm (infinity: None)."""
 
-    def __init__(self, lens: str, focus_mm: float | None = None, nm: float = LINE_NM, **setting: Any) -> None:
+    def __init__(self, lens: str, focus_mm: float | None = None, nm: float = LINE_NM, focal_length_mm: float | None = None, **settings: Any) -> None:
         self.lens = load(lens)
-        self.setting, self.nm, self.focus_mm = LensSetting(**setting), nm, focus_mm
+        self.nm, self.focus_mm = nm, focus_mm
+        self.setting = LensSettings(focal_length(focal_length_mm), **settings)
         self.info = json.loads(self.lens.info_json(self.setting, wavelength_nm=nm, focus_distance_mm=focus_mm))
         self.film_z = self.info["film_z_mm"]
         self.pupil_z = self.info["entrance_pupil"]["z_mm"]

@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "each bench takes what it needs")]
 
 use glam::{Affine3A, DMat4, DVec3, Vec3};
+use petzval_optics::system::FocalLength;
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::integrator::PreparedScene;
@@ -195,12 +196,14 @@ pub(crate) fn description(model: Model, wavelength_nm: Option<f64>) -> CameraDes
         model,
         matrix_world: matrix,
         lens_path: format!("{}/../../lenses/double-gauss-f2-available.lens", env!("CARGO_MANIFEST_DIR")).into(),
-        focal_length_mm: Some(50.0),
-        f_number: Some(2.0),
-        focus_distance: Some(2.0),
-        film_width_mm: 36.0,
-        film_height_mm: 20.25,
         wavelength_nm,
         ..CameraDescription::default()
     }
+    .with(|c| {
+        c.lens.focal_length = FocalLength::Millimetres(50.0);
+        c.lens.f_number = Some(2.0);
+        c.focus.distance = Some(2.0);
+        c.film.width_mm = 36.0;
+        c.film.height_mm = 20.25;
+    })
 }

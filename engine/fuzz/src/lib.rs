@@ -4,14 +4,14 @@ use std::path::Path;
 
 use petzval_optics::formats::{self, agf, lens, rii, zmx};
 use petzval_optics::glass::Catalogue;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{System, LensSettings};
 
 /// A lens is read or refused in one line; what is read can be set up, and comes back from what is written of it.
 pub fn lens(bytes: &[u8], name: &str) {
     let bytes = if name == "flare.lens" { &[b"surfaces:\n", bytes].concat()[..] } else { bytes };
     match formats::parse_bytes(bytes, Path::new(name), Catalogue::shipped(), None) {
         Ok(reading) => {
-            let _ = System::new(&reading.prescription, &SystemSettings::default());
+            let _ = System::new(&reading.prescription, &LensSettings::default());
             for (write, name) in [(lens::write as fn(&_, &_) -> _, "x.lens"), (zmx::write, "x.zmx")] {
                 let (text, lost): (String, Vec<String>) = write(&reading.prescription, Catalogue::shipped());
                 let back = formats::parse_bytes(text.as_bytes(), Path::new(name), Catalogue::shipped(), None);

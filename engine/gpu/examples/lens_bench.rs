@@ -17,7 +17,7 @@ use petzval_gpu::number::Number;
 use petzval_gpu::shader::Style;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{System, LensSettings};
 use petzval_optics::trace::{Ray, Traced, Tracer, Travel};
 use serde_json::{Value, json};
 
@@ -73,7 +73,7 @@ struct Subject {
 impl Subject {
     fn read(path: &Path) -> Result<Self, String> {
         let prescription = lens::read(path, Catalogue::shipped()).map_err(|error| error.to_string())?;
-        let system = System::new(&prescription, &SystemSettings::default()).map_err(|error| error.to_string())?;
+        let system = System::new(&prescription, &LensSettings::default()).map_err(|error| error.to_string())?;
         let tracer = system.at_wavelength(line_nm::D);
         let beam = Beam::fitted(&system, &tracer);
         let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());

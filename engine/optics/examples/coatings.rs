@@ -9,7 +9,7 @@ use petzval_optics::coating::{Coating, RECIPES};
 use petzval_optics::focus::Focus;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::transmission::Passages;
 
 const NM: [f64; 7] = [400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0];
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "lens"));
     paths.sort();
     for path in paths {
-        let system = System::new(&lens::read(&path, Catalogue::shipped())?, &SystemSettings::default())?;
+        let system = System::new(&lens::read(&path, Catalogue::shipped())?, &LensSettings::default())?;
         let film_z_mm = Focus::at_infinity(&system, line_nm::D).film_z_mm;
         let mut cells = String::new();
         for name in ["none", "MgF2", "triple"] {

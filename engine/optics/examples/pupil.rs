@@ -11,7 +11,7 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Tracer};
 
 fn main() {
@@ -27,7 +27,7 @@ fn main() {
         match lens::read(&file, Catalogue::shipped()) {
             Ok(prescription) => {
                 for (f_number, blades) in [(None, 0), (Some(8.0), 0), (Some(8.0), 6)] {
-                    let settings = SystemSettings { f_number, blades, ..SystemSettings::default() };
+                    let settings = LensSettings { f_number, blades, ..LensSettings::default() };
                     match System::new(&prescription, &settings) {
                         Ok(system) => report(&system, blades),
                         Err(error) => println!("{}: {error}", file.display()),

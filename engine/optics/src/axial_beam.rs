@@ -72,11 +72,11 @@ mod tests {
     use super::{AxialBeam, f_number};
     use crate::formats::lens::parse;
     use crate::glass::{Catalogue, line_nm};
-    use crate::system::{System, SystemSettings};
+    use crate::system::{LensSettings, System};
 
     fn system(text: &str, f_number: Option<f64>) -> System {
         let lens = parse(text, "test", Catalogue::shipped()).unwrap();
-        System::new(&lens, &SystemSettings { f_number, ..SystemSettings::default() }).unwrap()
+        System::new(&lens, &LensSettings { f_number, ..LensSettings::default() }).unwrap()
     }
 
     #[test]

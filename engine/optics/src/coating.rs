@@ -8,6 +8,8 @@ mod recipes;
 
 use std::sync::Arc;
 
+use serde::Deserialize;
+
 use crate::glass::{Medium, line_nm};
 
 pub use films::Film;
@@ -15,7 +17,8 @@ pub use layers::{Layer, Split};
 pub use recipes::{RECIPES, Recipe};
 
 /// Thin films on a surface; cheap to clone. None: bare.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(try_from = "String")]
 pub struct Coating(Option<Arc<Stack>>);
 
 #[derive(Debug, PartialEq)]
@@ -24,6 +27,14 @@ struct Stack {
     name: String,
     /// The outermost, beside the air, first.
     layers: Vec<Layer>,
+}
+
+impl TryFrom<String> for Coating {
+    type Error = CoatingError;
+
+    fn try_from(text: String) -> Result<Self, CoatingError> {
+        Self::parse(&text)
+    }
 }
 
 /// The index of what carries a mirror's layers; metal lets no light get there.

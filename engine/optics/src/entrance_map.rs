@@ -261,13 +261,13 @@ mod tests {
     use super::*;
     use crate::formats::lens;
     use crate::glass::Catalogue;
-    use crate::system::SystemSettings;
+    use crate::system::LensSettings;
 
     const LENSES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses");
 
     fn systems(paths: &[std::path::PathBuf]) -> Vec<System> {
         let read = |path: &std::path::PathBuf| lens::read(path, Catalogue::shipped()).ok();
-        let open = |p: &_| System::new(p, &SystemSettings::default()).unwrap();
+        let open = |p: &_| System::new(p, &LensSettings::default()).unwrap();
         paths.iter().filter_map(read).map(|p| open(&p)).collect()
     }
 

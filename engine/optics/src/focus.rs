@@ -11,7 +11,9 @@ use thiserror::Error;
 
 use crate::first_order::{Matrix, between_vertices};
 use crate::paraxial::Paraxial;
-use crate::system::System;
+use crate::prescription::Prescription;
+use crate::prescription::moving::MovingParts;
+use crate::system::{LensSettings, System};
 use crate::trace::Ray;
 
 pub use groups::{Focused, GroupsError};
@@ -135,7 +137,35 @@ pub struct Focus {
     pub working_f_number: Option<f64>,
 }
 
+/// The lens with these settings, and its focus on a distance from the entrance pupil, mm, `None` or infinite for infinity. Groups that focus
+/// move, and the film stays; without such the film moves.
+///
+/// # Errors
+/// [`GroupsError`].
+pub fn focused(
+    prescription: &Prescription,
+    settings: &LensSettings,
+    wavelength_nm: f64,
+    distance_mm: Option<f64>,
+) -> Result<(System, Focus), GroupsError> {
+    let by_groups = prescription.moving.as_ref().is_some_and(MovingParts::focuses);
+    let system = match distance_mm.filter(|mm| by_groups && *mm != f64::INFINITY) {
+        Some(mm) => Focusing::default().by_groups(prescription, settings, wavelength_nm, mm)?.system,
+        None => System::new(prescription, settings)?,
+    };
+    let focus = Focus::new(&system, wavelength_nm, distance_mm)?;
+    Ok((system, focus))
+}
+
 impl Focus {
+    /// [`Self::at_distance`], or [`Self::at_infinity`] for `None` and an infinite distance.
+    pub fn new(system: &System, wavelength_nm: f64, distance_mm: Option<f64>) -> Result<Self, FocusError> {
+        match distance_mm.filter(|mm| *mm != f64::INFINITY) {
+            Some(mm) => Self::at_distance(system, wavelength_nm, mm),
+            None => Ok(Self::at_infinity(system, wavelength_nm)),
+        }
+    }
+
     /// Infinity, on the film of [`Paraxial::film_z_mm`]: also for lenses that form no real image.
     pub fn at_infinity(system: &System, wavelength_nm: f64) -> Self {
         let info = Paraxial::new(system, wavelength_nm);

@@ -131,11 +131,11 @@ mod tests {
     use crate::coating::Coating;
     use crate::formats::lens;
     use crate::glass::Catalogue;
-    use crate::system::SystemSettings;
+    use crate::system::LensSettings;
 
     fn system(text: &str) -> System {
         let lens = lens::parse(text, "test.lens", Catalogue::shipped()).unwrap();
-        System::new(&lens, &SystemSettings::default()).unwrap().coated(&Coating::BARE)
+        System::new(&lens, &LensSettings::default()).unwrap().coated(&Coating::BARE)
     }
 
     /// A plate: light reflected at its back and then at its front goes on parallel, as wide as it was.
@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn discs_are_those_of_the_exact_trace() {
         let text = "40.1 6 SK4 34 0 0\n-537 10 air 34 0 0\n-47 1 SF2 26 0 0\n40 1 air 26 0 0\n0 9.8 air 25 0 1\n234.5 6 SK4 28 0 0\n-37.9 85 air 28 0 0";
-        let settings = SystemSettings { f_number: Some(90.0), ..SystemSettings::default() };
+        let settings = LensSettings { f_number: Some(90.0), ..LensSettings::default() };
         let triplet = System::new(&lens::parse(text, "test.lens", Catalogue::shipped()).unwrap(), &settings).unwrap();
         let film = crate::focus::FilmPlane::upright(110.0).frame();
         let beam = beam::Beam::new(&triplet, beam::Source::Far(glam::DVec3::NEG_Z)).unwrap();

@@ -30,14 +30,14 @@
 //! use petzval_optics::formats::lens;
 //! use petzval_optics::glass::{Catalogue, line_nm};
 //! use petzval_optics::paraxial::Paraxial;
-//! use petzval_optics::system::{System, SystemSettings};
+//! use petzval_optics::system::{System, LensSettings};
 //! use petzval_optics::trace::{Failure, Ray};
 //!
 //! let text = "#radius thickness glass diameter conic isstop
 //!              60.0 6.0 N-BK7 30.0 0.0 1
 //!             -60.0 55.0 air  30.0 0.0 0";
 //! let prescription = lens::parse(text, "singlet.lens", Catalogue::shipped())?;
-//! let system = System::new(&prescription, &SystemSettings::default())?;
+//! let system = System::new(&prescription, &LensSettings::default())?;
 //!
 //! // 1 / f = (n - 1) (2 / R - (n - 1) t / (n R^2))
 //! let n = Catalogue::shipped().medium("N-BK7")?.index(line_nm::D);

@@ -8,7 +8,7 @@ use crate::axial_beam;
 use crate::glass::line_nm;
 use crate::paraxial::Paraxial;
 use crate::prescription::{Metadata, Prescription};
-use crate::system::{System, SystemError, SystemSettings};
+use crate::system::{LensSettings, System, SystemError};
 
 /// A whole number of millimetres is no claim to half of one where the lens is short: of a focal length no more than this part is left to
 /// rounding, and of an f-number, of which makers engrave the nearest usual one, this.
@@ -71,7 +71,7 @@ pub fn compare(lens: &Prescription) -> Result<Vec<Published>, SystemError> {
     let metadata = &lens.metadata;
     let of =
         |key: &'static str, computed| Published::new(metadata, key, metadata.text(key).map(str::to_owned), computed);
-    let settings = SystemSettings::default();
+    let settings = LensSettings::default();
     let system = System::new(lens, &settings)?;
     let mut found = Vec::new();
     let zooms: Vec<f64> = match &lens.moving {

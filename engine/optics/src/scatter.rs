@@ -55,14 +55,14 @@ mod tests {
     use super::*;
     use crate::formats::lens;
     use crate::glass::Catalogue;
-    use crate::system::SystemSettings;
+    use crate::system::LensSettings;
 
     /// Both sides of a thin lens reach as far as the film is away; so does a mirror, and it doubles what its bumps do.
     #[test]
     fn a_thin_lens_reaches_as_far_as_the_film() {
         let system = |text: &str| {
             let prescription = lens::parse(text, "test.lens", Catalogue::shipped()).unwrap();
-            System::new(&prescription, &SystemSettings::default()).unwrap()
+            System::new(&prescription, &LensSettings::default()).unwrap()
         };
         let thin = scatterers(&system("100 1e-6 1.5 20 0 1\n-100 100 air 20 0 0"), 550.0, 100.0);
         assert_eq!(thin.len(), 2);

@@ -4,6 +4,7 @@ mod groups;
 
 use std::sync::Arc;
 
+use serde::Deserialize;
 use thiserror::Error;
 
 use crate::coating::{Coating, Split, parts_glass_from_air};
@@ -14,7 +15,8 @@ use crate::prescription::{NextMedium, Prescription, PrescriptionError};
 use crate::surface::{Pose, Section, Shape};
 
 /// The focal length that the lens is scaled to: radii, thicknesses and apertures all scale (Wu et al. 2011, §4).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum FocalLength {
     /// The focal length of the lens file.
     #[default]
@@ -25,9 +27,10 @@ pub enum FocalLength {
     Millimetres(f64),
 }
 
-/// The user's settings of a lens. The default: as published, wide open, round.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SystemSettings {
+/// The user's settings of a lens. The default: as published, wide open, round, coated as its file says.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LensSettings {
     /// Focal length.
     pub focal_length: FocalLength,
     /// |efl| / diameter of the entrance pupil at d; `None`: wide open.
@@ -40,6 +43,10 @@ pub struct SystemSettings {
     pub blade_rotation_rad: f64,
     /// Curvature of the blades: 0 straight, 1 the full circle.
     pub blade_curvature: f64,
+    /// A mask in the diaphragm instead of blades, turned like them.
+    pub aperture_mask: Option<Arc<ApertureMask>>,
+    /// Thin films wherever glass meets air; `None`: as the lens file has them.
+    pub coating: Option<Coating>,
 }
 
 /// An error by which no system can be made.
@@ -166,7 +173,7 @@ impl System {
     ///
     /// An f-number smaller than the clear aperture of the stop allows is clamped to the widest one:
     /// [`Self::f_number_was_clamped`] says so. Groups that move stand where infinity is sharp.
-    pub fn new(prescription: &Prescription, settings: &SystemSettings) -> Result<Self, SystemError> {
+    pub fn new(prescription: &Prescription, settings: &LensSettings) -> Result<Self, SystemError> {
         if let Some(moving) = &prescription.moving {
             return Self::with_groups(prescription, moving, settings, 0.0);
         }
@@ -200,9 +207,8 @@ impl System {
             (Some(now), Some(widest)) => clear * (widest / now),
             _ => clear,
         };
-        let (curvature, rotation_rad) = (settings.blade_curvature, settings.blade_rotation_rad);
-        let diaphragm = Diaphragm::checked(opening, settings.blades, curvature, rotation_rad)?;
-        Ok(Self {
+        let diaphragm = diaphragm(settings, opening)?;
+        let system = Self {
             name: prescription.name.clone(),
             surfaces,
             stop,
@@ -213,6 +219,10 @@ impl System {
             requested_f_number: asked,
             film_radius_mm: prescription.film_radius_mm.map(|r| r * scale),
             half_field_deg: prescription.metadata.half_field_deg,
+        };
+        Ok(match &settings.coating {
+            Some(coating) => system.coated(coating),
+            None => system,
         })
     }
 
@@ -380,7 +390,17 @@ impl System {
     }
 }
 
-fn check_settings(settings: &SystemSettings) -> Result<(), SystemError> {
+/// The diaphragm of these settings in a stop of this radius, mm.
+fn diaphragm(settings: &LensSettings, radius_mm: f64) -> Result<Diaphragm, DiaphragmError> {
+    let (curvature, rotation_rad) = (settings.blade_curvature, settings.blade_rotation_rad);
+    let bladed = Diaphragm::checked(radius_mm, settings.blades, curvature, rotation_rad)?;
+    Ok(match &settings.aperture_mask {
+        Some(mask) => Diaphragm::masked(radius_mm, mask.clone(), rotation_rad),
+        None => bladed,
+    })
+}
+
+fn check_settings(settings: &LensSettings) -> Result<(), SystemError> {
     let positive = |what, value: f64| {
         let good = value.is_finite() && value > 0.0;
         if good { Ok(()) } else { Err(SystemError::NotPositive { what, value }) }

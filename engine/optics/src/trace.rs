@@ -404,13 +404,13 @@ mod tests {
     use super::*;
     use crate::formats::lens::parse;
     use crate::glass::Catalogue;
-    use crate::system::SystemSettings;
+    use crate::system::LensSettings;
 
     /// A hemisphere of glass with an obstruction, its flat rear side the stop, five blades.
     fn tracer() -> Tracer {
         let text = "#radius thickness glass diameter conic isstop obstruction
                     10 10 1.5 19.9 -0.0 0 2\n 0 5 air 10 0 1 0\n 2 2 1.8 4.0 -4 0 0";
-        let settings = SystemSettings { f_number: Some(4.0), blades: 5, ..SystemSettings::default() };
+        let settings = LensSettings { f_number: Some(4.0), blades: 5, ..LensSettings::default() };
         let prescription = parse(text, "test", Catalogue::shipped()).unwrap();
         System::new(&prescription, &settings).unwrap().at_wavelength(550.0)
     }
@@ -433,7 +433,7 @@ mod tests {
     #[test]
     fn points_on_a_rim_pass() {
         let text = "0 5 1.5 10 0 1";
-        let tracer = System::new(&parse(text, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default());
+        let tracer = System::new(&parse(text, "test", Catalogue::shipped()).unwrap(), &LensSettings::default());
         let tracer = tracer.unwrap().at_wavelength(550.0);
         let at = |x: f64| tracer.from_scene(Ray { origin: DVec3::new(x, 4.0, -1.0), direction: DVec3::Z });
         assert!(at(3.0).is_ok());
@@ -443,7 +443,7 @@ mod tests {
     #[test]
     fn a_ray_into_the_thinner_medium_can_turn_back() {
         let text = "0 5 1.5 100 0 1\n 0 5 air 100 0 0";
-        let tracer = System::new(&parse(text, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default());
+        let tracer = System::new(&parse(text, "test", Catalogue::shipped()).unwrap(), &LensSettings::default());
         let tracer = tracer.unwrap().with_indices(550.0, &[1.0, 0.7]);
         let ray = Ray { origin: DVec3::new(0.0, 0.0, -1.0), direction: DVec3::new(0.9, 0.0, 0.5).normalize() };
         let expected = Lost { surface: 1, reason: Failure::TotalInternalReflection };

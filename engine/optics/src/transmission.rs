@@ -208,10 +208,10 @@ mod tests {
     use crate::coating::Coating;
     use crate::formats::lens;
     use crate::glass::Catalogue;
-    use crate::system::SystemSettings;
+    use crate::system::LensSettings;
 
     fn system(text: &str) -> System {
-        System::new(&lens::parse(text, "test.lens", Catalogue::shipped()).unwrap(), &SystemSettings::default()).unwrap()
+        System::new(&lens::parse(text, "test.lens", Catalogue::shipped()).unwrap(), &LensSettings::default()).unwrap()
     }
 
     fn on_axis(text: &str, nm: f64) -> f64 {

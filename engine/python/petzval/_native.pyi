@@ -8,12 +8,21 @@ Every error is a subclass of `PetzvalError`; its message is one line: what, wher
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, Protocol, final, type_check_only
+from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
 
-from .lens_setting import LensLook, LensSetting
+from .description import (
+    CameraDescription,
+    LensReportSettings,
+    LensSettings,
+    LightDescription,
+    MaterialDescription,
+    SettingsDescription,
+    ShutterDescription,
+    WorldDescription,
+)
 
 __all__ = [
     "CameraError",
@@ -66,7 +75,6 @@ __all__ = [
 ]
 
 _Matrix4 = tuple[tuple[float, float, float, float], ...]
-_Colour = tuple[float, float, float]
 
 class PetzvalError(Exception): ...
 class LensError(PetzvalError): ...
@@ -101,7 +109,7 @@ class Lens:
         back focus at the d line, and those numbers beside the source's (`published`)."""
     def info_json(
         self,
-        setting: LensSetting | None = None,
+        settings: LensSettings | None = None,
         *,
         wavelength_nm: float = ...,
         focus_distance_mm: float | None = None,
@@ -121,7 +129,7 @@ class Lens:
     def trace_json(
         self,
         rays_json: str,
-        setting: LensSetting | None = None,
+        settings: LensSettings | None = None,
         *,
         from_film: bool = False,
         precision: str = "f64",
@@ -135,7 +143,7 @@ def lens_groups() -> list[str]:
 
 def lens_drawing_json(
     lens: Lens,
-    setting: LensSetting | None = None,
+    settings: LensSettings | None = None,
     fields_deg: Sequence[float] = ...,
     rays: int = 7,
     *,
@@ -152,18 +160,18 @@ def lens_drawing_json(
 # azimuth_deg, airy_radius_mm, half_field_deg, and what stands below. Pairs are [sagittal, tangential]. A field from which nothing
 # comes has is_dark and no more. Without fields: 0, 0.7 and all of the half field, or `count` evenly over it.
 
-def lens_spots_json(lens: Lens, setting: LensSetting, look: LensLook, rays: int, defocus_mm: Sequence[float]) -> str:
+def lens_spots_json(lens: Lens, settings: LensSettings, look: LensReportSettings, rays: int, defocus_mm: Sequence[float]) -> str:
     """defocus: for each of `defocus_mm` fields: angle_deg, centroid_mm from the film's middle, chief_mm, rms_mm and largest_mm from the
     centroid, lines: wavelength_nm, rms_mm about its own centroid_mm, points_mm. `rays` is the number over the width of a beam."""
 
-def lens_fans_json(lens: Lens, setting: LensSetting, look: LensLook, rays: int) -> str:
+def lens_fans_json(lens: Lens, settings: LensSettings, look: LensReportSettings, rays: int) -> str:
     """fields: angle_deg, tangential and sagittal, each a list by wavelength of pupil (in radii of the stop), error_mm from the main
     wavelength's ray through the stop's middle, path_waves, longer than the middle ray's of that wavelength."""
 
 def lens_mtf_json(
     lens: Lens,
-    setting: LensSetting,
-    look: LensLook,
+    settings: LensSettings,
+    look: LensReportSettings,
     frequencies: tuple[float, int],
     heights: tuple[int, float],
 ) -> str:
@@ -172,20 +180,20 @@ def lens_mtf_json(
     each contrast, geometric (rays alone) and limit (diffraction alone). height_frequencies_per_mm, 0 to 4 steps, and heights: the
     same from the axis to the largest field."""
 
-def lens_psf_json(lens: Lens, setting: LensSetting, look: LensLook) -> str:
+def lens_psf_json(lens: Lens, settings: LensSettings, look: LensReportSettings) -> str:
     """fields: angle_deg, height_mm, strehl by wavelength; a picture of side x side values, step_mm apart, rows from below, the middle one where
     the middle of all rays' light lies, all wavelengths together, in units of the brightest that this pupil makes without aberrations; and
     the part of the light that is encircled within radii_mm. A field that is spread too far for waves has spread_mm and spread_times,
     over λN, instead."""
 
-def lens_distortion_json(lens: Lens, setting: LensSetting, look: LensLook, count: int) -> str:
+def lens_distortion_json(lens: Lens, settings: LensSettings, look: LensReportSettings, count: int) -> str:
     """height_by_slope_mm and fields: angle_deg, and of the ray through the middle of the stop height_mm, straight_height_mm (by the
     tangent; null from 90 degrees on), even_height_mm (by the angle), tangential_focus_mm and sagittal_focus_mm from the film, along z,
     colour_mm: by wavelength, from the main one's height."""
 
 def lens_ghosts_json(
     lens: Lens,
-    setting: LensSetting,
+    settings: LensSettings,
     *,
     angle_deg: float = 0.0,
     azimuth_deg: float = 90.0,
@@ -203,10 +211,10 @@ def lens_ghosts_json(
     wavelength_nm, f_number, focus_distance_mm, angle_deg, azimuth_deg, film_mm (by default the lens file's, or 36 by 24), reflections.
     brute_force (null unless asked for): rays, on_film_mm2 by the number of reflections, and its standard error_mm2."""
 
-def lens_illumination_json(lens: Lens, setting: LensSetting, look: LensLook, count: int) -> str:
+def lens_illumination_json(lens: Lens, settings: LensSettings, look: LensReportSettings, count: int) -> str:
     """fields that are lit: angle_deg, height_mm, relative to the axis (null where that is dark), projected_sr."""
 
-def lens_transmission_json(lens: Lens, setting: LensSetting, look: LensLook, spectrum_nm: Sequence[float]) -> str:
+def lens_transmission_json(lens: Lens, settings: LensSettings, look: LensReportSettings, spectrum_nm: Sequence[float]) -> str:
     """What the lens lets through of light of these wavelengths, spectrum_nm: fields, each angle_deg, parts (by wavelength, the mean of the
     light that no rim stops; null where nothing comes through) and is_dark; t_number (of white light in the film's middle; null where that
     is dark), coating_is_assumed (the file says nothing of it), coatings, each name, before (the medium behind the first surface that has
@@ -225,70 +233,13 @@ def glasses_json(catalogue: str | None) -> str:
 def trace_surfaces_json(cases_json: str, *, precision: str = "f64") -> str:
     """The input and output of `petzval surface trace`; `precision` is "f64", "f32" or "printed"."""
 
-@type_check_only
-class ApertureMask(Protocol):
-    """A square grey picture over the diameter of the stop; light passes where it is brighter than half."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def side(self) -> int: ...
-    @property
-    def values(self) -> bytes:
-        """Side x side, rows from below."""
-
-@type_check_only
-class CameraDescription(Protocol):
-    """Read by attribute, as all descriptions of `addon/description.py`. None means: the lens's own value."""
-
-    object_name: str
-    matrix_world: _Matrix4
-    model: str  # LENS | IMAGE_BASED | PARAXIAL | THICK | THIN | PINHOLE | ORTHOGRAPHIC
-    pinhole_focal_length_mm: float
-    pinhole_film_width_mm: float
-    pinhole_shift: tuple[float, float]
-    pixel_aspect: float  # the height of a pixel over its width
-    lens_path: str
-    focal_length_mm: float | None
-    focal_scale: float | None
-    f_number: float | None
-    pupil_diameter_mm: float | None
-    blades: int
-    blade_rotation_rad: float
-    blade_curvature: float  # 0: straight blades, 1: a round opening
-    aperture_mask: ApertureMask | None  # the opening's shape instead of blades; turned like them
-    roughness_nm: float  # of the lens's surfaces, rms
-    cleanliness: float  # dust on them: level of IEST-STD-CC1246; 0: none
-    veiling_index: float  # barrel and film: part of an even world's light
-    coating: str | None  # wherever glass meets air, by name or layer by layer; None: as the lens file has it
-    exposes_by_f_number: bool  # what the lens takes of the light makes the picture darker
-    focus_distance: float | None
-    anchor: str  # ENTRANCE_PUPIL | FRONT_VERTEX | FILM
-    focus_relation: str  # EXACT | THIN
-    autofocus: tuple[float, float] | None  # picture point, 0 to 1 from the lower left; for the render to resolve
-    focus_point_world: tuple[float, float, float] | None
-    film_distance_mm: float | None
-    film_width_mm: float
-    film_height_mm: float
-    tilt_rad: float
-    swing_rad: float
-    shift_mm: tuple[float, float]
-    scale_mm_per_unit: tuple[float, float, float]
-    wavelength_nm: float | None  # None: all that `spectrum` says
-    spectrum: str  # VISIBLE | THREE
-    precision: str  # AUTO | F32 | F64: of the numbers in which rays leave through the lens
-    # Shutter (s), ISO, lumens of a watt; None: radiance one is one in the middle of the picture.
-    exposure: tuple[float, float, float] | None
-    orthographic_width: float  # of the whole picture, Blender units
-    clip: tuple[float, float]  # depths between which camera rays see, Blender units
-
 def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     """What the panel shows and the viewport needs: efl_mm, bfd_mm, f_number (in force), widest_f_number, t_number (null: dark),
     coatings (names), coating_is_assumed (the file says nothing of it), unknown_absorption (glasses that count as clear),
     film_z_mm, film_distance_mm, focus_distance_mm (from the entrance pupil; null: infinity), focus_scale_mm (the same as
     the camera's anchor and relation count it), magnification, fov_horizontal_rad,
     fov_vertical_rad, fov_diagonal_rad, picture_width_mm, picture_height_mm (the used part of the film),
-    viewport_focal_length_mm with viewport_sensor_width_mm and viewport_shift (a Blender camera that frames the same picture),
+    viewport_focal_length_mm with picture_width_mm and viewport_shift (a Blender camera that frames the same picture),
     entrance_pupil_diameter_mm, lens_name, surfaces, zoom_range_mm (null: no zoom lens), focuses_inside (groups inside of
     the lens focus it, not the film), remarks (what of the lens file could not be used), beyond_range (glasses that are not known for all
     of the light: of wavelength_nm, or all visible)."""
@@ -360,54 +311,6 @@ def free_memory_bytes() -> int | None:
 
 #: What values belong to ("POINT": vertices, "CORNER": corners of faces, as `loops` number them, "TRIANGLE"), and these, one a row.
 _Values = tuple[str, npt.NDArray[np.float32]]
-
-@type_check_only
-class MaterialDescription(Protocol):
-    """A material: its shader nodes, as JSON of what `export/graph.py` makes of them."""
-
-    name: str
-    graph: str
-    pass_index: int
-    displacement_method: str  # BUMP | DISPLACEMENT | BOTH
-    # What its nodes give out beside: a graph likewise, whose layers glow with them, and the numbers of these.
-    aovs: tuple[str, Sequence[int]] | None
-
-@type_check_only
-class LightDescription(Protocol):
-    """A lamp. `matrix_world` maps the lamp's axes to the world; it shines along its -z."""
-
-    object_name: str
-    kind: str  # POINT | SPOT | SUN | AREA
-    matrix_world: _Matrix4
-    color: _Colour  # times energy: watts, for SUN watts per square metre
-    radius: float  # POINT, SPOT
-    soft_falloff: bool  # POINT, SPOT: a disk that faces whoever looks at it, rather than a sphere
-    angle_rad: float  # SUN: full angular diameter
-    shape: str  # AREA: RECTANGLE | ELLIPSE
-    size: tuple[float, float]  # AREA: full sides
-    spread_rad: float  # AREA
-    spot_angle_rad: float  # SPOT: full cone
-    spot_blend: float
-    # What the colour is multiplied by: the nodes, as JSON of what `export/graph.py` makes of them.
-    graph: str | None
-    hidden_from: tuple[str, ...]  # of RAYS: as an object, and so what it does not light
-    sets: tuple[int, int]  # of objects that it lights, and that throw shadows in its light
-    light_group: int  # its number; 0 is none
-    max_bounces: int  # after which it lights nothing
-    cast_shadow: bool
-
-@type_check_only
-class WorldDescription(Protocol):
-    """The world."""
-
-    color: _Colour  # times strength
-    image: int | None  # equirectangular, as Blender maps it; multiplied by `color`
-    # Rotation of a Mapping node: world direction to texture direction, 3 x 3.
-    rotation: tuple[tuple[float, float, float], ...]
-    hidden_from: tuple[str, ...]  # of RAYS
-    light_group: int  # its number; 0 is none
-    # Instead of colour and image: the nodes, as JSON of what `export/graph.py` makes of them.
-    graph: str | None
 
 @final
 class SceneBuilder:
@@ -541,58 +444,6 @@ class Scene:
         """Instances that move or change their shape while the shutter is open."""
     @property
     def bvh_seconds(self) -> float: ...
-
-@type_check_only
-class SettingsDescription(Protocol):
-    """How a picture is sampled."""
-
-    width: int
-    height: int
-    samples: int
-    noise_threshold: float  # relative error at which a pixel has samples enough; 0: all get the same
-    min_samples: int  # before a pixel's error is first looked at; 0: 16
-    seed: int
-    film_exposure: float  # what the finished light is multiplied by
-    blue_noise: bool  # the errors of neighbouring pixels cancel; ranges of samples then do not make the whole
-    # Left, bottom, width, height in pixels: the part that is looked at, with light missing near its edge; None: all.
-    window: tuple[int, int, int, int] | None
-    sample_offset: int
-    threads: int
-    max_bounces: int
-    # Of those, how many of each kind.
-    diffuse_bounces: int
-    glossy_bounces: int
-    transmission_bounces: int
-    volume_bounces: int
-    transparent_bounces: int
-    transparent_shadows: int  # surfaces passed by shadow rays, those of the path before included
-    # After a diffuse bounce.
-    reflective_caustics: bool
-    refractive_caustics: bool
-    # Most radiance, in the mean of its channels, that light may add to a sample; 0: no limit.
-    clamp_direct: float  # seen by the camera, or scattered once
-    clamp_indirect: float  # scattered more often
-    filter: str  # BOX: one pixel | GAUSSIAN | BLACKMAN_HARRIS, as Cycles defines them
-    filter_width_px: float  # of the last two, as Cycles counts it
-    # Surfaces are rougher for paths that were scattered with less than this density per steradian; 0: none are.
-    filter_glossy: float
-    # OFF | REPLACE: ambient occlusion instead of the bounces from that number on | ADD: besides all light.
-    fast_gi: str
-    fast_gi_bounces: int
-    fast_gi_distance: float  # how far it looks
-    fast_gi_factor: float  # what the world counts, or the light that is added
-    transparent_film: bool
-    with_data: bool  # keep what `Job.data` gives
-    pipeline: str  # AUTO | FILM | SCENE | HERO
-    integrator: str  # PATH | BIDIRECTIONAL
-
-@type_check_only
-class ShutterDescription(Protocol):
-    """How the shutter opens, and where the camera stands meanwhile."""
-
-    openness: Sequence[float]  # at even times over the exposure; empty: open all the time
-    rolling: float | None  # from the top down, each row for this part of the exposure; None: all at once
-    camera_keys: Sequence[_Matrix4]  # at even times over the exposure; empty: it stands still
 
 @final
 class Plan:

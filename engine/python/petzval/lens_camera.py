@@ -4,15 +4,12 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import math
-import sys
-from types import ModuleType
-from typing import Any
 
 from . import argument_types as types
+from .description import CameraDescription, FilmSettings, FocusSettings
 from .lens_setting import add_focus, add_setting, setting_of
-from .places import addon_folder, find_lens
+from .places import find_lens
 
 #: As the engine's description has it, in units of which a thousand millimetres make one.
 _SCALE = 1000.0
@@ -33,42 +30,20 @@ def add_camera(parser: argparse.ArgumentParser, kinds: str) -> None:
     parser.add_argument("--shift", type=types.pair, default=[0.0, 0.0], metavar="X,Y", help="the lens right and up against the film, mm")  # fmt: skip
 
 
-def camera_of(arguments: argparse.Namespace, *, wavelength_nm: float | None = None, spectrum: str = "VISIBLE") -> Any:
+def camera_of(arguments: argparse.Namespace, *, wavelength_nm: float | None = None, spectrum: str = "VISIBLE") -> CameraDescription:
     """What `add_camera` asked for, as the engine takes it."""
-    setting = setting_of(arguments)
     distance = arguments.focus_distance
     is_far = distance is None or math.isinf(distance)
-    return _description().CameraDescription(
+    width_mm, height_mm = arguments.film
+    return CameraDescription(
         object_name="camera",
         matrix_world=_IDENTITY,
         lens_path=str(find_lens(arguments.lens)),
-        focal_length_mm=setting.focal_length_mm,
-        f_number=setting.f_number,
-        pupil_diameter_mm=setting.pupil_diameter_mm,
-        blades=setting.blades,
-        blade_rotation_rad=setting.blade_rotation_rad,
-        blade_curvature=setting.blade_curvature,
-        aperture_mask=setting.aperture_mask,
-        coating=setting.coating,
-        focus_distance=None if is_far else distance / _SCALE,
-        film_width_mm=arguments.film[0],
-        film_height_mm=arguments.film[1],
-        tilt_rad=math.radians(arguments.tilt),
-        swing_rad=math.radians(arguments.swing),
-        shift_mm=tuple(arguments.shift),
+        lens=setting_of(arguments),
+        focus=FocusSettings(distance=None if is_far else distance / _SCALE),
+        film=FilmSettings(
+            width_mm, height_mm, math.radians(arguments.tilt), math.radians(arguments.swing), tuple(arguments.shift)
+        ),
         wavelength_nm=wavelength_nm,
         spectrum=spectrum,
     )
-
-
-def _description() -> ModuleType:
-    """The add-on's plain data, which needs no Blender."""
-    name = "petzval_description"
-    if name not in sys.modules:
-        spec = importlib.util.spec_from_file_location(name, addon_folder() / "description.py")
-        assert spec is not None and spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        # Dataclasses look their module up.
-        sys.modules[name] = module
-        spec.loader.exec_module(module)
-    return sys.modules[name]

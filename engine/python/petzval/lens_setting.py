@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a lens is set and looked at, as the commands of `petzval lens` take it. Read by the engine by attribute."""
+"""The options of `petzval lens` by which a lens is set, focused and reported on."""
 
 from __future__ import annotations
 
@@ -7,40 +7,12 @@ import argparse
 import math
 import os
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from .argument_types import number
+from .description import MOST_BLADES, LensReportSettings, LensSettings, focal_length
 from .errors import CommandError
-
-
-@dataclass(frozen=True)
-class LensSetting:
-    """The setting of a lens; None: as published."""
-
-    scale: float | None = None
-    focal_length_mm: float | None = None
-    f_number: float | None = None
-    pupil_diameter_mm: float | None = None  # of the entrance pupil; goes before the f-number
-    blades: int = 0
-    blade_curvature: float = 0.0
-    blade_rotation_rad: float = 0.0
-    aperture_mask: Any = None
-    coating: str | None = None  # wherever glass meets air; None: as the lens file has it
-
-
-@dataclass(frozen=True)
-class LensLook:
-    """The light and the film of a report."""
-
-    fields_deg: tuple[float, ...] = ()  # angles to the axis, counted at the entrance pupil; none: the report's own
-    wavelengths_nm: tuple[float, ...] = ()  # in vacuum, that nearest the d line the main one; none: F, d and C
-    azimuth_deg: float = 90.0  # of the fields, from right to up
-    focus_distance_mm: float | None = None
-    # The film where the spot of the axis is smallest, instead of where paraxial rays of the main wavelength meet.
-    best_focus: bool = False
-    defocus_mm: float = 0.0  # and so far behind that
 
 
 def _distance(text: str) -> float:
@@ -53,8 +25,8 @@ def _distance(text: str) -> float:
 
 def _count(text: str) -> int:
     value = int(text)
-    if value != 0 and not 3 <= value <= 24:
-        raise argparse.ArgumentTypeError(f"a diaphragm has 3 to 24 blades, or 0 for a round one: {text}")
+    if value != 0 and not 3 <= value <= MOST_BLADES:
+        raise argparse.ArgumentTypeError(f"a diaphragm has 3 to {MOST_BLADES} blades, or 0 for a round one: {text}")
     return value
 
 
@@ -63,14 +35,14 @@ _count.__name__, _distance.__name__ = "number", "distance"
 
 
 def add_setting(parser: argparse.ArgumentParser) -> None:
-    """The options of `LensSetting`."""
+    """The options of `LensSettings`."""
     parser.add_argument("--focal-length", type=number, metavar="MM", help="scale the lens to this focal length")
     opening = parser.add_mutually_exclusive_group()
     opening.add_argument("--f-number", type=number, metavar="N", help="stop the diaphragm down to this f-number")
     opening.add_argument(
         "--pupil-diameter", type=number, metavar="MM", help="or to this diameter of the entrance pupil, as of an eye's"
     )
-    parser.add_argument("--blades", type=_count, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
+    parser.add_argument("--blades", type=_count, metavar="N", help=f"blades of the diaphragm, 3 to {MOST_BLADES}; 0 is round")
     parser.add_argument("--blade-curvature", type=number, metavar="C", help="of the blades' edges: 0 straight, 1 round")
     parser.add_argument("--blade-rotation", type=number, metavar="DEG", help="turn of the diaphragm about the axis")
     parser.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
@@ -80,13 +52,13 @@ def add_setting(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(usage_error=parser.error)
 
 
-def setting_of(arguments: argparse.Namespace) -> LensSetting:
-    """What `add_setting` asked for."""
+def setting_of(arguments: argparse.Namespace) -> LensSettings:
+    """The settings that the options of `add_setting` ask for."""
     if arguments.aperture_mask and arguments.blades:
         arguments.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
     rotation = arguments.blade_rotation
-    return LensSetting(
-        focal_length_mm=arguments.focal_length,
+    return LensSettings(
+        focal_length=focal_length(arguments.focal_length),
         f_number=arguments.f_number,
         pupil_diameter_mm=arguments.pupil_diameter,
         blades=arguments.blades or 0,
@@ -133,7 +105,7 @@ def add_focus(parser: argparse.ArgumentParser) -> None:
 
 
 def add_look(parser: argparse.ArgumentParser, fields: str) -> None:
-    """The options of `LensLook`; `fields` says what is shown without --fields."""
+    """The options of `LensReportSettings`; `fields` says what is shown without --fields."""
     parser.add_argument(
         "--fields", nargs="+", type=number, default=[], metavar="DEG", help=f"angles to the axis; default: {fields}"
     )
@@ -152,9 +124,9 @@ def add_look(parser: argparse.ArgumentParser, fields: str) -> None:
     parser.add_argument("--film-shift", type=number, default=0.0, metavar="MM", help="the film so far behind that")
 
 
-def look_of(arguments: argparse.Namespace) -> LensLook:
-    """What `add_look` asked for."""
-    return LensLook(
+def look_of(arguments: argparse.Namespace) -> LensReportSettings:
+    """The settings that the options of `add_look` ask for."""
+    return LensReportSettings(
         fields_deg=tuple(arguments.fields),
         wavelengths_nm=tuple(arguments.wavelengths),
         azimuth_deg=arguments.azimuth,

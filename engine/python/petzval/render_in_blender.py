@@ -274,7 +274,9 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
         _apply_camera(scene, scene.camera.data, o, addon)
     except RuntimeError as error:  # only the mask is a file that is read here
         return f"cannot read {o['aperture_mask']}: {_one_line(error)}: give --aperture-mask a picture"
-    if o["autofocus"] and scene.camera.data.petzval.model not in addon.description.OF_LENS_FILE:
+    from petzval.description import OF_LENS_FILE
+
+    if o["autofocus"] and scene.camera.data.petzval.model not in OF_LENS_FILE:
         return f"camera '{scene.camera.name}': only a lens can focus by itself: name one with --lens"
     return _apply_sharp(scene, o["sharp"], addon, found) if o["sharp"] else None
 
@@ -325,13 +327,15 @@ def _apply_output(r: Any, file: str, output: str, of_layers: bool) -> None:
 
 
 def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> None:
+    from petzval.description import OF_LENS_FILE
+
     own, data = _Strict(camera.petzval), _Strict(camera)
     if o["camera"] or o["lens"]:
         own.model = (o["camera"] or "lens").upper().replace("-", "_")
     if o["lens"]:
         own.lens_file = o["lens"]
     if o["focal_length_mm"] is not None:
-        if own.model in addon.description.OF_LENS_FILE:
+        if own.model in OF_LENS_FILE:
             own.focal_mode = "LENGTH"
             own.focal_length = o["focal_length_mm"]
         else:
@@ -387,7 +391,7 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
             shape = addon.export.camera.resolution(scene.render)
         own.film_mode = "SIZE"
         own.film_width, own.film_height = with_diagonal(*shape, o["film_diagonal_mm"])
-    if own.model not in addon.description.OF_LENS_FILE and (o["film_mm"] or o["film_diagonal_mm"] is not None):
+    if own.model not in OF_LENS_FILE and (o["film_mm"] or o["film_diagonal_mm"] is not None):
         # A camera without a lens has Blender's sensor, which is as high as the picture's shape says.
         data.sensor_fit, data.sensor_width, data.sensor_height = "HORIZONTAL", own.film_width, own.film_height
     if isinstance(o["spectrum"], float):

@@ -1,11 +1,13 @@
 //! Drawings of lenses, for `petzval lens draw`.
 
+use crate::described::Described;
 use crate::error::{Error, invalid};
 use crate::gil::without_gil;
 use crate::lens::{Lens, check_wavelength};
-use crate::setting::Setting;
 use petzval_optics::drawing::Drawing;
+use petzval_optics::focus::focused;
 use petzval_optics::paraxial::{Paraxial, Pupil};
+use petzval_optics::system::LensSettings;
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -14,12 +16,12 @@ const MOST_RAYS: usize = 1000;
 
 /// See the stub.
 #[pyfunction]
-#[pyo3(signature = (lens, setting = None, fields_deg = Vec::new(), rays = 7, *, wavelength_nm = 587.5618,
+#[pyo3(signature = (lens, settings = None, fields_deg = Vec::new(), rays = 7, *, wavelength_nm = 587.5618,
     focus_distance_mm = None))]
 pub(crate) fn lens_drawing_json(
     py: Python<'_>,
     lens: &Lens,
-    setting: Option<Setting>,
+    settings: Option<Described<LensSettings>>,
     fields_deg: Vec<f64>,
     rays: usize,
     wavelength_nm: f64,
@@ -32,7 +34,8 @@ pub(crate) fn lens_drawing_json(
     if let Some(angle) = fields_deg.iter().find(|angle| !(-180.0..=180.0).contains(*angle)) {
         return Err(invalid(format!("a field of {angle} degrees: give angles from -180 to 180")));
     }
-    let (system, focus) = setting.unwrap_or_default().focused(lens, wavelength_nm, focus_distance_mm)?;
+    let settings = settings.map(|settings| settings.0).unwrap_or_default();
+    let (system, focus) = focused(&lens.prescription, &settings, wavelength_nm, focus_distance_mm)?;
     let drawing = without_gil(py, || {
         let usual = || Drawing::usual_angles_deg(&system, &focus, wavelength_nm);
         let angles = if fields_deg.is_empty() { usual() } else { fields_deg };

@@ -1,17 +1,19 @@
 //! The one map from the engine's errors to Python's exceptions.
 
 use petzval_nodes::Parsing;
-use petzval_optics::focus::FocusError;
+use petzval_optics::focus::{FocusError, GroupsError};
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
 use petzval_pictures::error::MergeError;
 use petzval_render::camera::CameraError;
 use petzval_render::job::SettingsError;
+use petzval_render::job::request::RequestError;
 use petzval_render::plan::PlanError;
 use petzval_render::scene::SceneError;
 use pyo3::create_exception;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
+use serde::Serialize;
 
 create_exception!(_native, PetzvalError, PyException, "Anything the engine refuses: what, where, what to do.");
 create_exception!(_native, LensError, PetzvalError, "A lens file that cannot be read, or a lens that cannot be set.");
@@ -56,12 +58,18 @@ maps! {
     LensFileError => LensError,
     SystemError => LensError,
     FocusError => LensError,
+    GroupsError => LensError,
     SceneError => SceneError_,
     MergeError => PetzvalError,
     Parsing => SceneError_,
     CameraError => CameraError_,
     SettingsError => PetzvalError,
     PlanError => PetzvalError,
+}
+
+/// A report as JSON. What is not finite is null.
+pub(crate) fn json(report: &impl Serialize) -> Result<String, Error> {
+    serde_json::to_string(report).map_err(|error| invalid(format!("the report is no JSON: {error}")))
 }
 
 /// An argument from Python is not what was asked for.
@@ -74,7 +82,11 @@ pub(crate) fn bad_scene(what: impl Into<String>) -> Error {
     Error(PyErr::new::<SceneError_, _>(what.into()))
 }
 
-/// A camera from Python is not what was asked for.
-pub(crate) fn bad_camera(what: impl Into<String>) -> Error {
-    Error(PyErr::new::<CameraError_, _>(what.into()))
+impl From<RequestError> for Error {
+    fn from(e: RequestError) -> Self {
+        match e {
+            RequestError::Camera(e) => e.into(),
+            RequestError::Settings(e) => e.into(),
+        }
+    }
 }

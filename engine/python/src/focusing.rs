@@ -1,17 +1,16 @@
 //! Focus found by the engine: the settings that put it there.
 
-use crate::camera::PyCamera;
-use crate::error::Error;
+use crate::described::Described;
+use crate::error::{Error, json};
 use crate::gil::{catch_panic, without_gil};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2};
 use petzval_render::accel::Ray;
 use petzval_render::camera::CameraDescription;
-use petzval_render::camera::autofocus::{Focused, on_picture_point, on_three_points};
-use petzval_render::camera::sharpness::{SharpPoint, sharpness};
+use petzval_render::camera::autofocus::{on_picture_point, on_three_points};
+use petzval_render::camera::sharpness::sharpness;
 use petzval_render::scene::visibility::Rays;
 use pyo3::prelude::*;
-use serde_json::json;
 use std::cell::RefCell;
 
 /// Focuses on what a picture point sees.
@@ -19,12 +18,12 @@ use std::cell::RefCell;
 pub(crate) fn autofocus_json(
     py: Python<'_>,
     scene: &Scene,
-    camera: PyCamera,
+    camera: Described<CameraDescription>,
     width: u32,
     height: u32,
     point: (f32, f32),
 ) -> Result<String, Error> {
-    let description: CameraDescription = camera.try_into()?;
+    let description = camera.0;
     let from_middle = Vec2::new(point.0, point.1) - 0.5;
     let stage = scene.stage.clone();
     let found = without_gil(py, || {
@@ -36,20 +35,20 @@ pub(crate) fn autofocus_json(
         };
         on_picture_point(&description, [width, height], from_middle, nearest)
     })??;
-    Ok(text(&found))
+    json(&found)
 }
 
 /// Focuses on the hit of a picture point's rays, which the caller traces: `distance_to(origin, direction)` gets a world ray of unit
 /// direction and returns the distance to its hit, or None. It runs with the GIL held: a panel calls it for one point.
 #[pyfunction]
 pub(crate) fn autofocus_by_json(
-    camera: PyCamera,
+    camera: Described<CameraDescription>,
     width: u32,
     height: u32,
     point: (f32, f32),
     distance_to: &Bound<'_, PyAny>,
 ) -> Result<String, Error> {
-    let description: CameraDescription = camera.try_into()?;
+    let description = camera.0;
     let from_middle = Vec2::new(point.0, point.1) - 0.5;
     // Rays of the engine count from the camera's place.
     let place = description.matrix_world.w_axis.truncate();
@@ -67,7 +66,7 @@ pub(crate) fn autofocus_by_json(
     let found = catch_panic(|| on_picture_point(&description, [width, height], from_middle, nearest))?;
     match complaint.into_inner() {
         Some(error) => Err(error.into()),
-        None => Ok(text(&found?)),
+        None => json(&found?),
     }
 }
 
@@ -75,15 +74,15 @@ pub(crate) fn autofocus_by_json(
 #[pyfunction]
 pub(crate) fn sharp_points_json(
     py: Python<'_>,
-    camera: PyCamera,
+    camera: Described<CameraDescription>,
     width: u32,
     height: u32,
     points_world: [(f64, f64, f64); 3],
 ) -> Result<String, Error> {
-    let description: CameraDescription = camera.try_into()?;
+    let description = camera.0;
     let points = points_world.map(|(x, y, z)| DVec3::new(x, y, z));
     let found = without_gil(py, || on_three_points(&description, [width, height], points))??;
-    Ok(text(&found))
+    json(&found)
 }
 
 /// The sharp distances of a camera, over a grid of its picture.
@@ -91,45 +90,15 @@ pub(crate) fn sharp_points_json(
 #[pyo3(signature = (camera, width, height, columns, rows, confusion_mm = None))]
 pub(crate) fn sharpness_json(
     py: Python<'_>,
-    camera: PyCamera,
+    camera: Described<CameraDescription>,
     width: u32,
     height: u32,
     columns: usize,
     rows: usize,
     confusion_mm: Option<f64>,
 ) -> Result<String, Error> {
-    let description: CameraDescription = camera.try_into()?;
+    let description = camera.0;
     let found = without_gil(py, || sharpness(&description, [width, height], [columns, rows], confusion_mm))??;
     // What is infinite is null in JSON.
-    let finite = |t: Option<f64>| t.filter(|t| t.is_finite());
-    let point = |p: &SharpPoint| {
-        json!({
-            "place": p.place.to_array(),
-            "from": p.from.to_array(),
-            "towards": p.towards.to_array(),
-            "sharp": finite(p.sharp),
-            "near": finite(p.near),
-            "far": finite(p.far),
-        })
-    };
-    Ok(json!({
-        "confusion_mm": found.confusion_mm,
-        "points": found.points.iter().map(|p| p.as_ref().map(point)).collect::<Vec<_>>(),
-        "pupil": found.pupil.map(|p| p.to_array()),
-        "pupil_radii": found.pupil_radii,
-    })
-    .to_string())
-}
-
-fn text(found: &Focused) -> String {
-    json!({
-        "film_distance_mm": found.film_distance_mm,
-        "focus_scale_mm": found.focus_scale_mm,
-        "tilt_rad": found.tilt_rad,
-        "swing_rad": found.swing_rad,
-        "moves_groups": found.moves_groups,
-        "rms_spot_mm": found.rms_spot_mm,
-        "subject_world": found.subject_world.map(|p| p.to_array()),
-    })
-    .to_string()
+    json(&found)
 }

@@ -1,7 +1,7 @@
 //! A lens beside a pinhole: how it frames alike, and the map between their pictures.
 
-use crate::camera::PyCamera;
-use crate::error::{Error, invalid};
+use crate::described::{Described, Named};
+use crate::error::{Error, invalid, json};
 use crate::gil::without_gil;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_pictures::channels;
@@ -9,7 +9,6 @@ use petzval_render::camera::CameraDescription;
 use petzval_render::camera::distortion_map::{Direction, DistortionMap};
 use petzval_render::camera::framing::Framed;
 use pyo3::prelude::*;
-use serde_json::json;
 use std::path::PathBuf;
 
 /// Maps by wavelength, then pixel.
@@ -22,45 +21,25 @@ const MOST_PIXELS: u64 = 1 << 28;
 #[pyfunction]
 pub(crate) fn framing_json(
     py: Python<'_>,
-    camera: PyCamera,
+    camera: Described<CameraDescription>,
     width: u32,
     height: u32,
-    by: &str,
+    by: Named<Framed>,
 ) -> Result<String, Error> {
-    let by = match by {
-        "FOCAL_LENGTH" => Framed::ByFocalLength,
-        "FILM" => Framed::ByFilm,
-        other => return Err(invalid(format!("there is no framing by '{other}'; use FOCAL_LENGTH or FILM"))),
-    };
-    let description: CameraDescription = camera.try_into()?;
-    let found = without_gil(py, || description.framed_like_blender([width, height], by))??;
-    Ok(json!({
-        "focal_length_mm": found.focal_length_mm,
-        "film_width_mm": found.film_width_mm,
-        "film_height_mm": found.film_height_mm,
-        "shift_mm": found.shift_mm,
-        "angle_rad": found.angle_rad,
-        "reaches_edges": found.reaches_edges,
-    })
-    .to_string())
+    json(&without_gil(py, || camera.0.framed_like_blender([width, height], by.0))??)
 }
 
 fn pixels(
-    camera: PyCamera,
+    camera: Described<CameraDescription>,
     size: [u32; 2],
     wavelengths_nm: &[f64],
-    direction: &str,
+    direction: Direction,
 ) -> Result<impl FnOnce() -> Result<Maps, Error> + use<>, Error> {
-    let direction = match direction {
-        "DISTORT" => Direction::Distort,
-        "UNDISTORT" => Direction::Undistort,
-        other => return Err(invalid(format!("there is no direction '{other}'; use DISTORT or UNDISTORT"))),
-    };
     let [width, height] = size.map(u64::from);
     if width * height > MOST_PIXELS {
         return Err(invalid(format!("a map of {width} x {height} pixels: give less")));
     }
-    let description: CameraDescription = camera.try_into()?;
+    let description = camera.0;
     let wavelengths = wavelengths_nm.to_vec();
     Ok(move || {
         let map = |&nm: &f64| Ok(DistortionMap::new(&description, size, nm)?.pixels(size, direction));
@@ -72,13 +51,13 @@ fn pixels(
 #[pyfunction]
 pub(crate) fn distortion_map<'py>(
     py: Python<'py>,
-    camera: PyCamera,
+    camera: Described<CameraDescription>,
     width: u32,
     height: u32,
     wavelength_nm: f64,
-    direction: &str,
+    direction: Named<Direction>,
 ) -> Result<Bound<'py, PyArray3<f32>>, Error> {
-    let work = pixels(camera, [width, height], &[wavelength_nm], direction)?;
+    let work = pixels(camera, [width, height], &[wavelength_nm], direction.0)?;
     let values: Vec<f32> = without_gil(py, work)??.concat().into_flattened();
     Ok(PyArray1::from_vec(py, values).reshape([height as usize, width as usize, 4])?)
 }
@@ -89,16 +68,16 @@ pub(crate) fn distortion_map<'py>(
 #[expect(clippy::too_many_arguments, reason = "what a map is of")]
 pub(crate) fn write_distortion_map(
     py: Python<'_>,
-    camera: PyCamera,
+    camera: Described<CameraDescription>,
     width: u32,
     height: u32,
     maps: Vec<(String, f64)>,
-    direction: &str,
+    direction: Named<Direction>,
     comments: &str,
     output: PathBuf,
 ) -> Result<Vec<f64>, Error> {
     let (names, wavelengths): (Vec<String>, Vec<f64>) = maps.into_iter().unzip();
-    let work = pixels(camera, [width, height], &wavelengths, direction)?;
+    let work = pixels(camera, [width, height], &wavelengths, direction.0)?;
     without_gil(py, || {
         let found = work()?;
         let mut named = Vec::new();
@@ -120,7 +99,12 @@ pub(crate) fn write_distortion_map(
 
 /// The lens as a camera of Cycles: the text of an OSL script.
 #[pyfunction]
-pub(crate) fn osl_camera(py: Python<'_>, camera: PyCamera, width: u32, height: u32) -> Result<String, Error> {
-    let description: CameraDescription = camera.try_into()?;
+pub(crate) fn osl_camera(
+    py: Python<'_>,
+    camera: Described<CameraDescription>,
+    width: u32,
+    height: u32,
+) -> Result<String, Error> {
+    let description = camera.0;
     Ok(without_gil(py, || description.osl_camera([width, height]))??)
 }

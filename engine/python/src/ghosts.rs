@@ -1,14 +1,15 @@
 //! The ghosts of a source, for `petzval lens ghosts`.
 
+use crate::described::Described;
 use crate::error::{Error, invalid};
 use crate::gil::without_gil;
 use crate::lens::{Lens, check_wavelength};
-use crate::setting::Setting;
 use glam::{DVec2, DVec3};
-use petzval_optics::focus::FilmPlane;
+use petzval_optics::focus::{FilmPlane, focused};
 use petzval_optics::ghosts::beam::{Beam, Source};
 use petzval_optics::ghosts::{brute, ranking};
 use petzval_optics::paraxial::Paraxial;
+use petzval_optics::system::LensSettings;
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -19,13 +20,13 @@ const LEAST_PART: f64 = 1e-3;
 
 /// See the stub.
 #[pyfunction]
-#[pyo3(signature = (lens, setting, *, angle_deg = 0.0, azimuth_deg = 90.0, wavelength_nm = 550.0, focus_distance_mm = None,
+#[pyo3(signature = (lens, settings, *, angle_deg = 0.0, azimuth_deg = 90.0, wavelength_nm = 550.0, focus_distance_mm = None,
     film_mm = None, reflections = 2, brute_force_rays = 0, seed = 0))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn lens_ghosts_json(
     py: Python<'_>,
     lens: &Lens,
-    setting: Setting,
+    settings: Described<LensSettings>,
     angle_deg: f64,
     azimuth_deg: f64,
     wavelength_nm: f64,
@@ -49,7 +50,7 @@ pub(crate) fn lens_ghosts_json(
     if !film_mm.iter().all(|side| *side > 0.0 && side.is_finite()) {
         return Err(invalid(format!("a film of {} x {} mm: give two lengths", film_mm[0], film_mm[1])));
     }
-    let (system, focus) = setting.focused(lens, wavelength_nm, focus_distance_mm)?;
+    let (system, focus) = focused(&lens.prescription, &settings.0, wavelength_nm, focus_distance_mm)?;
     let half = DVec2::from(film_mm) * 0.5;
     let is_film = |at: DVec2| at.abs().cmple(half).all();
     let curvature_per_mm = system.film_radius_mm().map_or(0.0, f64::recip);

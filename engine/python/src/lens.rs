@@ -1,10 +1,11 @@
 //! Lens files for `petzval lens`.
 
+use crate::described::Described;
 use crate::error::{Error, invalid};
 use crate::gil::without_gil;
 use crate::library;
-use crate::setting::Setting;
 use glam::DVec3;
+use petzval_optics::focus::focused;
 use petzval_optics::formats;
 use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM};
 use petzval_optics::lane::Real;
@@ -12,7 +13,7 @@ use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
 use petzval_optics::seidel::Seidel;
 use petzval_optics::surface::Section;
-use petzval_optics::system::System;
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Tracer};
 use petzval_optics::vignetting::Vignetting;
 use petzval_render::camera::t_number;
@@ -77,18 +78,18 @@ impl Lens {
         library::summary(&self.prescription)
     }
 
-    #[pyo3(signature = (setting = None, *, wavelength_nm = 587.5618, focus_distance_mm = None))]
+    #[pyo3(signature = (settings = None, *, wavelength_nm = 587.5618, focus_distance_mm = None))]
     fn info_json(
         &self,
         py: Python<'_>,
-        setting: Option<Setting>,
+        settings: Option<Described<LensSettings>>,
         wavelength_nm: f64,
         focus_distance_mm: Option<f64>,
     ) -> Result<String, Error> {
         check_wavelength(wavelength_nm)?;
-        let setting = setting.unwrap_or_default();
-        let coating_is_assumed = setting.keeps_coatings() && self.prescription.assumes_coatings();
-        let (system, focus) = setting.focused(self, wavelength_nm, focus_distance_mm)?;
+        let settings = settings.map(|settings| settings.0).unwrap_or_default();
+        let coating_is_assumed = settings.coating.is_none() && self.prescription.assumes_coatings();
+        let (system, focus) = focused(&self.prescription, &settings, wavelength_nm, focus_distance_mm)?;
         let p = Paraxial::new(&system, wavelength_nm);
         let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
         let fields = without_gil(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
@@ -148,12 +149,12 @@ impl Lens {
         .to_string())
     }
 
-    #[pyo3(signature = (rays_json, setting = None, *, from_film = false, precision = "f64", focus = None))]
+    #[pyo3(signature = (rays_json, settings = None, *, from_film = false, precision = "f64", focus = None))]
     fn trace_json(
         &self,
         py: Python<'_>,
         rays_json: &str,
-        setting: Option<Setting>,
+        settings: Option<Described<LensSettings>>,
         from_film: bool,
         precision: &str,
         focus: Option<(f64, f64)>,
@@ -163,13 +164,13 @@ impl Lens {
             "f32" => trace_all::<f32>,
             _ => return Err(invalid(format!("precision {precision}: there is no such; give f64 or f32"))),
         };
-        let setting = setting.unwrap_or_default();
+        let settings = settings.map(|settings| settings.0).unwrap_or_default();
         let system = match focus {
             Some((distance_mm, nm)) => {
                 check_wavelength(nm)?;
-                setting.focused(self, nm, Some(distance_mm))?.0
+                focused(&self.prescription, &settings, nm, Some(distance_mm))?.0
             }
-            None => setting.system(self)?,
+            None => System::new(&self.prescription, &settings)?,
         };
         let document: Value =
             serde_json::from_str(rays_json).map_err(|e| invalid(format!("the rays are not JSON: {e}")))?;

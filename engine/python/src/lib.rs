@@ -4,6 +4,7 @@
 mod camera;
 mod compiled;
 mod curves;
+mod described;
 mod drawing;
 mod edges;
 mod error;
@@ -26,7 +27,6 @@ mod plan;
 mod points;
 mod report;
 mod scene;
-mod setting;
 mod surface;
 
 use pyo3::prelude::*;

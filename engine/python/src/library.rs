@@ -6,7 +6,7 @@ use petzval_optics::glass::line_nm;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::{LensGroup, Prescription};
 use petzval_optics::published;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -18,7 +18,7 @@ pub(crate) fn lens_groups() -> Vec<&'static str> {
 
 /// The JSON object of one lens in `petzval lens list --json`.
 pub(crate) fn summary(lens: &Prescription) -> Result<String, Error> {
-    let system = System::new(lens, &SystemSettings::default())?;
+    let system = System::new(lens, &LensSettings::default())?;
     let p = Paraxial::new(&system, line_nm::D);
     let metadata = &lens.metadata;
     let published = published::compare(lens)?;

@@ -1,28 +1,31 @@
 //! Reports of a lens, for `petzval lens spots`, `fans`, `mtf`, `psf`, `distortion` and `illumination`.
 
+use crate::described::Described;
 use crate::error::{Error, invalid};
 use crate::gil::without_gil;
 use crate::lens::{Lens, check_wavelength};
-use crate::setting::{Setting, focus_at};
 use petzval_optics::analysis::Analysis;
 use petzval_optics::analysis::fan::FanLine;
 use petzval_optics::analysis::illumination::Illumination;
 use petzval_optics::analysis::mtf::{Curve, MtfError};
 use petzval_optics::analysis::psf::PsfError;
 use petzval_optics::analysis::transmission::FieldTransmission;
+use petzval_optics::focus::{Focus, focused};
 use petzval_optics::glass::line_nm;
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::system::System;
+use petzval_optics::system::{LensSettings, System};
 use petzval_render::camera::t_number;
 use pyo3::prelude::*;
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 /// Largest number of fields, wavelengths, rays, steps or heights of a report.
 const MOST: usize = 2000;
 const MOST_RAYS_OF_A_SIDE: usize = 500;
 
-/// The settings of a lens report. Read by attribute; `petzval/lens_setting.py` has the dataclass.
-#[derive(FromPyObject)]
+/// The settings of a lens report.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Look {
     /// Angles to the axis; none: the report's own.
     fields_deg: Vec<f64>,
@@ -65,7 +68,7 @@ impl Look {
             )));
         }
         let main = self.main(lines);
-        let focus = focus_at(system, lines[main], self.focus_distance_mm)?;
+        let focus = Focus::new(system, lines[main], self.focus_distance_mm)?;
         let azimuth = self.azimuth_deg.to_radians();
         let analysis = Analysis::new(system, focus, lines, main, azimuth).ok_or_else(|| {
             invalid(format!(
@@ -110,8 +113,8 @@ impl Look {
     }
 
     /// The lens set and focused for this look.
-    fn system(&self, lens: &Lens, setting: Setting) -> Result<System, Error> {
-        Ok(setting.focused(lens, self.main_nm(), self.focus_distance_mm)?.0)
+    fn system(&self, lens: &Lens, settings: &LensSettings) -> Result<System, Error> {
+        Ok(focused(&lens.prescription, settings, self.main_nm(), self.focus_distance_mm)?.0)
     }
 }
 
@@ -139,13 +142,14 @@ fn within(count: usize, most: usize, what: &str) -> Result<(), Error> {
 pub(crate) fn lens_spots_json(
     py: Python<'_>,
     lens: &Lens,
-    setting: Setting,
-    look: Look,
+    settings: Described<LensSettings>,
+    look: Described<Look>,
     rays: usize,
     defocus_mm: Vec<f64>,
 ) -> Result<String, Error> {
+    let (settings, look) = (settings.0, look.0);
     within(rays, MOST_RAYS_OF_A_SIDE, "rays over the width of a beam")?;
-    let system = look.system(lens, setting)?;
+    let system = look.system(lens, &settings)?;
     without_gil(py, || {
         let (mut analysis, fields, head) = look.open(&system, &SOME)?;
         let film_z_mm = analysis.film().z_mm;
@@ -181,12 +185,13 @@ pub(crate) fn lens_spots_json(
 pub(crate) fn lens_fans_json(
     py: Python<'_>,
     lens: &Lens,
-    setting: Setting,
-    look: Look,
+    settings: Described<LensSettings>,
+    look: Described<Look>,
     rays: usize,
 ) -> Result<String, Error> {
+    let (settings, look) = (settings.0, look.0);
     within(rays, MOST, "rays of a fan")?;
-    let system = look.system(lens, setting)?;
+    let system = look.system(lens, &settings)?;
     without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &SOME)?;
         let fan = |lines: &[FanLine]| -> Vec<Value> {
@@ -214,8 +219,8 @@ pub(crate) fn lens_fans_json(
 pub(crate) fn lens_mtf_json(
     py: Python<'_>,
     lens: &Lens,
-    setting: Setting,
-    look: Look,
+    settings: Described<LensSettings>,
+    look: Described<Look>,
     frequencies: (f64, usize),
     heights: (usize, f64),
 ) -> Result<String, Error> {
@@ -228,7 +233,7 @@ pub(crate) fn lens_mtf_json(
             "frequencies to {highest_per_mm} and {height_step_per_mm} lines/mm: give more than 0"
         )));
     }
-    let system = look.system(lens, setting)?;
+    let system = look.system(lens, &settings)?;
     without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &SOME)?;
         let curve = |c: &Curve| json!({ "contrast": c.contrast, "geometric": c.geometric, "limit": c.limit });
@@ -262,8 +267,14 @@ pub(crate) fn lens_mtf_json(
 
 /// See the stub.
 #[pyfunction]
-pub(crate) fn lens_psf_json(py: Python<'_>, lens: &Lens, setting: Setting, look: Look) -> Result<String, Error> {
-    let system = look.system(lens, setting)?;
+pub(crate) fn lens_psf_json(
+    py: Python<'_>,
+    lens: &Lens,
+    settings: Described<LensSettings>,
+    look: Described<Look>,
+) -> Result<String, Error> {
+    let (settings, look) = (settings.0, look.0);
+    let system = look.system(lens, &settings)?;
     without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &SOME)?;
         let field = |&angle: &f64| match analysis.psf(angle) {
@@ -292,12 +303,13 @@ pub(crate) fn lens_psf_json(py: Python<'_>, lens: &Lens, setting: Setting, look:
 pub(crate) fn lens_distortion_json(
     py: Python<'_>,
     lens: &Lens,
-    setting: Setting,
-    look: Look,
+    settings: Described<LensSettings>,
+    look: Described<Look>,
     count: usize,
 ) -> Result<String, Error> {
+    let (settings, look) = (settings.0, look.0);
     within(count, MOST, "fields")?;
-    let system = look.system(lens, setting)?;
+    let system = look.system(lens, &settings)?;
     without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &evenly(count))?;
         let chief = |&angle: &f64| match analysis.chief_ray(angle) {
@@ -323,14 +335,15 @@ pub(crate) fn lens_distortion_json(
 pub(crate) fn lens_transmission_json(
     py: Python<'_>,
     lens: &Lens,
-    setting: Setting,
-    look: Look,
+    settings: Described<LensSettings>,
+    look: Described<Look>,
     spectrum_nm: Vec<f64>,
 ) -> Result<String, Error> {
+    let (settings, look) = (settings.0, look.0);
     within(spectrum_nm.len(), MOST, "wavelengths")?;
     spectrum_nm.iter().try_for_each(|&nm| check_wavelength(nm))?;
-    let is_assumed = setting.keeps_coatings() && lens.prescription.assumes_coatings();
-    let system = look.system(lens, setting)?;
+    let is_assumed = settings.coating.is_none() && lens.prescription.assumes_coatings();
+    let system = look.system(lens, &settings)?;
     without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &SOME)?;
         let through = analysis.transmission(&fields, &spectrum_nm);
@@ -365,12 +378,13 @@ pub(crate) fn lens_transmission_json(
 pub(crate) fn lens_illumination_json(
     py: Python<'_>,
     lens: &Lens,
-    setting: Setting,
-    look: Look,
+    settings: Described<LensSettings>,
+    look: Described<Look>,
     count: usize,
 ) -> Result<String, Error> {
+    let (settings, look) = (settings.0, look.0);
     within(count, MOST, "fields")?;
-    let system = look.system(lens, setting)?;
+    let system = look.system(lens, &settings)?;
     without_gil(py, || {
         let (analysis, fields, head) = look.open(&system, &evenly(count))?;
         let lit = analysis.illumination(&fields);

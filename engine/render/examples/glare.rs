@@ -20,14 +20,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         cleanliness: cleanliness.parse()?,
         veiling_index: veil.parse()?,
     };
-    let d = CameraDescription {
-        lens_path: lens.into(),
-        f_number: (f_number != "-").then(|| f_number.parse()).transpose()?,
-        film_width_mm,
-        film_height_mm: film_width_mm,
-        scattering,
-        ..CameraDescription::default()
-    };
+    let f_number = (f_number != "-").then(|| f_number.parse()).transpose()?;
+    let d = CameraDescription { lens_path: lens.into(), scattering, ..CameraDescription::default() }.with(|c| {
+        c.lens.f_number = f_number;
+        c.film.width_mm = film_width_mm;
+        c.film.height_mm = film_width_mm;
+    });
     let glare = Glare::new(&d, [width, height])?;
     let (w, h) = (width as usize, height as usize);
     let mut picture: Vec<Rgb> = (0..w * h).map(|i| if i % w < w / 2 { Rgb::ONE } else { Rgb::ZERO }).collect();

@@ -24,15 +24,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .and_then(|at| at.split_once(','))
         .map_or(Ok([0.0; 2]), |(x, y)| Ok::<_, std::num::ParseFloatError>([x.parse::<f64>()?, y.parse::<f64>()?]))?;
     let vanes = more.get(1).map_or(Ok(0), |n| n.parse::<u32>())?;
-    let d = CameraDescription {
-        lens_path: lens.into(),
-        f_number: (f_number != "-").then(|| f_number.parse()).transpose()?,
-        blades: blades.parse()?,
-        film_width_mm,
-        film_height_mm: film_width_mm,
-        aperture_mask: (vanes > 0).then(|| spider(vanes)).transpose()?,
-        ..CameraDescription::default()
-    };
+    let f_number = (f_number != "-").then(|| f_number.parse()).transpose()?;
+    let blades = blades.parse()?;
+    let aperture_mask = (vanes > 0).then(|| spider(vanes)).transpose()?;
+    let d = CameraDescription { lens_path: lens.into(), ..CameraDescription::default() }.with(|c| {
+        c.lens.f_number = f_number;
+        c.lens.blades = blades;
+        c.film.width_mm = film_width_mm;
+        c.film.height_mm = film_width_mm;
+        c.lens.aperture_mask = aperture_mask;
+    });
     let start = Instant::now();
     let diffraction = Diffraction::new(&d, [width, height])?;
     let made = start.elapsed().as_secs_f64();

@@ -9,11 +9,13 @@ pub mod checkpoint;
 mod develop;
 pub mod forecast;
 mod parts;
+mod report;
+pub mod request;
 mod settings;
 
-use crate::camera::Camera;
 use crate::camera::clip::Clip;
 use crate::camera::real_lens::RealLens;
+use crate::camera::{Camera, CameraDescription};
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, FilmChannels, TilePixels};
@@ -23,11 +25,13 @@ use crate::integrator::{Integrator, PreparedScene, bidirectional::Techniques};
 use crate::pipeline::exposure::Exposure;
 use crate::pipeline::motion::Motion;
 use crate::pipeline::{Counts, Pipeline, RenderContext, render_pixels, render_tile};
+use crate::plan::Plan;
 use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
 use crate::stray::StrayLight;
 use adaptive::Adaptive;
 use checkpoint::{Checkpoints, Keeper, Kept, OwnFile};
 use glam::Vec2;
+pub use report::RenderReport;
 pub use settings::{MIN_SAMPLES, Settings, SettingsError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -123,6 +127,8 @@ pub struct Job {
     threads: Vec<JoinHandle<()>>,
     /// The thread that writes checkpoints, if there is one.
     keeping: Mutex<Option<JoinHandle<()>>>,
+    /// The plan that decides on stray light, and the camera before it.
+    stray_light: Option<(Plan, CameraDescription)>,
 }
 
 impl Job {
@@ -165,7 +171,7 @@ impl Job {
         };
         let threads = (0..threads).map(|_| start(Shared::work)).collect();
         let keeping = Mutex::new(shared.keeper.is_some().then(|| start(Shared::keep)));
-        Ok(Self { shared, threads, keeping })
+        Ok(Self { shared, threads, keeping, stray_light: None })
     }
 
     /// Waits, after the end, until the last checkpoint is written. The checkpoint that this render has written or taken up; `None`

@@ -13,7 +13,7 @@ use petzval_gpu::shader::{self, GROUP, Style};
 use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{System, LensSettings};
 use petzval_optics::trace::{Ray, Travel};
 
 use crate::common::{gpu, lens_paths, shipped, system};
@@ -22,9 +22,9 @@ use crate::compare::{
 };
 
 /// Blades differ from lens to lens.
-fn settings(i: usize) -> SystemSettings {
+fn settings(i: usize) -> LensSettings {
     let (blades, blade_curvature) = [(0, 0.0), (6, 0.0), (7, 0.4)][i % 3];
-    SystemSettings { blades, blade_curvature, blade_rotation_rad: 0.3, ..SystemSettings::default() }
+    LensSettings { blades, blade_curvature, blade_rotation_rad: 0.3, ..LensSettings::default() }
 }
 
 fn name(path: &Path) -> String {

@@ -10,7 +10,7 @@ use petzval_gpu::device::{Choice, Gpu};
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{System, LensSettings};
 use petzval_optics::trace::{Ray, Travel};
 
 /// The folder of the library: that of the repository, or where this program runs without one, what PETZVAL_LENSES says.
@@ -27,13 +27,13 @@ pub(crate) fn lens_paths() -> Vec<PathBuf> {
     paths
 }
 
-pub(crate) fn system(path: &Path, settings: &SystemSettings) -> System {
+pub(crate) fn system(path: &Path, settings: &LensSettings) -> System {
     let prescription = lens::read(path, Catalogue::shipped()).unwrap_or_else(|error| panic!("{error}"));
     System::new(&prescription, settings).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 pub(crate) fn shipped(name: &str) -> System {
-    system(&lens_folder().join(format!("{name}.lens")), &SystemSettings::default())
+    system(&lens_folder().join(format!("{name}.lens")), &LensSettings::default())
 }
 
 /// The device that PETZVAL_GPU names, or any; `None`, and a line, where there is none.

@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use petzval_gpu::lens::LensTable;
 use petzval_gpu::number::Number;
 use petzval_gpu::shader::{self, Style};
-use petzval_optics::system::SystemSettings;
+use petzval_optics::system::LensSettings;
 use petzval_optics::trace::Travel;
 
 fn validate(what: &str, text: &str, capabilities: Capabilities) {
@@ -28,7 +28,7 @@ fn validate_all<N: Number>(what: &str, lens: &LensTable, capabilities: Capabilit
 fn every_shader_is_valid() {
     let mut valid = 0;
     for path in lens_paths() {
-        let settings = SystemSettings { blades: 7, blade_curvature: 0.4, ..SystemSettings::default() };
+        let settings = LensSettings { blades: 7, blade_curvature: 0.4, ..LensSettings::default() };
         let lens = LensTable::new(&system(&path, &settings), &[486.1, 656.3], Travel::FromFilm);
         let lens = lens.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let name = path.display().to_string();

@@ -48,14 +48,14 @@ mod tests {
     use crate::focus::Focus;
     use crate::formats::lens;
     use crate::glass::{Catalogue, line_nm};
-    use crate::system::{System, SystemSettings};
+    use crate::system::{LensSettings, System};
 
     /// A thin slow lens passes on the axis what two bare surfaces do; a field outside of the lens has none.
     #[test]
     fn the_axis_is_fresnels() {
         let text = "# coating: none\n300 2 1.5 12 0 0\n-300 3 air 12 0 0\n0 290 air 8 0 1";
         let lens = lens::parse(text, "test.lens", Catalogue::shipped()).unwrap();
-        let system = System::new(&lens, &SystemSettings::default()).unwrap();
+        let system = System::new(&lens, &LensSettings::default()).unwrap();
         let focus = Focus::at_infinity(&system, line_nm::D);
         let analysis = Analysis::new(&system, focus, &[line_nm::D], 0, 0.0).unwrap();
         let found = analysis.transmission(&[0.0, 10.0, 89.0], &[500.0, 600.0]);

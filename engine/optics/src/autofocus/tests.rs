@@ -5,14 +5,14 @@ use crate::focus::{Anchor, Focusing, film_z_for_focus_mm};
 use crate::formats::lens;
 use crate::glass::{Catalogue, line_nm};
 use crate::paraxial::Paraxial;
-use crate::system::SystemSettings;
+use crate::system::LensSettings;
 
 const D: [(f64, f64); 1] = [(line_nm::D, 1.0)];
 
 fn system(file: &str, f_number: Option<f64>) -> System {
     let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses")).join(file);
     let prescription = lens::read(&path, Catalogue::shipped()).unwrap();
-    System::new(&prescription, &SystemSettings { f_number, ..SystemSettings::default() }).unwrap()
+    System::new(&prescription, &LensSettings { f_number, ..LensSettings::default() }).unwrap()
 }
 
 /// Mean square of the spot that an even grid of rays to the front glass makes on a film: no map, no sums, no parabola.

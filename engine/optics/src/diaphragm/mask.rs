@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer};
 use thiserror::Error;
 
 /// The widest picture, in values a side.
@@ -34,7 +36,8 @@ pub enum MaskError {
 
 /// A square grey picture whose width spans the diameter of the stop. Between the middles of its values it is
 /// interpolated bilinearly; light passes where it is brighter than half, and within the circle of the stop.
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Deserialize)]
+#[serde(try_from = "GreyPicture")]
 pub struct ApertureMask {
     side: usize,
     /// Brightness less a half, rows from below.
@@ -44,6 +47,43 @@ pub struct ApertureMask {
     row_ends: Vec<u32>,
     cells: Vec<u32>,
     open_part: f64,
+}
+
+/// A square grey picture of eight bits a value, rows from below, as a user's settings have it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GreyPicture {
+    /// Name of the picture, for messages.
+    name: String,
+    side: usize,
+    #[serde(deserialize_with = "bytes")]
+    values: Vec<u8>,
+}
+
+impl TryFrom<GreyPicture> for ApertureMask {
+    type Error = String;
+
+    fn try_from(picture: GreyPicture) -> Result<Self, String> {
+        let values: Vec<f32> = picture.values.iter().map(|&value| f32::from(value) / 255.0).collect();
+        Self::new(picture.side, &values).map_err(|error| format!("image '{}': {error}", picture.name))
+    }
+}
+
+/// A field of bytes; serde takes a `Vec<u8>` for a sequence of numbers.
+fn bytes<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
+    struct Bytes;
+    impl Visitor<'_> for Bytes {
+        type Value = Vec<u8>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("bytes")
+        }
+
+        fn visit_bytes<E>(self, bytes: &[u8]) -> Result<Vec<u8>, E> {
+            Ok(bytes.to_vec())
+        }
+    }
+    from.deserialize_bytes(Bytes)
 }
 
 impl fmt::Debug for ApertureMask {

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::{FocusError, Focusing};
 use crate::prescription::Prescription;
-use crate::system::{System, SystemError, SystemSettings};
+use crate::system::{LensSettings, System, SystemError};
 
 /// Groups may move beyond infinity by this part of their travel, as those of most lenses can.
 const BEYOND_INFINITY: f64 = 0.02;
@@ -42,7 +42,7 @@ impl Focusing {
     pub fn by_groups(
         &self,
         prescription: &Prescription,
-        settings: &SystemSettings,
+        settings: &LensSettings,
         wavelength_nm: f64,
         distance_mm: f64,
     ) -> Result<Focused, GroupsError> {

@@ -3,10 +3,12 @@
 use super::{Conjugates, FocusError};
 use crate::paraxial::Paraxial;
 use crate::system::System;
+use serde::Deserialize;
 
 /// The point of the axis that focus distances are counted from. It stays where it is in the world while the lens is
 /// focused.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Anchor {
     /// The centre of the entrance pupil: the film moves.
     #[default]
@@ -19,7 +21,8 @@ pub enum Anchor {
 }
 
 /// The relation of focus distance U and film distance V (Wu et al. 2011, §4).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Relation {
     /// Paraxial conjugates; U is counted from the anchor.
     #[default]
@@ -31,7 +34,8 @@ pub enum Relation {
 }
 
 /// The meaning of focus distances.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Focusing {
     /// The point that distances are counted from, and that stays put.
     pub anchor: Anchor,

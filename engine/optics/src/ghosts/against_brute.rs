@@ -8,13 +8,13 @@ use crate::coating::Coating;
 use crate::focus::{FilmFrame, FilmPlane};
 use crate::formats::lens;
 use crate::glass::Catalogue;
-use crate::system::{System, SystemSettings};
+use crate::system::{LensSettings, System};
 use glam::{DVec2, DVec3};
 
 const TRIPLET: &str = "40.1 6 SK4 34 0 0\n-537 10 air 34 0 0\n-47 1 SF2 26 0 0\n40 1 air 26 0 0\n0 9.8 air 25 0 1\n234.5 6 SK4 28 0 0\n-37.9 85 air 28 0 0";
 const LINE_NM: f64 = 550.0;
 
-fn system(coating: &str, settings: &SystemSettings) -> System {
+fn system(coating: &str, settings: &LensSettings) -> System {
     let lens = lens::parse(TRIPLET, "test.lens", Catalogue::shipped()).unwrap();
     System::new(&lens, settings).unwrap().coated(&Coating::parse(coating).unwrap())
 }
@@ -77,7 +77,7 @@ fn towards(angle_deg: f64, azimuth_deg: f64) -> Source {
 
 #[test]
 fn a_far_source_in_the_field_and_beside_it() {
-    let triplet = system("none", &SystemSettings::default());
+    let triplet = system("none", &LensSettings::default());
     // In between, a coated lens and one with a lamp near it are below.
     let angles = if petzval_testkit::is_thorough() { &[0.0, 9.0, 26.0][..] } else { &[0.0, 26.0] };
     for &angle in angles {
@@ -88,7 +88,7 @@ fn a_far_source_in_the_field_and_beside_it() {
 /// Two reflections alone: of four nothing is left.
 #[test]
 fn a_coated_lens() {
-    let triplet = system("MgF2", &SystemSettings::default());
+    let triplet = system("MgF2", &LensSettings::default());
     let (beam, tracer) = (Beam::new(&triplet, towards(9.0, 30.0)).unwrap(), triplet.at_wavelength(LINE_NM));
     let found = brute::arrived(&triplet, &tracer, &beam, &film(&triplet), is_film, 50_000, randoms(2));
     let (expected, error) = (found.light_mm2[2], found.error_mm2[2]);
@@ -101,7 +101,7 @@ fn a_coated_lens() {
 
 #[test]
 fn a_lamp_near_the_lens_and_five_blades() {
-    let settings = SystemSettings { f_number: Some(8.0), blades: 5, ..SystemSettings::default() };
+    let settings = LensSettings { f_number: Some(8.0), blades: 5, ..LensSettings::default() };
     let triplet = system("none", &settings);
     agree(&triplet, towards(12.0, 75.0));
     agree(&triplet, Source::Near(DVec3::new(60.0, -40.0, -400.0)));
@@ -113,7 +113,7 @@ fn a_lamp_near_the_lens_and_five_blades() {
 fn pairs_have_the_light_of_the_sequential_trace() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses/fisheye-nikkor-16-f2.8.lens");
     let lens = lens::read(path.as_ref(), Catalogue::shipped()).unwrap();
-    let settings = SystemSettings { f_number: Some(4.0), ..SystemSettings::default() };
+    let settings = LensSettings { f_number: Some(4.0), ..LensSettings::default() };
     let system = System::new(&lens, &settings).unwrap();
     let beam = Beam::new(&system, towards(10.0, 90.0)).unwrap();
     let (tracer, film) = (system.at_wavelength(LINE_NM), film(&system));

@@ -4,7 +4,7 @@ use super::PupilMap;
 use crate::focus::FilmPlane;
 use crate::formats::lens;
 use crate::glass::Catalogue;
-use crate::system::{System, SystemSettings};
+use crate::system::{LensSettings, System};
 use glam::Vec3;
 
 /// Rounds of eight rays on each map.
@@ -15,7 +15,7 @@ pub(super) fn for_each_map(check: impl Fn(&PupilMap, &FilmPlane, &str)) {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
     let prescription = lens::read(folder.join("double-gauss-f1.35.lens").as_path(), Catalogue::shipped()).unwrap();
     for (blades, tilt_rad) in [(0, 0.0), (6, 0.0), (0, 0.1)] {
-        let settings = SystemSettings { blades, ..SystemSettings::default() };
+        let settings = LensSettings { blades, ..LensSettings::default() };
         let system = System::new(&prescription, &settings).unwrap();
         let film = FilmPlane { tilt_rad, ..FilmPlane::upright(system.film_z_published_mm()) };
         let map = PupilMap::new(&system.at_wavelength(550.0), &system, &film, 18.0, 12.0);

@@ -1,6 +1,6 @@
 //! Lenses whose groups move: where they stand for a focal length and a focus.
 
-use super::{FocalLength, System, SystemError, SystemSettings, focal_length_mm, image_index, place};
+use super::{FocalLength, LensSettings, System, SystemError, focal_length_mm, image_index, place};
 use crate::glass::line_nm;
 use crate::prescription::Prescription;
 use crate::prescription::moving::MovingParts;
@@ -12,11 +12,7 @@ impl System {
     /// [`Self::new`] with groups inside moved to focus nearer: 0 is infinity, 1 the nearest distance of the table.
     ///
     /// The scale and the opening of the diaphragm stay those at infinity, and so does the f-number that it is called by.
-    pub fn with_travel(
-        prescription: &Prescription,
-        settings: &SystemSettings,
-        travel: f64,
-    ) -> Result<Self, SystemError> {
+    pub fn with_travel(prescription: &Prescription, settings: &LensSettings, travel: f64) -> Result<Self, SystemError> {
         match &prescription.moving {
             Some(moving) => Self::with_groups(prescription, moving, settings, travel),
             None => Self::new(prescription, settings),
@@ -26,7 +22,7 @@ impl System {
     pub(super) fn with_groups(
         prescription: &Prescription,
         moving: &MovingParts,
-        settings: &SystemSettings,
+        settings: &LensSettings,
         travel: f64,
     ) -> Result<Self, SystemError> {
         super::check_settings(settings)?;
@@ -36,12 +32,12 @@ impl System {
             }
             (other, _) => (moving.first_zoom_mm(), other),
         };
-        let settings = SystemSettings { focal_length, ..*settings };
+        let settings = LensSettings { focal_length, ..settings.clone() };
         let at_rest = Self::new(&prescription.at_position(zoom_mm, 0.0), &settings)?;
         if travel == 0.0 {
             return Ok(at_rest);
         }
-        let scaled = SystemSettings { focal_length: FocalLength::Scale(at_rest.scale), ..settings };
+        let scaled = LensSettings { focal_length: FocalLength::Scale(at_rest.scale), ..settings };
         let moved = Self::new(&prescription.at_position(zoom_mm, travel), &scaled)?;
         Ok(Self { surfaces: moved.surfaces, ..at_rest })
     }

@@ -40,7 +40,7 @@ mod tests {
     use super::*;
     use crate::formats::lens::parse;
     use crate::glass::Catalogue;
-    use crate::system::{System, SystemSettings};
+    use crate::system::{LensSettings, System};
     use crate::trace::Action;
     use crate::vector::Vector;
 
@@ -64,7 +64,7 @@ mod tests {
         let text = "#radius thickness glass diameter conic isstop
                     50 6 1.6/50 20 -0.5 1\n -70 3 1.7/30 20 0 0\n 90 40 air 20 0 0";
         let prescription = parse(text, "test", Catalogue::shipped()).unwrap();
-        let system = System::new(&prescription, &SystemSettings::default()).unwrap();
+        let system = System::new(&prescription, &LensSettings::default()).unwrap();
         let tracer = system.at_wavelength(550.0);
         let ray = |z: f64, to: f64| {
             let origin = DVec3::new(1.0, -2.0, z);

@@ -252,10 +252,10 @@ mod tests {
     use crate::formats::lens;
     use crate::ghosts;
     use crate::glass::Catalogue;
-    use crate::system::SystemSettings;
+    use crate::system::LensSettings;
 
     fn system(text: &str) -> System {
-        System::new(&lens::parse(text, "test.lens", Catalogue::shipped()).unwrap(), &SystemSettings::default()).unwrap()
+        System::new(&lens::parse(text, "test.lens", Catalogue::shipped()).unwrap(), &LensSettings::default()).unwrap()
     }
 
     const TRIPLET: &str = "40.1 6 SK4 34 0 0\n-537 10 air 34 0 0\n-47 1 SF2 26 0 0\n40 1 air 26 0 0\n0 9.8 air 25 0 1\n234.5 6 SK4 28 0 0\n-37.9 85 air 28 0 0";

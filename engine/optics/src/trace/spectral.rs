@@ -228,14 +228,14 @@ mod tests {
     use super::*;
     use crate::formats::lens;
     use crate::glass::Catalogue;
-    use crate::system::{System, SystemSettings};
+    use crate::system::{LensSettings, System};
 
     /// All shipped lenses, with spheres, aspheres, toroids, mirrors and blades.
     fn systems() -> impl Iterator<Item = System> {
         let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
         petzval_testkit::lenses::shipped(folder).into_iter().filter_map(|path| {
             let prescription = lens::read(&path, Catalogue::shipped()).ok()?;
-            let settings = SystemSettings { blades: 6, ..SystemSettings::default() };
+            let settings = LensSettings { blades: 6, ..LensSettings::default() };
             Some(System::new(&prescription, &settings).unwrap())
         })
     }

@@ -7,7 +7,7 @@ use glam::{DMat2, DVec2, DVec3};
 use crate::field::{Field, Origin};
 use crate::paraxial::Paraxial;
 use crate::prescription::{Metadata, NextMedium, Place, Prescription, SurfaceRow};
-use crate::system::{Element, Surface, System, SystemSettings};
+use crate::system::{Element, LensSettings, Surface, System};
 use crate::trace::Tracer;
 use crate::vector::Vector;
 
@@ -175,5 +175,5 @@ fn without_rims(system: &System) -> Option<System> {
         moving: None,
         source_file: String::new(),
     };
-    System::new(&prescription, &SystemSettings::default()).ok()
+    System::new(&prescription, &LensSettings::default()).ok()
 }

@@ -13,14 +13,14 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::seidel::Seidel;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::Ray;
 
 use crate::common::{lens_names, number, reference_json, system};
 
 const UP: f64 = FRAC_PI_2;
 
-fn parsed(text: &str, settings: &SystemSettings) -> System {
+fn parsed(text: &str, settings: &LensSettings) -> System {
     System::new(&lens::parse(text, "test", Catalogue::shipped()).unwrap(), settings).unwrap()
 }
 
@@ -75,7 +75,7 @@ fn spots_of_rays_through_given_places_of_the_stop() {
 /// square that of a disc, and its light as far up as the field's angle says.
 #[test]
 fn a_spot_out_of_focus_is_a_disc() {
-    let settings = SystemSettings { f_number: Some(8.0), ..SystemSettings::default() };
+    let settings = LensSettings { f_number: Some(8.0), ..LensSettings::default() };
     let system = parsed("# no aberration on the axis\n0 10 1.5 40 0 1\n -50 100 air 60 -2.25 0", &settings);
     let focus = at_infinity(&system);
     let film_z_mm = focus.film_z_mm + 2.0;
@@ -126,7 +126,7 @@ fn perfect(nu: f64) -> f64 {
 fn a_stigmatic_lens_transfers_what_diffraction_leaves() {
     for (name, f_number) in [("newtonian-f5", 5.0), ("plano-hyperbolic-50mm", 8.0), ("cassegrain-f12", 12.0)] {
         let prescription = crate::common::prescription(name);
-        let settings = SystemSettings { f_number: Some(f_number), ..SystemSettings::default() };
+        let settings = LensSettings { f_number: Some(f_number), ..LensSettings::default() };
         let system = System::new(&prescription, &settings).unwrap();
         let analysis = Analysis::new(&system, at_infinity(&system), &[line_nm::D], 0, UP).unwrap();
         let cutoff_per_mm = 1.0 / (line_nm::D * 1e-6 * system.f_number());
@@ -146,7 +146,7 @@ fn a_stigmatic_lens_transfers_what_diffraction_leaves() {
 /// Far out of focus rays alone say what is left: 2 J1(x) / x of the disc; and diffraction adds nothing that could be seen.
 #[test]
 fn far_out_of_focus_contrast_is_that_of_a_disc() {
-    let settings = SystemSettings { f_number: Some(8.0), ..SystemSettings::default() };
+    let settings = LensSettings { f_number: Some(8.0), ..LensSettings::default() };
     let system = System::new(&crate::common::prescription("plano-hyperbolic-50mm"), &settings).unwrap();
     // 27 waves.
     let defocus = 8.0;
@@ -177,7 +177,7 @@ fn bessel_j1(x: f64) -> f64 {
 /// 0.39 to what Hopkins (1955) tables: here by the autocorrelation itself, as an integral along the shift.
 #[test]
 fn a_little_out_of_focus_contrast_is_hopkins() {
-    let settings = SystemSettings { f_number: Some(8.0), ..SystemSettings::default() };
+    let settings = LensSettings { f_number: Some(8.0), ..LensSettings::default() };
     let system = System::new(&crate::common::prescription("plano-hyperbolic-50mm"), &settings).unwrap();
     let wavelength_mm = line_nm::D * 1e-6;
     // W20 = δz / 8 N² is half a wave.
@@ -277,7 +277,7 @@ fn middle_rays_land_where_the_reference_has_them() {
 #[test]
 fn a_hole_lights_a_film_by_the_cosines_fourth_power() {
     for radius in [0.5, 10.0] {
-        let system = parsed(&format!("0 50 air {} 0 1", 2.0 * radius), &SystemSettings::default());
+        let system = parsed(&format!("0 50 air {} 0 1", 2.0 * radius), &LensSettings::default());
         let focus = at_infinity(&system);
         let analysis = Analysis::new(&system, focus, &[line_nm::D], 0, UP).unwrap();
         let angles = [0.0, 10.0, 25.0, 40.0];
@@ -303,7 +303,7 @@ fn a_hole_lights_a_film_by_the_cosines_fourth_power() {
 fn azimuths_of_an_anamorphic_lens_differ() {
     let path = crate::common::repository("lenses/anamorphic-2x-double-gauss.lens");
     let prescription = lens::read(&path, Catalogue::shipped()).unwrap();
-    let system = System::new(&prescription, &SystemSettings::default()).unwrap();
+    let system = System::new(&prescription, &LensSettings::default()).unwrap();
     let slope = |azimuth: f64| {
         let analysis = Analysis::new(&system, at_infinity(&system), &[line_nm::D], 0, azimuth).unwrap();
         let chief = analysis.chief_ray(2.0).unwrap();

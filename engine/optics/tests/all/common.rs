@@ -7,7 +7,7 @@ use glam::DVec3;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::prescription::Prescription;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use serde_json::Value;
 
 /// A path from the top of the repository.
@@ -64,7 +64,7 @@ fn aspheric_lens_file(name: &str) -> String {
 
 /// A reference lens, wide open.
 pub fn system(name: &str) -> System {
-    System::new(&prescription(name), &SystemSettings::default()).unwrap()
+    System::new(&prescription(name), &LensSettings::default()).unwrap()
 }
 
 /// A number, written as one or as a decimal string.

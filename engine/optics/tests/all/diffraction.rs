@@ -7,18 +7,18 @@ use petzval_optics::analysis::psf::{Psf, PsfError};
 use petzval_optics::focus::Focus;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 
 use crate::common::{prescription, system};
 
 const UP: f64 = FRAC_PI_2;
 
-fn stopped(name: &str, settings: SystemSettings) -> System {
+fn stopped(name: &str, settings: LensSettings) -> System {
     System::new(&prescription(name), &settings).unwrap()
 }
 
 fn at_f(name: &str, f_number: f64) -> System {
-    stopped(name, SystemSettings { f_number: Some(f_number), ..SystemSettings::default() })
+    stopped(name, LensSettings { f_number: Some(f_number), ..LensSettings::default() })
 }
 
 fn at_infinity(system: &System) -> Focus {
@@ -98,7 +98,7 @@ fn a_stigmatic_lens_has_a_strehl_ratio_of_one_and_airys_pattern() {
 fn a_mirror_with_an_obstruction_makes_the_rings_of_an_annulus() {
     let text = "#radius thickness glass diameter conic isstop obstruction\n-2000 -1000 mirror 100 -1 1 50";
     let system =
-        System::new(&lens::parse(text, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default()).unwrap();
+        System::new(&lens::parse(text, "test", Catalogue::shipped()).unwrap(), &LensSettings::default()).unwrap();
     let found = psf(&system, 0.0);
     assert!((found.strehl[0] - 1.0).abs() < 1e-3);
     let lambda_n = line_nm::D * 1e-6 * system.f_number();
@@ -161,7 +161,7 @@ fn blades_make_spikes_at_right_angles_to_their_edges() {
     for blades in [5, 6, 7, 8] {
         let rotation = 0.2;
         let settings =
-            SystemSettings { f_number: Some(22.0), blades, blade_rotation_rad: rotation, ..SystemSettings::default() };
+            LensSettings { f_number: Some(22.0), blades, blade_rotation_rad: rotation, ..LensSettings::default() };
         let system = stopped("plano-hyperbolic-50mm", settings);
         let found = psf(&system, 0.0);
         let lambda_n = line_nm::D * 1e-6 * system.f_number();

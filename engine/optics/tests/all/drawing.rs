@@ -6,7 +6,7 @@ use petzval_optics::focus::Focus;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::glass::line_nm::D;
-use petzval_optics::system::{FocalLength, System, SystemSettings};
+use petzval_optics::system::{FocalLength, LensSettings, System};
 
 fn drawn(system: &System, angles_deg: &[f64], count: usize) -> Drawing {
     Drawing::new(system, &Focus::at_infinity(system, D), D, angles_deg, count)
@@ -79,7 +79,7 @@ fn an_obstruction_parts_the_beam() {
         -2000 -700 mirror 250 -1 1 0
         -900 900 mirror 85 -4 0 0";
     let lens = lens::parse(text, "cassegrain", Catalogue::shipped()).unwrap();
-    let drawing = drawn(&System::new(&lens, &SystemSettings::default()).unwrap(), &[0.0], 9);
+    let drawing = drawn(&System::new(&lens, &LensSettings::default()).unwrap(), &[0.0], 9);
     assert_eq!(drawing.surfaces[0].hole_mm, 42.5);
     let heights: Vec<f64> = drawing.fields[0].rays.iter().map(|ray| ray[1][1]).collect();
     assert_eq!(heights.len(), 9);
@@ -93,12 +93,12 @@ fn an_obstruction_parts_the_beam() {
 #[test]
 fn the_stop_is_obeyed() {
     let lens = prescription("cooke-triplet-50mm");
-    let closed = System::new(&lens, &SystemSettings { f_number: Some(11.0), ..SystemSettings::default() }).unwrap();
+    let closed = System::new(&lens, &LensSettings { f_number: Some(11.0), ..LensSettings::default() }).unwrap();
     let widest = |system: &System| {
         let drawing = drawn(system, &[0.0], 3);
         drawing.fields[0].rays.iter().map(|ray| ray[0][1].abs()).fold(0.0, f64::max)
     };
-    let open = System::new(&lens, &SystemSettings::default()).unwrap();
+    let open = System::new(&lens, &LensSettings::default()).unwrap();
     assert!((widest(&open) / widest(&closed) - 11.0 / open.f_number()).abs() < 0.03);
     assert_eq!(drawn(&open, &[170.0], 3).fields[0].rays.len(), 0);
 }
@@ -116,7 +116,7 @@ fn usual_angles_are_those_of_the_design() {
     assert!((known[1] / known[2] - 0.7).abs() < 1e-12 && (known[2] - 22.0).abs() < 1e-12, "{known:?}");
     let mut unsaid = prescription("double-gauss-f2-tronnier");
     unsaid.metadata.half_field_deg = None;
-    let unsaid = System::new(&unsaid, &SystemSettings::default()).unwrap();
+    let unsaid = System::new(&unsaid, &LensSettings::default()).unwrap();
     let found = Drawing::usual_angles_deg(&unsaid, &Focus::at_infinity(&unsaid, D), D);
     assert!(found.len() == 3 && (5.0..40.0).contains(&found[2]), "{found:?}");
     // A zoom at its long end does not see as far as its file says of the short one.
@@ -130,5 +130,5 @@ fn zoom_at(focal_length_mm: f64) -> System {
     let path = repository("lenses").join("zoom-nikon-57-143-f2.8.lens");
     let lens = lens::read(&path, Catalogue::shipped()).unwrap();
     let focal_length = FocalLength::Millimetres(focal_length_mm);
-    System::new(&lens, &SystemSettings { focal_length, ..SystemSettings::default() }).unwrap()
+    System::new(&lens, &LensSettings { focal_length, ..LensSettings::default() }).unwrap()
 }

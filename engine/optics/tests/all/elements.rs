@@ -5,13 +5,13 @@ use glam::DVec3;
 use petzval_optics::focus::film_z_for_focus_mm;
 use petzval_optics::formats::lens::{self, parse};
 use petzval_optics::glass::Catalogue;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Tracer};
 use proptest::prelude::*;
 
 fn tracer(text: &str) -> Tracer {
     let lens = parse(text, "test", Catalogue::shipped()).unwrap_or_else(|e| panic!("{e}"));
-    System::new(&lens, &SystemSettings::default()).unwrap().at_wavelength(587.5618)
+    System::new(&lens, &LensSettings::default()).unwrap().at_wavelength(587.5618)
 }
 
 fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
@@ -121,7 +121,7 @@ fn decentring_the_whole_lens_is_moving_the_ray() {
 fn system(name: &str, more: &str) -> System {
     let text = std::fs::read_to_string(repository(&format!("lenses/{name}.lens"))).unwrap();
     let lens = lens::parse(&format!("{more}\n{text}"), name, Catalogue::shipped()).unwrap();
-    System::new(&lens, &SystemSettings::default()).unwrap()
+    System::new(&lens, &LensSettings::default()).unwrap()
 }
 
 proptest! {
@@ -180,8 +180,8 @@ fn scaling_scales_every_kind_of_number() {
     ] {
         let text = std::fs::read_to_string(repository(&format!("lenses/{name}.lens"))).unwrap();
         let lens = lens::parse(&format!("{more}\n{text}"), name, Catalogue::shipped()).unwrap();
-        let larger = SystemSettings { focal_length: FocalLength::Scale(3.7), ..SystemSettings::default() };
-        let one = System::new(&lens, &SystemSettings::default()).unwrap().at_wavelength(550.0);
+        let larger = LensSettings { focal_length: FocalLength::Scale(3.7), ..LensSettings::default() };
+        let one = System::new(&lens, &LensSettings::default()).unwrap().at_wavelength(550.0);
         let scaled = System::new(&lens, &larger).unwrap().at_wavelength(550.0);
         for (x, y) in [(0.1, 0.2), (-0.3, 0.1)] {
             let start = ray([x, y, -2.0], [0.02, -0.03, 1.0]);

@@ -6,7 +6,7 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::Ray;
 
 use crate::common::repository;
@@ -17,7 +17,7 @@ fn eye(name: &str) -> Prescription {
 }
 
 fn at_rest(lens: &Prescription) -> System {
-    System::new(lens, &SystemSettings::default()).unwrap()
+    System::new(lens, &LensSettings::default()).unwrap()
 }
 
 fn power_dioptres(system: &System, wavelength_nm: f64) -> f64 {
@@ -70,7 +70,7 @@ fn eyes_accommodate() {
         let mut front =
             1.0 / relaxed.surfaces()[relaxed.stop() + 1].shape.curvature_at_vertex(petzval_optics::surface::Section::Y);
         for distance_mm in [4000.0, 1000.0, 500.0, 250.0, 180.0] {
-            let settings = SystemSettings::default();
+            let settings = LensSettings::default();
             let focused = Focusing::default().by_groups(&lens, &settings, line_nm::D, distance_mm).unwrap();
             assert!((focused.film_z_mm - film).abs() < 1e-4, "{name}: {} {film}", focused.film_z_mm);
             // A ray near the axis from that distance lands on the axis of the retina.
@@ -86,7 +86,7 @@ fn eyes_accommodate() {
             assert!(now > power && radius < front, "{name} at {distance_mm}: {now} {radius}");
             (power, front) = (now, radius);
         }
-        let too_near = Focusing::default().by_groups(&lens, &SystemSettings::default(), line_nm::D, 60.0).unwrap_err();
+        let too_near = Focusing::default().by_groups(&lens, &LensSettings::default(), line_nm::D, 60.0).unwrap_err();
         assert!(matches!(too_near, GroupsError::Focus(FocusError::TooClose { .. })), "{name}: {too_near}");
     }
 }
@@ -96,7 +96,7 @@ fn eyes_accommodate() {
 fn accommodated_eyes_are_the_ends_of_the_tables() {
     for (name, power, near_mm) in [("eye-le-grand", 67.677, 141.8), ("eye-gullstrand-exact", 70.575, 92.0)] {
         let lens = eye(name);
-        let end = System::with_travel(&lens, &SystemSettings::default(), 1.0).unwrap();
+        let end = System::with_travel(&lens, &LensSettings::default(), 1.0).unwrap();
         let alone = at_rest(&eye(&format!("{name}-accommodated")));
         for system in [&end, &alone] {
             assert!((power_dioptres(system, line_nm::D) - power).abs() < 5e-4, "{name}");
@@ -111,7 +111,7 @@ fn accommodated_eyes_are_the_ends_of_the_tables() {
     let positions = lens.moving.as_ref().unwrap().positions();
     let nearest = positions[positions.len() - 1].focus_mm;
     let travel = nearest / positions[positions.len() - 2].focus_mm;
-    let at = System::with_travel(&lens, &SystemSettings::default(), travel).unwrap();
+    let at = System::with_travel(&lens, &LensSettings::default(), travel).unwrap();
     let alone = at_rest(&eye("eye-navarro-accommodated"));
     assert!((power_dioptres(&at, line_nm::D) - power_dioptres(&alone, line_nm::D)).abs() < 1e-4);
     for travel in [0.07, 0.3, 0.55, 0.9] {

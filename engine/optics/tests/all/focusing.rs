@@ -11,7 +11,7 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::seidel::Seidel;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::Ray;
 
 /// Lenses that focus on something; all but the telescopes' short distances do.
@@ -112,7 +112,7 @@ fn exact_rays_have_the_magnification_and_the_working_f_number() {
 
 fn lens(rows: &str) -> System {
     let text = format!("#radius thickness glass diameter conic isstop\n{rows}");
-    System::new(&lens::parse(&text, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default()).unwrap()
+    System::new(&lens::parse(&text, "test", Catalogue::shipped()).unwrap(), &LensSettings::default()).unwrap()
 }
 
 #[test]

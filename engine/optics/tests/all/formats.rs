@@ -11,7 +11,7 @@ use std::path::Path;
 use petzval_optics::formats::{self, LensFileError, Reading};
 use petzval_optics::glass::Catalogue;
 use petzval_optics::prescription::Prescription;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 
 use crate::common::repository;
 
@@ -35,7 +35,7 @@ fn remarks(reading: &Reading) -> String {
 }
 
 fn system(lens: &Prescription) -> System {
-    System::new(lens, &SystemSettings::default()).unwrap()
+    System::new(lens, &LensSettings::default()).unwrap()
 }
 
 /// A lens of Zemax's.

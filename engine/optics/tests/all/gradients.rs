@@ -6,7 +6,7 @@ use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::seidel::Seidel;
 use petzval_optics::surface::Pose;
-use petzval_optics::system::{FocalLength, System, SystemSettings};
+use petzval_optics::system::{FocalLength, LensSettings, System};
 use petzval_optics::trace::{Failure, Ray, Tracer, Travel};
 use petzval_optics::vector::Vector;
 
@@ -14,7 +14,7 @@ use crate::common::{reference_json, repository};
 
 fn system(text: &str) -> System {
     let lens = parse(text, "test.lens", Catalogue::shipped()).unwrap_or_else(|e| panic!("{e}"));
-    System::new(&lens, &SystemSettings::default()).unwrap()
+    System::new(&lens, &LensSettings::default()).unwrap()
 }
 
 fn ray(origin: [f64; 3], slopes: [f64; 2]) -> Ray {
@@ -23,7 +23,7 @@ fn ray(origin: [f64; 3], slopes: [f64; 2]) -> Ray {
 
 fn liou_brennan() -> System {
     let lens = lens::read(&repository("lenses/eye-liou-brennan.lens"), Catalogue::shipped()).unwrap();
-    System::new(&lens, &SystemSettings::default()).unwrap()
+    System::new(&lens, &LensSettings::default()).unwrap()
 }
 
 const ROD_INDEX: f64 = 1.6;
@@ -236,7 +236,7 @@ fn a_gradient_goes_with_its_element() {
 fn single_precision_and_scale_change_little() {
     let eye = liou_brennan();
     let lens = lens::read(&repository("lenses/eye-liou-brennan.lens"), Catalogue::shipped()).unwrap();
-    let thrice = SystemSettings { focal_length: FocalLength::Scale(3.0), ..SystemSettings::default() };
+    let thrice = LensSettings { focal_length: FocalLength::Scale(3.0), ..LensSettings::default() };
     let large = System::new(&lens, &thrice).unwrap().at_wavelength(550.0);
     let double = eye.at_wavelength(550.0);
     let single: Tracer<f32> = double.cast();

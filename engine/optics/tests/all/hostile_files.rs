@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use petzval_optics::formats::{self, agf, lens, zmx};
 use petzval_optics::glass::Catalogue;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use proptest::prelude::*;
 
 use crate::common::repository;
@@ -23,7 +23,7 @@ fn judge(bytes: &[u8], name: &str) {
     match formats::parse_bytes(bytes, Path::new(name), Catalogue::shipped(), None) {
         Ok(reading) => {
             let lens = &reading.prescription;
-            let _ = System::new(lens, &SystemSettings::default());
+            let _ = System::new(lens, &LensSettings::default());
             for (write, name) in [(lens::write as fn(&_, &_) -> _, "x.lens"), (zmx::write, "x.zmx")] {
                 let (text, lost): (String, Vec<String>) = write(lens, Catalogue::shipped());
                 if lost.is_empty() {

@@ -6,7 +6,7 @@ use petzval_optics::formats::lens::{self, parse, parse_bytes};
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::prescription::NextMedium;
 use petzval_optics::surface::{Pose, Section, Shape};
-use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
+use petzval_optics::system::{FocalLength, LensSettings, System, SystemError};
 
 /// File, line and column of the error, and a word that its message must hold.
 const BAD: &[(&str, &str, &str)] = &[
@@ -136,7 +136,7 @@ fn every_shipped_lens_reads_and_names_its_source() {
         if path.extension().is_some_and(|e| e == "lens") {
             let lens = lens::read(&path, Catalogue::shipped()).unwrap_or_else(|e| panic!("{e}"));
             assert!(lens.metadata.source.is_some(), "{}", path.display());
-            System::new(&lens, &SystemSettings::default()).unwrap();
+            System::new(&lens, &LensSettings::default()).unwrap();
             count += 1;
         }
     }
@@ -158,23 +158,23 @@ fn the_wide_angle_is_the_one_of_figure_3() {
 fn settings_that_make_no_lens_say_so() {
     let lens = prescription("biconvex-50mm");
     let with = |settings| System::new(&lens, &settings).unwrap_err();
-    let default = SystemSettings::default;
+    let default = LensSettings::default;
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let scale = with(SystemSettings { focal_length: FocalLength::Scale(bad), ..default() });
+        let scale = with(LensSettings { focal_length: FocalLength::Scale(bad), ..default() });
         assert!(matches!(scale, SystemError::NotPositive { .. }));
-        let millimetres = with(SystemSettings { focal_length: FocalLength::Millimetres(bad), ..default() });
+        let millimetres = with(LensSettings { focal_length: FocalLength::Millimetres(bad), ..default() });
         assert!(matches!(millimetres, SystemError::NotPositive { .. }));
-        let f_number = with(SystemSettings { f_number: Some(bad), ..default() });
+        let f_number = with(LensSettings { f_number: Some(bad), ..default() });
         assert!(matches!(f_number, SystemError::NotPositive { .. }));
     }
-    assert_eq!(with(SystemSettings { blades: 1000, ..default() }), DiaphragmError::Blades(1000).into());
+    assert_eq!(with(LensSettings { blades: 1000, ..default() }), DiaphragmError::Blades(1000).into());
     for curvature in [-0.1, 1.1, f64::INFINITY] {
-        let bent = SystemSettings { blade_curvature: curvature, ..default() };
+        let bent = LensSettings { blade_curvature: curvature, ..default() };
         assert_eq!(with(bent), DiaphragmError::Curvature(curvature).into());
     }
     let window = parse("0 5 1.5 20 0 1\n0 50 air 20 0 0", "window", Catalogue::shipped()).unwrap();
     assert_eq!(
-        System::new(&window, &SystemSettings { f_number: Some(4.0), ..default() }).unwrap_err(),
+        System::new(&window, &LensSettings { f_number: Some(4.0), ..default() }).unwrap_err(),
         SystemError::Afocal
     );
     assert!(System::new(&window, &default()).unwrap().f_number().is_infinite());
@@ -184,10 +184,10 @@ fn settings_that_make_no_lens_say_so() {
 fn focal_length_and_f_number_are_what_was_asked() {
     use petzval_optics::paraxial::Paraxial;
     for name in ["seed-wide-angle", "newtonian-f5", "eye-navarro"] {
-        let settings = SystemSettings {
+        let settings = LensSettings {
             focal_length: FocalLength::Millimetres(35.0),
             f_number: Some(11.0),
-            ..SystemSettings::default()
+            ..LensSettings::default()
         };
         let system = System::new(&prescription(name), &settings).unwrap();
         let info = Paraxial::new(&system, line_nm::D);
@@ -195,7 +195,7 @@ fn focal_length_and_f_number_are_what_was_asked() {
         assert!((info.f_number.unwrap() - 11.0).abs() < 1e-12, "{name}");
         assert!(!system.f_number_was_clamped());
     }
-    let settings = SystemSettings { f_number: Some(0.5), ..SystemSettings::default() };
+    let settings = LensSettings { f_number: Some(0.5), ..LensSettings::default() };
     let system = System::new(&prescription("seed-wide-angle"), &settings).unwrap();
     assert!(system.f_number_was_clamped());
     assert_eq!(system.f_number(), system.widest_f_number());
@@ -207,7 +207,7 @@ fn focal_length_and_f_number_are_what_was_asked() {
 fn coatings_are_those_of_the_file() {
     let read = |text: &str| parse(text, "some.lens", Catalogue::shipped()).unwrap();
     let names = |text: &str| -> Vec<String> {
-        let system = System::new(&read(text), &SystemSettings::default()).unwrap();
+        let system = System::new(&read(text), &LensSettings::default()).unwrap();
         system.surfaces().iter().map(|surface| surface.coating.name().to_owned()).collect()
     };
     let rows = "50 5 1.5 20 0 1\n40 5 1.7 20 0 0\n0 2 air 20 0 0\n0 3 air 20 0 0\n50 5 1.5 20 0 0\n-50 45 air 20 0 0\n";
@@ -227,10 +227,10 @@ fn coatings_are_those_of_the_file() {
         assert_eq!(read(&written).assumes_coatings(), lens.assumes_coatings());
     }
     // A lens that is scaled keeps them.
-    let settings = SystemSettings { focal_length: FocalLength::Scale(3.0), ..SystemSettings::default() };
+    let settings = LensSettings { focal_length: FocalLength::Scale(3.0), ..LensSettings::default() };
     let scaled = System::new(&read(columns), &settings).unwrap();
     assert_eq!(
         scaled.surfaces()[0].coating,
-        System::new(&read(columns), &SystemSettings::default()).unwrap().surfaces()[0].coating
+        System::new(&read(columns), &LensSettings::default()).unwrap().surfaces()[0].coating
     );
 }

@@ -13,7 +13,7 @@ use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::{LensGroup, NextMedium, Prescription, SurfaceRow};
 use petzval_optics::published;
 use petzval_optics::pupil_map::PupilMap;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Tracer};
 
 use crate::common::{lens_names, prescription, repository};
@@ -142,7 +142,7 @@ impl Setting {
     fn far_and_near(name: &str, lens: &Prescription, zoom: f64) -> Vec<Self> {
         use petzval_optics::system::FocalLength;
         let focal_length = if zoom.is_nan() { FocalLength::AsPublished } else { FocalLength::Millimetres(zoom) };
-        let settings = SystemSettings { focal_length, ..SystemSettings::default() };
+        let settings = LensSettings { focal_length, ..LensSettings::default() };
         let far = System::new(lens, &settings).unwrap();
         let p = Paraxial::new(&far, line_nm::D);
         let at_infinity = Focus::at_infinity(&far, line_nm::D);
@@ -285,7 +285,7 @@ fn the_first_choice_never_fails_off_centre() {
 /// RMS radius of the spot of the axis at its best focus, over the focal length: with a digit mistyped in a modern lens it is ten times
 /// as large, or more.
 fn blur_on_axis(lens: &Prescription) -> f64 {
-    let system = System::new(lens, &SystemSettings::default()).unwrap();
+    let system = System::new(lens, &LensSettings::default()).unwrap();
     let focal_mm = Paraxial::new(&system, line_nm::D).efl_mm.unwrap().abs();
     let radius = AxialBeam::new(&system, line_nm::D).unwrap().diameter_mm / 2.0;
     let tracer = system.at_wavelength(line_nm::D);
@@ -339,8 +339,7 @@ fn positions_are_sharp_where_they_say() {
             let of_zoom = moving.positions().into_iter().filter(|other| other.zoom_mm == position.zoom_mm);
             let nearest_mm = of_zoom.map(|other| other.focus_mm).fold(f64::INFINITY, f64::min);
             // Travel is counted in nearness, to 1 at the nearest of the table.
-            let set =
-                |travel: f64| System::new(&lens.at_position(zoom_mm, travel), &SystemSettings::default()).unwrap();
+            let set = |travel: f64| System::new(&lens.at_position(zoom_mm, travel), &LensSettings::default()).unwrap();
             let (far, near) = (set(0.0), set(nearest_mm / position.focus_mm));
             let behind = Focus::at_infinity(&far, line_nm::D).film_z_mm - far.film_z_published_mm();
             let film_z_mm = near.film_z_published_mm() + behind;

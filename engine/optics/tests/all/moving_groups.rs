@@ -6,7 +6,7 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
-use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
+use petzval_optics::system::{FocalLength, LensSettings, System, SystemError};
 use petzval_optics::trace::Ray;
 
 const D: f64 = line_nm::D;
@@ -15,8 +15,8 @@ fn zoom() -> Prescription {
     lens::read(&crate::common::repository("lenses").join("zoom-nikon-57-143-f2.8.lens"), Catalogue::shipped()).unwrap()
 }
 
-fn at(mm: f64) -> SystemSettings {
-    SystemSettings { focal_length: FocalLength::Millimetres(mm), ..SystemSettings::default() }
+fn at(mm: f64) -> LensSettings {
+    LensSettings { focal_length: FocalLength::Millimetres(mm), ..LensSettings::default() }
 }
 
 /// The ends are those of the printed table: 80 to 200 mm, over 1.398, and F/2.8.
@@ -37,7 +37,7 @@ fn a_zoom_has_the_focal_length_that_is_asked_for() {
     // Neither does the lens grow: its first and its last group stand still, to the same error.
     assert!(vertices.iter().all(|z| (z - vertices[0]).abs() < 0.08), "{vertices:?}");
     // As it lies in the file: the short end.
-    let published = Paraxial::new(&System::new(&zoom, &SystemSettings::default()).unwrap(), D);
+    let published = Paraxial::new(&System::new(&zoom, &LensSettings::default()).unwrap(), D);
     assert!((published.efl_mm.unwrap() - 57.206).abs() < 1e-3);
 }
 
@@ -85,7 +85,7 @@ fn groups_focus_and_the_film_stays() {
 #[test]
 fn focusing_breathes_and_keeps_the_diaphragm() {
     let zoom = zoom();
-    let settings = SystemSettings { f_number: Some(5.6), ..at(100.0) };
+    let settings = LensSettings { f_number: Some(5.6), ..at(100.0) };
     let infinity = System::new(&zoom, &settings).unwrap();
     let near = Focusing::default().by_groups(&zoom, &settings, D, 1800.0).unwrap().system;
     assert_eq!(near.diaphragm(), infinity.diaphragm());
@@ -158,10 +158,10 @@ fn a_zoom_keeps_its_f_number() {
     let path = crate::common::repository("lenses/nikkor-z-24-70-f4.lens");
     let prescription = lens::read(&path, Catalogue::shipped()).unwrap();
     for (focal_mm, allowed) in [(24.72, 1e-4), (30.0, 0.02), (46.31, 1e-4), (55.0, 0.02), (67.91, 1e-4)] {
-        let settings = SystemSettings { focal_length: FocalLength::Millimetres(focal_mm), ..SystemSettings::default() };
+        let settings = LensSettings { focal_length: FocalLength::Millimetres(focal_mm), ..LensSettings::default() };
         let system = System::new(&prescription, &settings).unwrap();
         assert!((system.f_number() / 4.0 - 1.0).abs() < allowed, "{focal_mm}: {}", system.f_number());
-        let stopped = SystemSettings { f_number: Some(8.0), ..settings };
+        let stopped = LensSettings { f_number: Some(8.0), ..settings };
         let stopped = System::new(&prescription, &stopped).unwrap();
         assert!((stopped.f_number() - 8.0).abs() < 1e-9 && !stopped.f_number_was_clamped());
     }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use petzval_optics::glass::line_nm;
 use petzval_optics::interface::{Interface, reflect};
 use petzval_optics::surface::{Conic, Shape};
-use petzval_optics::system::{FocalLength, System, SystemSettings};
+use petzval_optics::system::{FocalLength, LensSettings, System};
 use petzval_optics::trace::{Ray, Tracer};
 use petzval_optics::vector::Vector;
 use proptest::prelude::*;
@@ -85,8 +85,8 @@ proptest! {
         let factor = 2f64.powi(doubled);
         for name in ["seed-wide-angle", "eye-navarro", "cassegrain-f12"] {
             let prescription = prescription(name);
-            let settings = SystemSettings { focal_length: FocalLength::Scale(factor), ..SystemSettings::default() };
-            let one = System::new(&prescription, &SystemSettings::default()).unwrap();
+            let settings = LensSettings { focal_length: FocalLength::Scale(factor), ..LensSettings::default() };
+            let one = System::new(&prescription, &LensSettings::default()).unwrap();
             let scaled = System::new(&prescription, &settings).unwrap();
             let ray = into(&one, numbers);
             let larger = Ray { origin: ray.origin * factor, ..ray };

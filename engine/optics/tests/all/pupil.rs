@@ -11,7 +11,7 @@ use petzval_optics::focus::{FilmPlane, film_z_for_focus_mm};
 use petzval_optics::formats::lens::parse;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput, unobstructed_part};
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Tracer};
 
 struct Camera {
@@ -99,8 +99,7 @@ fn cameras() -> &'static [Camera] {
 
 fn make_cameras() -> Vec<Camera> {
     let stopped = |name: &str, f_number: f64, blades: u32| {
-        let settings =
-            SystemSettings { f_number: Some(f_number), blades, blade_rotation_rad: 0.2, ..Default::default() };
+        let settings = LensSettings { f_number: Some(f_number), blades, blade_rotation_rad: 0.2, ..Default::default() };
         System::new(&prescription(name), &settings).unwrap()
     };
     let turned = |z| FilmPlane { tilt_rad: 0.15, swing_rad: -0.1, shift_mm: [2.0, -1.0], ..FilmPlane::upright(z) };
@@ -108,16 +107,16 @@ fn make_cameras() -> Vec<Camera> {
     let text = "#radius thickness glass diameter conic isstop obstruction\n\
                 -2000 -700 mirror 250 -1 1 90\n-900 900 mirror 85 -4 0 0";
     let obstructed = parse(text, "obstructed", Catalogue::shipped()).unwrap();
-    let obstructed = System::new(&obstructed, &SystemSettings::default()).unwrap();
+    let obstructed = System::new(&obstructed, &LensSettings::default()).unwrap();
     let shipped = |name: &str, blades: u32, more: &str| {
         let text = std::fs::read_to_string(crate::common::repository("lenses").join(format!("{name}.lens"))).unwrap();
         let lens = parse(&format!("{more}\n{text}"), name, Catalogue::shipped()).unwrap();
-        let settings = SystemSettings { f_number: Some(4.0), blades, ..Default::default() };
+        let settings = LensSettings { f_number: Some(4.0), blades, ..Default::default() };
         System::new(&lens, &settings).unwrap()
     };
     let anamorphic = shipped("anamorphic-2x-double-gauss", 0, "");
     let six_blades = shipped("anamorphic-2x-double-gauss", 6, "");
-    let curved = SystemSettings { blades: 5, blade_curvature: 0.6, f_number: Some(4.0), ..Default::default() };
+    let curved = LensSettings { blades: 5, blade_curvature: 0.6, f_number: Some(4.0), ..Default::default() };
     let curved = System::new(&prescription("double-gauss-f2-available"), &curved).unwrap();
     let misaligned = shipped("double-gauss-f2-available", 0, "# element: 0-1 decenter_x=3 tilt_x=-4 tilt_y=6");
     vec![
@@ -291,7 +290,7 @@ fn throughput_of_a_polygon_is_exact() {
     let lens = parse("0 50 air 40 0 1", "hole", Catalogue::shipped()).unwrap();
     for (blades, curvature) in [(3, 0.0), (4, 0.0), (7, 0.0), (3, 0.5), (6, 0.9)] {
         let settings =
-            SystemSettings { blades, blade_curvature: curvature, blade_rotation_rad: 0.3, ..Default::default() };
+            LensSettings { blades, blade_curvature: curvature, blade_rotation_rad: 0.3, ..Default::default() };
         let system = System::new(&lens, &settings).unwrap();
         let found = on_axis_throughput(&system.at_wavelength(550.0), &system, 50.0);
         // With r(φ) from the middle of a side, π mean of r² / (r² + d²), by the midpoint rule. A straight side lies at
@@ -314,7 +313,7 @@ fn throughput_of_a_polygon_is_exact() {
 fn an_obstruction_takes_its_part() {
     let part = |radius: f64| radius * radius / (radius * radius + 50.0 * 50.0);
     let text = "#radius thickness glass diameter conic isstop obstruction\n0 50 air 40 0 1 20";
-    let settings = SystemSettings::default();
+    let settings = LensSettings::default();
     let system = System::new(&parse(text, "ring", Catalogue::shipped()).unwrap(), &settings).unwrap();
     let found = unobstructed_part(&system.at_wavelength(550.0), &system, 50.0);
     assert!((found - (1.0 - part(10.0) / part(20.0))).abs() < 1e-9, "{found}");

@@ -8,7 +8,7 @@ use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
 use petzval_optics::seidel::Seidel;
-use petzval_optics::system::{FocalLength, System, SystemSettings};
+use petzval_optics::system::{FocalLength, LensSettings, System};
 use petzval_optics::trace::Ray;
 use petzval_optics::vignetting::Vignetting;
 
@@ -68,7 +68,7 @@ fn assert_scaled(what: &str, plain: &[Option<f64>], scaled: &[Option<f64>], fact
 #[test]
 fn lengths_scale_and_angles_do_not() {
     for (name, prescription) in prescriptions() {
-        let published = System::new(&prescription, &SystemSettings::default()).unwrap();
+        let published = System::new(&prescription, &LensSettings::default()).unwrap();
         let info = Paraxial::new(&published, line_nm::D);
         let efl = info.efl_mm.unwrap();
         let nearest = info.entrance_pupil.z_mm.unwrap() - info.ffd_mm.unwrap().min(0.0);
@@ -79,7 +79,7 @@ fn lengths_scale_and_angles_do_not() {
             (FocalLength::Scale(1.0), 1.0),
             (FocalLength::Millimetres(135.0), 135.0 / efl),
         ] {
-            let settings = SystemSettings { focal_length, ..SystemSettings::default() };
+            let settings = LensSettings { focal_length, ..LensSettings::default() };
             let scaled = System::new(&prescription, &settings).unwrap();
             assert!((scaled.scale() / factor - 1.0).abs() < TOLERANCE, "{name}");
             for nm in WAVELENGTHS_NM {
@@ -121,7 +121,7 @@ fn assert_rays_scale(what: &str, [plain, scaled]: [&System; 2], nm: f64, factor:
 fn fields_do_not_scale() {
     for name in ["tessar-brendel", "laikin-fisheye-170", "cassegrain-f12"] {
         let plain = system(name);
-        let settings = SystemSettings { focal_length: FocalLength::Scale(3.0), ..SystemSettings::default() };
+        let settings = LensSettings { focal_length: FocalLength::Scale(3.0), ..LensSettings::default() };
         let scaled = System::new(&prescription(name), &settings).unwrap();
         let fields = |system: &System| {
             let fields = Vignetting::new(system, line_nm::D, &Focus::at_infinity(system, line_nm::D));

@@ -7,7 +7,7 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::seidel::Seidel;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Tracer};
 
 /// Exact rays of one lens, conjugate and scale of aperture and field, seen against the Gaussian image.
@@ -100,7 +100,7 @@ fn small_apertures_and_fields_have_these_aberrations_at_any_distance() {
 fn weakly_dispersing() -> System {
     let text = "#radius thickness glass diameter conic isstop
         0 4 air 12 0 1\n 60 6 1.52/52000 30 0 0\n -45 2 1.7/35000 30 0 0\n -140 80 air 30 0 0";
-    System::new(&lens::parse(text, "doublet", Catalogue::shipped()).unwrap(), &SystemSettings::default()).unwrap()
+    System::new(&lens::parse(text, "doublet", Catalogue::shipped()).unwrap(), &LensSettings::default()).unwrap()
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn a_pupil_at_infinity_has_no_sums() {
     // The stop in the rear focal plane of what stands before it.
     let text = "#radius thickness glass diameter conic isstop\n 50 0 1.5 30 0 0\n 0 100 air 30 0 0\n 0 20 air 5 0 1";
     let prescription = lens::parse(text, "telecentric", Catalogue::shipped()).unwrap();
-    let system = System::new(&prescription, &SystemSettings::default()).unwrap();
+    let system = System::new(&prescription, &LensSettings::default()).unwrap();
     assert_eq!(Paraxial::new(&system, line_nm::D).entrance_pupil.z_mm, None);
     assert_eq!(Seidel::new(&system, line_nm::D, None), None);
 }
@@ -140,7 +140,7 @@ fn a_pupil_at_infinity_has_no_sums() {
 fn sums_follow_the_opening_and_the_field() {
     let prescription = crate::common::prescription("tessar-brendel");
     let at = |f_number: Option<f64>, field: f64| {
-        let settings = SystemSettings { f_number, ..SystemSettings::default() };
+        let settings = LensSettings { f_number, ..LensSettings::default() };
         let system = System::new(&prescription, &settings).unwrap();
         (system.f_number(), Seidel::at_field(&system, line_nm::D, None, field).unwrap().total())
     };

@@ -4,14 +4,14 @@ use glam::{DVec2, DVec3};
 use petzval_optics::formats::lens::parse;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Failure, Ray, Tracer};
 
 const TRIPLET: &str = "22.01359 3.25896 SK16 19 0 0\n-435.76044 6.00755 air 19 0 0\n-22.21328 0.99997 F2 10 0 0\n\
     20.29192 4.75041 air 7.6124 0 1\n79.6836 2.95208 SK16 15 0 0\n-18.39533 42.20778 air 15 0 0\n";
 
 fn system(rows: &str) -> System {
-    System::new(&parse(rows, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default()).unwrap()
+    System::new(&parse(rows, "test", Catalogue::shipped()).unwrap(), &LensSettings::default()).unwrap()
 }
 
 /// Rays from many sides, some of which no stop lets through.

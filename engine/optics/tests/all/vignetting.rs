@@ -8,7 +8,7 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Tracer};
 use petzval_optics::vignetting::Vignetting;
 
@@ -46,7 +46,7 @@ struct Count {
 
 impl Counter {
     fn new(prescription: &Prescription, f_number: Option<f64>, distance_mm: f64) -> Self {
-        let settings = SystemSettings { f_number, ..SystemSettings::default() };
+        let settings = LensSettings { f_number, ..LensSettings::default() };
         let system = System::new(prescription, &settings).unwrap();
         let mut open = prescription.clone();
         for (i, row) in open.surfaces.iter_mut().enumerate().filter(|(i, _)| *i != prescription.stop) {
@@ -124,7 +124,7 @@ impl Counter {
 }
 
 fn fields(prescription: &Prescription, f_number: Option<f64>, distance_mm: f64) -> Vignetting {
-    let settings = SystemSettings { f_number, ..SystemSettings::default() };
+    let settings = LensSettings { f_number, ..LensSettings::default() };
     let system = System::new(prescription, &settings).unwrap();
     let focus = Focus::at_distance(&system, line_nm::D, distance_mm).unwrap();
     Vignetting::new(&system, line_nm::D, &focus)
@@ -209,7 +209,7 @@ fn stopping_down_frees_the_field() {
 
 fn lens(rows: &str) -> System {
     let text = format!("#radius thickness glass diameter conic isstop decenter_y\n{rows}");
-    System::new(&lens::parse(&text, "test", Catalogue::shipped()).unwrap(), &SystemSettings::default()).unwrap()
+    System::new(&lens::parse(&text, "test", Catalogue::shipped()).unwrap(), &LensSettings::default()).unwrap()
 }
 
 #[test]

@@ -34,7 +34,7 @@ NOT_YET = {
 
 @dataclass(frozen=True)
 class Rung:
-    """One camera. `camera` and `settings` replace fields of what the scene says, `effects` goes to its plan."""
+    """One camera. `camera` and `settings` are values by dotted name that replace the scene's, `effects` goes to its plan."""
 
     key: str
     name: str
@@ -114,19 +114,19 @@ def _simple(camera: Any, info: dict[str, Any]) -> list[Rung]:
         return [Rung(key, name, "camera", missing="sees no half space") for key, name in names.items()]
     frame = {
         "model": "PINHOLE",
-        "pinhole_focal_length_mm": focal_mm,
-        "pinhole_film_width_mm": info["picture_width_mm"],
-        "pinhole_shift": tuple(info["viewport_shift"]),
+        "perspective.focal_length_mm": focal_mm,
+        "perspective.film_width_mm": info["picture_width_mm"],
+        "perspective.shift": tuple(info["viewport_shift"]),
         # A pinhole has no brightness of its own.
         "exposure": None,
     }
     distance_mm = info["focus_distance_mm"]
     thin = {
         "model": "THIN",
-        "f_number": focal_mm / pupil_mm if pupil_mm else camera.f_number,
-        "focus_distance": None if distance_mm is None else distance_mm / camera.scale_mm_per_unit[2],
-        "focus_point_world": None,
-        "film_distance_mm": None,
+        "lens.f_number": focal_mm / pupil_mm if pupil_mm else camera.lens.f_number,
+        "focus.distance": None if distance_mm is None else distance_mm / camera.scale_mm_per_unit[2],
+        "focus.point_world": None,
+        "focus.film_distance_mm": None,
     }
     return [
         Rung(PINHOLE, names[PINHOLE], "camera", frame),

@@ -18,6 +18,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..description import changed
 from . import results
 from .accuracy import Sums
 from .intervals import LEAST, is_settled
@@ -224,8 +225,8 @@ class _Measured:
 
     def _render(self, one: Runs, seed: int) -> None:
         rung, subject = one.rung, self.subject
-        camera = dataclasses.replace(subject.camera, **rung.camera)
-        moving = [dataclasses.replace(then, **rung.camera) for then in subject.over_the_shutter]
+        camera = changed(subject.camera, rung.camera)
+        moving = [changed(then, rung.camera) for then in subject.over_the_shutter]
         settings = dataclasses.replace(self.settings, samples=one.samples, seed=seed, **rung.settings)
         wishes = subject.wishes | {"effects": rung.effects, "quality": rung.quality}
         began = time.perf_counter()
@@ -266,8 +267,8 @@ class _Measured:
     def _add_truth(self) -> None:
         """The top rung, with other random numbers, into the half that has less."""
         rung = self.runs[TOP].rung
-        camera = dataclasses.replace(self.subject.camera, **rung.camera)
-        moving = [dataclasses.replace(then, **rung.camera) for then in self.subject.over_the_shutter]
+        camera = changed(self.subject.camera, rung.camera)
+        moving = [changed(then, rung.camera) for then in self.subject.over_the_shutter]
         settings = dataclasses.replace(
             self.settings, samples=self.truth_each, seed=TRUTH_SEED + self.rounds, **rung.settings
         )

@@ -77,10 +77,11 @@ impl Adapted {
         let line_nm = d.wavelength_nm.unwrap_or(D_LINE_NM);
 
         // On a larger film, for what lies outside of the picture.
-        let larger = |factor: f64| CameraDescription {
-            film_width_mm: mount.info.picture_width_mm * factor,
-            film_height_mm: mount.info.picture_height_mm * factor,
-            ..plain.clone()
+        let larger = |factor: f64| {
+            plain.clone().with(|c| {
+                c.film.width_mm = mount.info.picture_width_mm * factor;
+                c.film.height_mm = mount.info.picture_height_mm * factor;
+            })
         };
         // A retina may end before.
         let is_large_enough = Mount::new(&larger(MOST_BEYOND), axes, width, height).is_ok();

@@ -11,6 +11,7 @@ use petzval_optics::focus::{Anchor, FilmPlane, Focusing, magnification};
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::system::System;
 use petzval_optics::trace::{Ray as LensRay, Tracer};
+use serde::Serialize;
 
 /// Rays whose mean is what a picture point looks along.
 const RAYS: u32 = 256;
@@ -27,7 +28,7 @@ const MOST_SECANTS: usize = 30;
 const FAR_MM: f64 = 1e12;
 
 /// A focus that was found: the settings that say the same.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Focused {
     /// Distance from the last vertex to the film's middle, before it is shifted, mm.
     pub film_distance_mm: f64,
@@ -142,8 +143,11 @@ impl<'a> Finder<'a> {
             return Err(d.error("only a lens can be focused so; choose a camera model that is made from a lens file"));
         }
         d.check(width, height)?;
-        let far =
-            CameraDescription { focus_distance: None, focus_point_world: None, film_distance_mm: None, ..d.clone() };
+        let far = d.clone().with(|c| {
+            c.focus.distance = None;
+            c.focus.point_world = None;
+            c.focus.film_distance_mm = None;
+        });
         let (mount, system) = Mount::new(&far, d.axes()?, width, height)?;
         let line_nm = d.wavelength_nm.unwrap_or(D_LINE_NM);
         let auto = Self::autofocus(d, &system);
@@ -213,14 +217,14 @@ impl<'a> Finder<'a> {
     /// Puts the film, and the lens with it where the film is the anchor; true if it hardly moved.
     fn put(&mut self, film: FilmPlane) -> bool {
         let before = std::mem::replace(&mut self.mount.film, film);
-        self.mount.refocus(film, self.d.focusing.origin_z_mm(&self.system, self.line_nm, film.z_mm));
+        self.mount.refocus(film, self.d.focus.focusing.origin_z_mm(&self.system, self.line_nm, film.z_mm));
         let turned = (film.tilt_rad - before.tilt_rad).abs() + (film.swing_rad - before.swing_rad).abs();
         (film.z_mm - before.z_mm).abs() + turned < SETTLED * film.z_mm.abs().max(1.0)
     }
 
     fn found(&self, rms_spot_mm: f64) -> Focused {
         let film = &self.mount.film;
-        let scale = self.d.focusing.distance_mm(&self.system, self.line_nm, film.z_mm);
+        let scale = self.d.focus.focusing.distance_mm(&self.system, self.line_nm, film.z_mm);
         Focused {
             film_distance_mm: film.z_mm - self.system.last_vertex_z_mm(),
             focus_scale_mm: scale.is_finite().then_some(scale),
@@ -237,12 +241,11 @@ impl<'a> Finder<'a> {
     fn by_groups(&self, seen: Seen, [width, height]: [u32; 2]) -> Result<Focused, CameraError> {
         let per_unit = self.d.scale_mm_per_unit.z;
         let at = |nearness_per_mm: f64| -> Result<(Finder<'a>, f64, f64), CameraError> {
-            let near = CameraDescription {
-                focus_distance: (nearness_per_mm > 0.0).then(|| (nearness_per_mm * per_unit).recip()),
-                focus_point_world: None,
-                film_distance_mm: None,
-                ..self.d.clone()
-            };
+            let near = self.d.clone().with(|c| {
+                c.focus.distance = (nearness_per_mm > 0.0).then(|| (nearness_per_mm * per_unit).recip());
+                c.focus.point_world = None;
+                c.focus.film_distance_mm = None;
+            });
             let (mount, system) = Mount::new(&near, self.d.axes()?, width, height)?;
             let auto = Finder::autofocus(self.d, &system);
             let finder = Finder { d: self.d, mount, system, auto, line_nm: self.line_nm };

@@ -62,15 +62,17 @@ fn description(model: Model, file: &LensFile, focal_length_mm: f64, f_number: f6
     let film_mm = field * focal_length_mm;
     CameraDescription {
         model,
-        pinhole_focal_length_mm: focal_length_mm,
-        pinhole_film_width_mm: film_mm,
         lens_path: file.0.clone(),
-        f_number: Some(f_number),
-        film_width_mm: film_mm,
-        film_height_mm: film_mm,
         wavelength_nm: Some(587.5618),
         ..CameraDescription::default()
     }
+    .with(|c| {
+        c.perspective.focal_length_mm = focal_length_mm;
+        c.perspective.film_width_mm = film_mm;
+        c.lens.f_number = Some(f_number);
+        c.film.width_mm = film_mm;
+        c.film.height_mm = film_mm;
+    })
 }
 
 /// The largest angle between what two models see at the same place of the picture, rad. The rays of a film point are

@@ -1,4 +1,4 @@
-//! A camera as it arrives: every setting, its default, and the checks that every model needs.
+//! The settings of a camera, unchecked, their defaults, and the checks that every model needs.
 
 use super::CameraError;
 use super::exposure::PhysicalExposure;
@@ -6,14 +6,14 @@ use super::precision::Precision;
 use super::scattering::Scattering;
 use crate::spectrum::SPECTRAL_COUNT;
 use glam::{DMat3, DMat4, DVec3};
-use petzval_optics::coating::Coating;
-use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::focus::Focusing;
+use petzval_optics::system::LensSettings;
+use serde::{Deserialize, Deserializer};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// A camera model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Model {
     /// Every ray traced through the prescription.
     #[default]
@@ -33,7 +33,8 @@ pub enum Model {
 }
 
 /// The wavelengths into which the film divides the light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Spectrum {
     /// All visible wavelengths.
     #[default]
@@ -92,72 +93,87 @@ impl EnabledEffects {
     }
 }
 
-/// A camera as it arrives. Angles in radians; `None` leaves the lens's own value.
-#[derive(Clone, Debug)]
+/// The perspective of Blender's own camera, which a pinhole and a thin lens have.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Perspective {
+    /// Focal length, mm.
+    pub focal_length_mm: f64,
+    /// Width of the whole picture on Blender's sensor, mm.
+    pub film_width_mm: f64,
+    /// Shift, in units of the picture's larger side.
+    pub shift: [f64; 2],
+}
+
+/// The focus of a lens; a film distance goes before a point, a point before a distance.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FocusSettings {
+    /// Focus distance along the axis from the reference point of `focusing`, Blender units; `None` is infinity.
+    pub distance: Option<f64>,
+    /// The reference point of the focus distance, and the part of the lens that stands at the camera's origin.
+    pub focusing: Focusing,
+    /// A point whose depth is focused on, world space.
+    pub point_world: Option<DVec3>,
+    /// Distance from the last vertex to the film's middle, mm.
+    pub film_distance_mm: Option<f64>,
+    /// The picture point, 0 to 1 from the lower left, on whose subject [`super::autofocus`] is to focus; a camera itself leaves it out of
+    /// account.
+    pub autofocus: Option<[f64; 2]>,
+}
+
+/// The film behind a lens.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FilmSettings {
+    /// Width, mm.
+    pub width_mm: f64,
+    /// Height, mm.
+    pub height_mm: f64,
+    /// Turn about the horizontal axis.
+    pub tilt_rad: f64,
+    /// Turn about the vertical axis.
+    pub swing_rad: f64,
+    /// Shift of the lens to the right and up against the film: the picture moves the same way over the scene.
+    pub shift_mm: [f64; 2],
+}
+
+/// The settings of a camera, unchecked. Angles in radians; `None` leaves the lens's own value.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CameraDescription {
     /// The camera's object, for messages.
     pub object_name: String,
     /// The camera model.
     pub model: Model,
-    /// Camera space (x right, y up, looking along -z) to world space; its scale does not count.
+    /// Camera space (x right, y up, looking along -z) to world space; its scale does not count. Deserialized row by row.
+    #[serde(deserialize_with = "by_rows")]
     pub matrix_world: DMat4,
-    /// Blender's own focal length, mm, for pinhole and thin.
-    pub pinhole_focal_length_mm: f64,
-    /// Width of the whole picture on Blender's own sensor, mm.
-    pub pinhole_film_width_mm: f64,
-    /// Blender's own shift, in units of the picture's larger side.
-    pub pinhole_shift: [f64; 2],
+    /// The perspective of Blender's own camera.
+    pub perspective: Perspective,
     /// The height of a pixel over its width.
     pub pixel_aspect: f64,
     /// The lens file.
     pub lens_path: PathBuf,
-    /// Focal length to scale the lens to, mm.
-    pub focal_length_mm: Option<f64>,
-    /// Factor by which to scale the lens, instead of [`Self::focal_length_mm`].
-    pub focal_scale: Option<f64>,
-    /// Stop; `None` is wide open.
-    pub f_number: Option<f64>,
-    /// The diameter of the entrance pupil, mm, of a lens; it goes before the f-number.
-    pub pupil_diameter_mm: Option<f64>,
-    /// Diaphragm blades; 0 is round.
-    pub blades: u32,
-    /// Turn of the diaphragm.
-    pub blade_rotation_rad: f64,
-    /// Curvature of the blades: 0 straight, 1 round.
-    pub blade_curvature: f64,
-    /// The opening's shape instead of blades; turned like them.
-    pub aperture_mask: Option<Arc<ApertureMask>>,
-    /// Focus distance along the axis from the reference point of `focusing`, Blender units; `None` is infinity.
-    pub focus_distance: Option<f64>,
-    /// The reference point of the focus distance, and the part of the lens that stands at the camera's origin.
-    pub focusing: Focusing,
-    /// A point whose depth is focused on, world space; wins over the distance.
-    pub focus_point_world: Option<DVec3>,
-    /// Distance from the last vertex to the film's middle, mm; wins over distance and point.
-    pub film_distance_mm: Option<f64>,
-    /// Width of the film, mm.
-    pub film_width_mm: f64,
-    /// Height of the film, mm.
-    pub film_height_mm: f64,
-    /// Turn of the film about its horizontal axis.
-    pub tilt_rad: f64,
-    /// Turn of the film about its vertical axis.
-    pub swing_rad: f64,
-    /// Shift of the lens to the right and up against the film: the picture moves the same way over the scene.
-    pub shift_mm: [f64; 2],
+    /// The settings of the lens. A thin lens takes f-number and diaphragm.
+    pub lens: LensSettings,
+    /// The focus.
+    pub focus: FocusSettings,
+    /// The film.
+    pub film: FilmSettings,
     /// Millimetres in the lens's space for a Blender unit along the camera's axes.
     pub scale_mm_per_unit: DVec3,
     /// One wavelength, nm; `None` is all that `spectrum` says.
     pub wavelength_nm: Option<f64>,
     /// The wavelengths of the film, for lenses that treat wavelengths differently.
     pub spectrum: Spectrum,
-    /// The effects of the real lens that are shown.
+    /// The effects of the real lens that are shown; a plan decides on them.
+    #[serde(skip)]
     pub shown: EnabledEffects,
     /// Scattering in the lens.
     pub scattering: Scattering,
-    /// Thin films wherever glass meets air; `None`: as the lens file has them.
-    pub coating: Option<Coating>,
-    /// True if light is lost by reflection and absorption at surfaces and in glasses.
+    /// True if light is lost by reflection and absorption at surfaces and in glasses; a plan decides on it.
+    #[serde(skip)]
     pub transmission: bool,
     /// True if the losses of `transmission` make the picture darker; else it is exposed by the T-number, its middle as bright as if nothing
     /// were lost.
@@ -173,6 +189,11 @@ pub struct CameraDescription {
     pub clip: [f64; 2],
 }
 
+/// A matrix of a sequence of rows.
+fn by_rows<'de, D: Deserializer<'de>>(from: D) -> Result<DMat4, D::Error> {
+    <[[f64; 4]; 4]>::deserialize(from).map(|rows| DMat4::from_cols_array_2d(&rows).transpose())
+}
+
 impl Default for CameraDescription {
     /// A camera at the world's origin, before full-frame film; everything is seen. A lens is still to be named.
     fn default() -> Self {
@@ -180,34 +201,17 @@ impl Default for CameraDescription {
             object_name: "Camera".into(),
             model: Model::default(),
             matrix_world: DMat4::IDENTITY,
-            pinhole_focal_length_mm: 50.0,
-            pinhole_film_width_mm: 36.0,
-            pinhole_shift: [0.0; 2],
+            perspective: Perspective { focal_length_mm: 50.0, film_width_mm: 36.0, shift: [0.0; 2] },
             pixel_aspect: 1.0,
             lens_path: PathBuf::new(),
-            focal_length_mm: None,
-            focal_scale: None,
-            f_number: None,
-            pupil_diameter_mm: None,
-            blades: 0,
-            blade_rotation_rad: 0.0,
-            blade_curvature: 0.0,
-            aperture_mask: None,
-            focus_distance: None,
-            focusing: Focusing::default(),
-            focus_point_world: None,
-            film_distance_mm: None,
-            film_width_mm: 36.0,
-            film_height_mm: 24.0,
-            tilt_rad: 0.0,
-            swing_rad: 0.0,
-            shift_mm: [0.0; 2],
+            lens: LensSettings::default(),
+            focus: FocusSettings::default(),
+            film: FilmSettings { width_mm: 36.0, height_mm: 24.0, tilt_rad: 0.0, swing_rad: 0.0, shift_mm: [0.0; 2] },
             scale_mm_per_unit: DVec3::splat(1000.0),
             wavelength_nm: None,
             spectrum: Spectrum::default(),
             shown: EnabledEffects::default(),
             scattering: Scattering::default(),
-            coating: None,
             transmission: false,
             exposes_by_f_number: false,
             precision: Precision::default(),
@@ -219,6 +223,13 @@ impl Default for CameraDescription {
 }
 
 impl CameraDescription {
+    /// These settings after a change.
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
     pub(super) fn error(&self, what: impl Into<String>) -> CameraError {
         CameraError::Setting { camera: self.object_name.clone(), what: what.into() }
     }
@@ -244,14 +255,14 @@ impl CameraDescription {
 
     /// Distance of the plane to be sharp along the axis, Blender units; `None` is infinity.
     pub(super) fn focus_depth(&self) -> Result<Option<f64>, CameraError> {
-        if let Some(p) = self.focus_point_world {
+        if let Some(p) = self.focus.point_world {
             let depth = -(p - self.position()).dot(self.axes()?.z_axis);
             if !(depth > 0.0 && depth.is_finite()) {
                 return Err(self.error("the focus object lies behind the camera or in it; move one of them"));
             }
             return Ok(Some(depth));
         }
-        match self.focus_distance {
+        match self.focus.distance {
             Some(d) if d.is_nan() || d <= 0.0 => Err(self.error("the focus distance is not positive; raise it")),
             Some(d) if d.is_infinite() => Ok(None),
             d => Ok(d),
@@ -276,14 +287,14 @@ impl CameraDescription {
             }
         };
         let finite = [
-            ("the rotation of its blades", self.blade_rotation_rad),
-            ("the curvature of its blades", self.blade_curvature),
-            ("the film's tilt", self.tilt_rad),
-            ("the film's swing", self.swing_rad),
-            ("the lens's shift to the right", self.shift_mm[0]),
-            ("the lens's shift up", self.shift_mm[1]),
-            ("the picture's shift to the right", self.pinhole_shift[0]),
-            ("the picture's shift up", self.pinhole_shift[1]),
+            ("the rotation of its blades", self.lens.blade_rotation_rad),
+            ("the curvature of its blades", self.lens.blade_curvature),
+            ("the film's tilt", self.film.tilt_rad),
+            ("the film's swing", self.film.swing_rad),
+            ("the lens's shift to the right", self.film.shift_mm[0]),
+            ("the lens's shift up", self.film.shift_mm[1]),
+            ("the picture's shift to the right", self.perspective.shift[0]),
+            ("the picture's shift up", self.perspective.shift[1]),
         ];
         if let Some((name, value)) = finite.into_iter().find(|(_, value)| !value.is_finite()) {
             return Err(self.error(format!("{name} is {value}; give a number, or look at its driver")));
@@ -303,13 +314,13 @@ impl CameraDescription {
         }
         match self.model {
             Model::Lens | Model::Thick | Model::Paraxial | Model::ImageBased => {
-                positive(self.film_width_mm, "the film width")?;
-                positive(self.film_height_mm, "the film height")
+                positive(self.film.width_mm, "the film width")?;
+                positive(self.film.height_mm, "the film height")
             }
             Model::Orthographic => positive(self.orthographic_width, "the orthographic scale"),
             Model::Pinhole | Model::Thin => {
-                positive(self.pinhole_focal_length_mm, "the focal length")?;
-                positive(self.pinhole_film_width_mm, "the sensor width")
+                positive(self.perspective.focal_length_mm, "the focal length")?;
+                positive(self.perspective.film_width_mm, "the sensor width")
             }
         }
     }

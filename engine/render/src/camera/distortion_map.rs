@@ -15,6 +15,7 @@ use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::trace::Tracer;
 use rayon::prelude::*;
+use serde::Deserialize;
 
 /// Rays whose mean is a picture point's.
 const RAYS: u32 = 1024;
@@ -29,7 +30,8 @@ const FOUND: f64 = 1e-9;
 const DIFFERENCE: f64 = 1e-2;
 
 /// The direction of a distortion map: the picture that is made, and the one it is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Direction {
     /// The lens's, of a pinhole's.
     Distort,
@@ -67,12 +69,11 @@ impl DistortionMap {
         let axes = d.axes()?;
         let (mount, system) = Mount::new(d, axes, width, height)?;
         let info = &mount.info;
-        let framing = CameraDescription {
-            pinhole_focal_length_mm: info.viewport_focal_length_mm,
-            pinhole_film_width_mm: info.picture_width_mm,
-            pinhole_shift: info.viewport_shift,
-            ..d.clone()
-        };
+        let framing = d.clone().with(|c| {
+            c.perspective.focal_length_mm = info.viewport_focal_length_mm;
+            c.perspective.film_width_mm = info.picture_width_mm;
+            c.perspective.shift = info.viewport_shift;
+        });
         let pinhole = Pinhole::new(&framing, axes, width, height);
         let pupil_z = Paraxial::new(&system, d.wavelength_nm.unwrap_or(D_LINE_NM)).entrance_pupil.z_mm.unwrap_or(0.0);
         let sharp_z_mm = info.focus_distance_mm.filter(|d| *d > 0.0).map(|distance| pupil_z - distance);

@@ -4,12 +4,14 @@ use super::CameraDescription;
 use petzval_optics::pupil_map::{on_axis_throughput, unobstructed_part};
 use petzval_optics::system::System;
 use petzval_optics::trace::Tracer;
+use serde::Deserialize;
 
 /// Saturation exposure of a digital camera, lux seconds times ISO: ISO 12232:2019, saturation-based speed.
 const SATURATION_LX_S: f64 = 78.0;
 
 /// A shutter and a film.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PhysicalExposure {
     /// Exposure time.
     pub shutter_s: f64,

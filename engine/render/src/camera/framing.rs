@@ -3,18 +3,22 @@
 
 use super::setup::Setup;
 use super::{CameraDescription, CameraError, Model};
+use petzval_optics::system::FocalLength;
+use serde::{Deserialize, Serialize};
 
 /// The settings that may be changed to frame like Blender's camera.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Framed {
     /// The lens is scaled, a zoom lens zoomed; the film becomes Blender's sensor.
+    #[serde(rename = "FOCAL_LENGTH")]
     ByFocalLength,
     /// The film becomes larger or smaller, the lens stays.
+    #[serde(rename = "FILM")]
     ByFilm,
 }
 
 /// The settings that frame like Blender's camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Framing {
     /// Focal length, mm; `None`: as it was.
     pub focal_length_mm: Option<f64>,
@@ -61,9 +65,9 @@ impl CameraDescription {
             if f64::from(size[0]) >= d.rows_high(size[1]) { info.fov_horizontal_rad } else { info.fov_vertical_rad };
         Ok(Framing {
             focal_length_mm: (by == Framed::ByFocalLength).then_some(value),
-            film_width_mm: d.film_width_mm,
-            film_height_mm: d.film_height_mm,
-            shift_mm: d.shift_mm,
+            film_width_mm: d.film.width_mm,
+            film_height_mm: d.film.height_mm,
+            shift_mm: d.film.shift_mm,
             angle_rad: search.wanted_rad,
             reaches_edges: seen.is_some(),
         })
@@ -80,28 +84,27 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(d: &'a CameraDescription, size: [u32; 2], by: Framed) -> Self {
         let (width, height) = (f64::from(size[0]), d.rows_high(size[1]));
-        let larger = d.pinhole_film_width_mm * (height / width).max(1.0);
-        let shift = d.pinhole_shift[if width >= height { 0 } else { 1 }];
-        let edge = |at: f64| ((at + shift) * larger / d.pinhole_focal_length_mm).atan();
+        let larger = d.perspective.film_width_mm * (height / width).max(1.0);
+        let shift = d.perspective.shift[if width >= height { 0 } else { 1 }];
+        let edge = |at: f64| ((at + shift) * larger / d.perspective.focal_length_mm).atan();
         Self { d, size, by, wanted_rad: edge(0.5) - edge(-0.5) }
     }
 
     /// The camera with a focal length or a width of the film.
     fn described(&self, value: f64) -> CameraDescription {
         let width = match self.by {
-            Framed::ByFocalLength => self.d.pinhole_film_width_mm,
+            Framed::ByFocalLength => self.d.perspective.film_width_mm,
             Framed::ByFilm => value,
         };
         let aspect = self.d.rows_high(self.size[1]) / f64::from(self.size[0]);
         let larger = width * aspect.max(1.0);
-        CameraDescription {
-            focal_length_mm: if self.by == Framed::ByFocalLength { Some(value) } else { self.d.focal_length_mm },
-            focal_scale: if self.by == Framed::ByFocalLength { None } else { self.d.focal_scale },
-            film_width_mm: width,
-            film_height_mm: width * aspect,
-            shift_mm: self.d.pinhole_shift.map(|shift| shift * larger),
-            ..self.d.clone()
-        }
+        self.d.clone().with(|c| {
+            if self.by == Framed::ByFocalLength {
+                c.lens.focal_length = FocalLength::Millimetres(value);
+            }
+            (c.film.width_mm, c.film.height_mm) = (width, width * aspect);
+            c.film.shift_mm = c.perspective.shift.map(|shift| shift * larger);
+        })
     }
 
     /// The angle that is framed with this value; infinite where no ray of the picture's edge comes through the surfaces, or the film is too
@@ -138,8 +141,8 @@ impl<'a> Search<'a> {
         // Larger lenses see less, larger films more.
         let factor = if self.by == Framed::ByFocalLength { WIDER } else { WIDER.recip() };
         let start = match self.by {
-            Framed::ByFocalLength => self.d.pinhole_focal_length_mm,
-            Framed::ByFilm => self.d.film_width_mm,
+            Framed::ByFocalLength => self.d.perspective.focal_length_mm,
+            Framed::ByFilm => self.d.film.width_mm,
         };
         let step = |from: f64, by: f64, is_wide: bool| -> Result<f64, CameraError> {
             let mut value = from;

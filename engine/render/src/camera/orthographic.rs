@@ -17,7 +17,7 @@ pub struct Orthographic {
 impl Orthographic {
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Self {
         let size = DVec2::new(1.0, d.rows_high(height) / f64::from(width)) * d.orthographic_width;
-        Self { axes, size, middle: DVec2::from(d.pinhole_shift) * size.max_element() }
+        Self { axes, size, middle: DVec2::from(d.perspective.shift) * size.max_element() }
     }
 
     /// The ray of a picture point.
@@ -46,7 +46,8 @@ mod tests {
 
     #[test]
     fn rays_are_parallel_and_their_points_lie_where_they_came_from() {
-        let d = CameraDescription { orthographic_width: 4.0, pinhole_shift: [0.1, -0.2], ..Default::default() };
+        let d = CameraDescription { orthographic_width: 4.0, ..Default::default() }
+            .with(|c| c.perspective.shift = [0.1, -0.2]);
         let camera = Orthographic::new(&d, DMat3::IDENTITY, 200, 100);
         for p in [Vec2::new(-0.5, 0.25), Vec2::new(0.1, -0.4)] {
             let CameraRay { ray, .. } = camera.ray(p);

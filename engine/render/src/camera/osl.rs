@@ -164,8 +164,8 @@ impl Script<'_> {
             ("FOCUS_HELP", focus_help.to_owned()),
             ("FILM_WIDTH", number(info.picture_width_mm)),
             ("FILM_HEIGHT", number(info.picture_height_mm)),
-            ("SHIFT_X", number(self.d.shift_mm[0])),
-            ("SHIFT_Y", number(self.d.shift_mm[1])),
+            ("SHIFT_X", number(self.d.film.shift_mm[0])),
+            ("SHIFT_Y", number(self.d.film.shift_mm[1])),
             ("TILT", number(film.tilt_rad.to_degrees())),
             ("SWING", number(film.swing_rad.to_degrees())),
             ("SCALE", number(self.d.scale_mm_per_unit.x)),
@@ -220,13 +220,12 @@ impl Script<'_> {
     /// This camera with the stop closed to that part of its clear radius.
     fn stopped(&self, opening: f64, is_round: bool) -> Result<System, CameraError> {
         let f_number = self.setup.system.widest_f_number() / opening;
-        let d = CameraDescription {
-            f_number: f_number.is_finite().then_some(f_number),
-            pupil_diameter_mm: None,
-            blades: if is_round { 0 } else { self.d.blades },
-            // The lens stands as it does; only its diaphragm differs.
-            ..self.d.clone()
-        };
+        // The lens stands as it does; only its diaphragm differs.
+        let d = self.d.clone().with(|c| {
+            c.lens.f_number = f_number.is_finite().then_some(f_number);
+            c.lens.pupil_diameter_mm = None;
+            c.lens.blades = if is_round { 0 } else { self.d.lens.blades };
+        });
         Ok(Setup::new(&d, self.size[0], self.size[1])?.system)
     }
 

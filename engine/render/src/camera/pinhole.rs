@@ -16,10 +16,10 @@ pub struct Pinhole {
 
 impl Pinhole {
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Self {
-        let w = d.pinhole_film_width_mm / d.pinhole_focal_length_mm;
+        let w = d.perspective.film_width_mm / d.perspective.focal_length_mm;
         let h = w * d.rows_high(height) / f64::from(width);
         let larger = w.max(h);
-        let centre = d.pinhole_shift.map(|s| s * larger);
+        let centre = d.perspective.shift.map(|s| s * larger);
         Self { axes, width: w, height: h, centre }
     }
 

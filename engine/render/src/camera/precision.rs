@@ -11,16 +11,20 @@ use super::real_lens::RealLens;
 use crate::sampler::evenly::Evenly;
 use glam::{DVec2, Vec2};
 use petzval_optics::trace::{Traced, Tracer};
+use serde::Deserialize;
 
 /// The precision that is asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Precision {
     /// Single where the error of single precision is below [`TOLERANCE_PX`].
     #[default]
     Auto,
     /// f32.
+    #[serde(rename = "F32")]
     Single,
     /// f64.
+    #[serde(rename = "F64")]
     Double,
 }
 

@@ -1,7 +1,10 @@
 //! Scattering in a lens, as a camera's description has it; [`crate::stray::glare`] computes the glare.
 
+use serde::Deserialize;
+
 /// The amount of scattering in a lens.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Scattering {
     /// Roughness of every surface, root mean square, nm.
     pub roughness_nm: f64,

@@ -8,14 +8,15 @@ use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
 use petzval_optics::prescription::moving::MovingParts;
-use petzval_optics::system::{FocalLength, System, SystemError, SystemSettings};
+use petzval_optics::system::System;
 use petzval_optics::trace::{Ray as LensRay, Tracer};
+use serde::Serialize;
 
 /// Yellow helium line, where lenses are focused and measured, nm.
 pub const D_LINE_NM: f64 = 587.5618;
 
 /// Data of a lens in a camera: for panels, reports, and a viewport that frames the same picture.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct LensInfo {
     /// The lens's name in its file.
     pub lens_name: String,
@@ -92,41 +93,25 @@ impl Setup {
         }
         let reading = formats::read(&d.lens_path, Catalogue::shipped())?;
         let prescription = reading.prescription;
-        let name = prescription.name.clone();
-        let wrong = |source: SystemError| CameraError::System { lens: name.clone(), source };
-        let focal_length = match (d.focal_length_mm, d.focal_scale) {
-            (Some(mm), _) => FocalLength::Millimetres(mm),
-            (None, Some(scale)) => FocalLength::Scale(scale),
-            (None, None) => FocalLength::AsPublished,
-        };
-        let settings = SystemSettings {
-            focal_length,
-            f_number: d.f_number,
-            pupil_diameter_mm: d.pupil_diameter_mm,
-            blades: d.blades,
-            blade_rotation_rad: d.blade_rotation_rad,
-            blade_curvature: d.blade_curvature,
-        };
         let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
-        let (mut system, film_z_mm) = focused(d, &prescription, &settings, line)?;
-        if let Some(mask) = &d.aperture_mask {
-            system = system.with_aperture_mask(mask.clone(), d.blade_rotation_rad).map_err(wrong)?;
-        }
-        let coating_is_assumed = d.coating.is_none() && prescription.assumes_coatings();
-        if let Some(coating) = &d.coating {
-            system = system.coated(coating);
-        }
+        let (system, film_z_mm) = focused(d, &prescription, line)?;
+        let coating_is_assumed = d.lens.coating.is_none() && prescription.assumes_coatings();
         // The lens moved to the right is the film moved to the left.
-        let shift_mm = d.shift_mm.map(|s| -s);
+        let shift_mm = d.film.shift_mm.map(|s| -s);
         let curvature_per_mm = system.film_radius_mm().map_or(0.0, f64::recip);
-        let film =
-            FilmPlane { z_mm: film_z_mm, tilt_rad: d.tilt_rad, swing_rad: d.swing_rad, shift_mm, curvature_per_mm };
+        let film = FilmPlane {
+            z_mm: film_z_mm,
+            tilt_rad: d.film.tilt_rad,
+            swing_rad: d.film.swing_rad,
+            shift_mm,
+            curvature_per_mm,
+        };
         let paraxial = Paraxial::new(&system, line);
-        let origin_z_mm = d.focusing.origin_z_mm(&system, line, film_z_mm);
+        let origin_z_mm = d.focus.focusing.origin_z_mm(&system, line, film_z_mm);
 
         // The largest part of the film with the picture's shape.
         let aspect = f64::from(width) / d.rows_high(height);
-        let picture_width_mm = d.film_width_mm.min(d.film_height_mm * aspect);
+        let picture_width_mm = d.film.width_mm.min(d.film.height_mm * aspect);
         let picture_height_mm = picture_width_mm / aspect;
 
         let corners =
@@ -141,7 +126,7 @@ impl Setup {
         let distance = focus::focus_distance_for_film_mm(&system, line, film_z_mm);
         let magnification = focus::magnification(&system, line, film_z_mm);
         let efl = paraxial.efl_mm;
-        let scale = d.focusing.distance_mm(&system, line, film_z_mm);
+        let scale = d.focus.focusing.distance_mm(&system, line, film_z_mm);
         // A pinhole at the camera's origin that frames the plane that is sharp; from the entrance pupil, all others too.
         let pupil_z_mm = paraxial.entrance_pupil.z_mm.unwrap_or(0.0);
         let viewport_focal_length_mm = if distance.is_finite() && magnification != 0.0 {
@@ -172,7 +157,7 @@ impl Setup {
             picture_width_mm,
             picture_height_mm,
             viewport_focal_length_mm,
-            viewport_shift: d.shift_mm.map(|s| s / picture_width_mm.max(picture_height_mm)),
+            viewport_shift: d.film.shift_mm.map(|s| s / picture_width_mm.max(picture_height_mm)),
             t_number: t_number(&system, line, film_z_mm),
             coatings: system.coatings(),
             coating_is_assumed,
@@ -200,22 +185,17 @@ impl Setup {
 
 /// The lens, and where the film's middle is to stand, lens space. Groups that focus move instead of the film, but where
 /// its place was asked for.
-fn focused(
-    d: &CameraDescription,
-    prescription: &Prescription,
-    settings: &SystemSettings,
-    line_nm: f64,
-) -> Result<(System, f64), CameraError> {
+fn focused(d: &CameraDescription, prescription: &Prescription, line_nm: f64) -> Result<(System, f64), CameraError> {
     let system_error = |source| CameraError::System { lens: prescription.name.clone(), source };
-    if d.film_distance_mm.is_none() && prescription.moving.as_ref().is_some_and(MovingParts::focuses) {
+    if d.focus.film_distance_mm.is_none() && prescription.moving.as_ref().is_some_and(MovingParts::focuses) {
         let (focusing, distance_mm) = d.focus_request()?;
-        let done = focusing.by_groups(prescription, settings, line_nm, distance_mm).map_err(|error| match error {
+        let done = focusing.by_groups(prescription, &d.lens, line_nm, distance_mm).map_err(|error| match error {
             GroupsError::System(source) => system_error(source),
             GroupsError::Focus(source) => CameraError::Focus { camera: d.object_name.clone(), source },
         })?;
         return Ok((done.system, done.film_z_mm));
     }
-    let system = System::new(prescription, settings).map_err(system_error)?;
+    let system = System::new(prescription, &d.lens).map_err(system_error)?;
     let film_z_mm = film_z(d, &system, line_nm)?;
     Ok((system, film_z_mm))
 }
@@ -223,7 +203,7 @@ fn focused(
 /// The z of the film's middle, lens space, mm.
 fn film_z(d: &CameraDescription, system: &System, line_nm: f64) -> Result<f64, CameraError> {
     let wrong = |source: FocusError| CameraError::Focus { camera: d.object_name.clone(), source };
-    if let Some(distance) = d.film_distance_mm {
+    if let Some(distance) = d.focus.film_distance_mm {
         if !(distance.is_finite() && distance * system.light_direction_at_film() > 0.0) {
             return Err(d.error(format!("the film distance is {distance} mm; the film must stand behind the lens")));
         }
@@ -238,8 +218,8 @@ impl CameraDescription {
     fn focus_request(&self) -> Result<(Focusing, f64), CameraError> {
         let distance_mm = self.focus_depth()?.map_or(f64::INFINITY, |units| units * self.scale_mm_per_unit.z);
         // A point of the world is to be sharp, whichever relation numbers follow.
-        let relation = if self.focus_point_world.is_some() { Relation::Exact } else { self.focusing.relation };
-        Ok((Focusing { relation, ..self.focusing }, distance_mm))
+        let relation = if self.focus.point_world.is_some() { Relation::Exact } else { self.focus.focusing.relation };
+        Ok((Focusing { relation, ..self.focus.focusing }, distance_mm))
     }
 }
 

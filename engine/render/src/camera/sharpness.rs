@@ -13,6 +13,7 @@ use glam::{DVec2, DVec3, Vec2};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
 use petzval_optics::trace::{Ray, Tracer};
+use serde::Serialize;
 
 /// Rays of a film point.
 const RAYS: u32 = 192;
@@ -22,7 +23,7 @@ const NEIGHBOUR_RAYS: u32 = 48;
 const BESIDE: f64 = 1e-3;
 
 /// The sharp range along the mean ray of a picture point. World space, Blender units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SharpPoint {
     /// Place in the picture, from -0.5 to 0.5, x to the right and y up.
     pub place: Vec2,
@@ -40,7 +41,7 @@ pub struct SharpPoint {
 }
 
 /// The zone of sharpness of a picture, by points.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sharpness {
     /// Diameter of the circle of confusion, mm on the film.
     pub confusion_mm: f64,
@@ -252,18 +253,21 @@ impl std::ops::Mul<f64> for Quadratic {
 mod tests {
     use super::*;
     use glam::{DMat4, DQuat};
+    use petzval_optics::system::FocalLength;
     use std::path::Path;
 
     fn camera(lens: &str, f_number: f64, focus: f64) -> CameraDescription {
         CameraDescription {
             model: Model::Lens,
             lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses").join(lens),
-            f_number: Some(f_number),
-            focus_distance: Some(focus),
-            film_width_mm: 36.0,
-            film_height_mm: 24.0,
             ..CameraDescription::default()
         }
+        .with(|c| {
+            c.lens.f_number = Some(f_number);
+            c.focus.distance = Some(focus);
+            c.film.width_mm = 36.0;
+            c.film.height_mm = 24.0;
+        })
     }
 
     /// The sharp range of a lens that is stopped down, on the axis, is that of photographers' formulas: with the hyperfocal distance H =
@@ -272,7 +276,8 @@ mod tests {
     #[test]
     fn limits_of_sharpness_are_those_of_the_formulas() {
         let (f, n, c, s) = (100.0, 8.0, 36.0_f64.hypot(24.0) / 1500.0, 3000.0);
-        let d = CameraDescription { focal_length_mm: Some(f), ..camera("double-gauss-f2-tronnier.lens", n, 3.0) };
+        let d =
+            camera("double-gauss-f2-tronnier.lens", n, 3.0).with(|c| c.lens.focal_length = FocalLength::Millimetres(f));
         let found = sharpness(&d, [36, 24], [3, 3], None).unwrap();
         assert!((found.confusion_mm - c).abs() < 1e-12);
         let middle = found.points[4].unwrap();
@@ -287,10 +292,10 @@ mod tests {
         close(depth(middle.far.unwrap()), far);
         assert!((found.pupil_radii[0] * 2e3 - f / n).abs() < 0.05, "{:?}", found.pupil_radii);
         // Beyond the hyperfocal distance all is sharp to infinity.
-        let beyond = CameraDescription { focus_distance: Some(h * 1.3e-3), ..d.clone() };
+        let beyond = d.clone().with(|c| c.focus.distance = Some(h * 1.3e-3));
         let middle = sharpness(&beyond, [36, 24], [3, 3], None).unwrap().points[4].unwrap();
         assert_eq!(middle.far, Some(f64::INFINITY));
-        let infinity = CameraDescription { focus_distance: None, ..d };
+        let infinity = d.with(|c| c.focus.distance = None);
         let middle = sharpness(&infinity, [36, 24], [3, 3], None).unwrap().points[4].unwrap();
         // Spherical aberration brings the sharpest to some hundred metres: the near limit lies so much nearer.
         let s = middle.sharp.map_or(f64::INFINITY, |t| t * 1e3);
@@ -305,9 +310,9 @@ mod tests {
         let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.4, 1.0);
         let d = CameraDescription {
             matrix_world: DMat4::from_rotation_translation(turn, DVec3::new(7.0, -2.0, 3.0)),
-            tilt_rad: 0.05,
             ..camera("double-gauss-f2-tronnier.lens", 8.0, 2.0)
-        };
+        }
+        .with(|c| c.film.tilt_rad = 0.05);
         let points = sharpness(&d, [36, 24], [5, 3], None).unwrap().points;
         let at = |i: usize| points[i].map(|p| p.from + p.towards * p.sharp.unwrap()).unwrap();
         let (a, b, c) = (at(6), at(8), at(12));

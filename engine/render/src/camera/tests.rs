@@ -14,27 +14,26 @@ use std::path::Path;
 
 /// A lens of the cabinet wide open, focused at three metres, before a film of that size.
 pub(crate) fn with_lens(file: &str, width_mm: f64, height_mm: f64, tilt_rad: f64) -> CameraDescription {
-    CameraDescription {
-        lens_path: lens(file),
-        film_width_mm: width_mm,
-        film_height_mm: height_mm,
-        tilt_rad,
-        focus_distance: Some(3.0),
-        wavelength_nm: None,
-        ..description(Model::Lens)
-    }
+    CameraDescription { lens_path: lens(file), wavelength_nm: None, ..description(Model::Lens) }.with(|c| {
+        c.film.width_mm = width_mm;
+        c.film.height_mm = height_mm;
+        c.film.tilt_rad = tilt_rad;
+        c.focus.distance = Some(3.0);
+    })
 }
 
 fn description(model: Model) -> CameraDescription {
     CameraDescription {
         model,
         lens_path: lens("wide-angle-smith-f3.4.lens"),
-        focus_distance: Some(2.0),
-        film_width_mm: 120.0,
-        film_height_mm: 80.0,
         wavelength_nm: Some(587.5618),
         ..CameraDescription::default()
     }
+    .with(|c| {
+        c.focus.distance = Some(2.0);
+        c.film.width_mm = 120.0;
+        c.film.height_mm = 80.0;
+    })
 }
 
 fn lens(name: &str) -> PathBuf {
@@ -47,7 +46,7 @@ fn points(n: u32) -> impl Iterator<Item = [f32; 4]> {
 
 #[test]
 fn pinhole_rays_are_blenders() {
-    let camera = Camera::new(&CameraDescription { pinhole_shift: [0.1, 0.0], ..description(Model::Pinhole) }, 200, 100);
+    let camera = Camera::new(&description(Model::Pinhole).with(|c| c.perspective.shift = [0.1, 0.0]), 200, 100);
     let ray = camera.unwrap().sample(Vec2::new(0.5, -0.5), [0.0; 2], 0.0).unwrap().ray;
     // Right edge: half of 36 mm plus a tenth of it, over 50 mm.
     let expected = Vec3A::new(21.6, -9.0, -50.0).normalize();
@@ -56,7 +55,7 @@ fn pinhole_rays_are_blenders() {
 
 #[test]
 fn thin_rays_meet_in_the_focused_plane() {
-    let camera = Camera::new(&CameraDescription { blades: 6, ..description(Model::Thin) }, 200, 100).unwrap();
+    let camera = Camera::new(&description(Model::Thin).with(|c| c.lens.blades = 6), 200, 100).unwrap();
     for u in points(100) {
         let ray = camera.sample(Vec2::new(0.3, 0.2), [u[0], u[1]], 0.0).unwrap().ray;
         let p = ray.origin + ray.direction * (-2.0 / ray.direction.z);
@@ -69,7 +68,12 @@ fn thin_rays_meet_in_the_focused_plane() {
 fn a_thin_lens_has_the_blades_of_a_real_one() {
     let bladed = |blades, blade_curvature| {
         let base = description(Model::Thin);
-        let d = CameraDescription { blades, blade_curvature, blade_rotation_rad: 0.3, f_number: Some(5.6), ..base };
+        let d = base.with(|c| {
+            c.lens.blades = blades;
+            c.lens.blade_curvature = blade_curvature;
+            c.lens.blade_rotation_rad = 0.3;
+            c.lens.f_number = Some(5.6);
+        });
         Camera::new(&d, 200, 100)
     };
     // 50 mm at f/5.6, in Blender units.
@@ -98,13 +102,12 @@ fn a_thin_lens_has_the_blades_of_a_real_one() {
 fn a_mask_shapes_the_beam_of_every_model() {
     let mask = Arc::new(ApertureMask::new(2, &[0.0, 1.0, 0.0, 1.0]).unwrap());
     for model in [Model::Thin, Model::Thick, Model::Paraxial, Model::Lens, Model::ImageBased] {
-        let d = CameraDescription {
-            aperture_mask: Some(mask.clone()),
-            f_number: Some(8.0),
-            film_width_mm: 3.0,
-            film_height_mm: 2.0,
-            ..description(model)
-        };
+        let d = description(model).with(|c| {
+            c.lens.aperture_mask = Some(mask.clone());
+            c.lens.f_number = Some(8.0);
+            c.film.width_mm = 3.0;
+            c.film.height_mm = 2.0;
+        });
         let camera = Camera::new(&d, 30, 20).unwrap();
         let n = 8192;
         let rays: Vec<CameraRay> = points(n).filter_map(|u| camera.sample(Vec2::ZERO, [u[0], u[1]], u[2])).collect();
@@ -128,16 +131,14 @@ fn a_white_world_is_one_on_axis() {
         let openings = [(None, 0, 0.0), (Some(8.0), 5, 0.6), (Some(11.0), 0, 0.0), (Some(8.0), 5, 0.0)];
         let count = if petzval_testkit::is_thorough() { 4 } else { 2 };
         for (f_number, blades, blade_curvature) in openings.into_iter().take(count) {
-            let d = CameraDescription {
-                lens_path: path.clone(),
-                f_number,
-                blades,
-                blade_curvature,
-                focus_distance: None,
-                film_width_mm: 3.0,
-                film_height_mm: 2.0,
-                ..description(Model::Lens)
-            };
+            let d = CameraDescription { lens_path: path.clone(), ..description(Model::Lens) }.with(|c| {
+                c.lens.f_number = f_number;
+                c.lens.blades = blades;
+                c.lens.blade_curvature = blade_curvature;
+                c.focus.distance = None;
+                c.film.width_mm = 3.0;
+                c.film.height_mm = 2.0;
+            });
             let camera = match Camera::new(&d, 30, 20) {
                 Ok(camera) => camera,
                 // Lenses that focus nothing on their own film say so.
@@ -199,8 +200,11 @@ fn what_is_at_the_distance_is_sharp_from_each_anchor() {
     use petzval_optics::focus::{Anchor, Relation};
     for anchor in [Anchor::EntrancePupil, Anchor::FrontVertex, Anchor::Film] {
         let focusing = Focusing { anchor, relation: Relation::Exact };
-        let d =
-            CameraDescription { focusing, f_number: Some(45.0), focus_distance: Some(0.9), ..description(Model::Lens) };
+        let d = description(Model::Lens).with(|c| {
+            c.focus.focusing = focusing;
+            c.lens.f_number = Some(45.0);
+            c.focus.distance = Some(0.9);
+        });
         let camera = Camera::new(&d, 300, 200).unwrap();
         let info = lens_info(&d, 300, 200).unwrap();
         assert!((info.focus_scale_mm.unwrap() - 900.0).abs() < 1e-6, "{anchor:?} {info:?}");
@@ -224,9 +228,9 @@ fn world_scale_and_place_do_not_matter() {
     let scaled = CameraDescription {
         matrix_world: DMat4::from_rotation_y(0.3) * DMat4::from_scale(DVec3::new(2.0, 2.0, -2.0)),
         scale_mm_per_unit: DVec3::splat(10.0),
-        focus_distance: Some(200.0),
         ..base.clone()
-    };
+    }
+    .with(|c| c.focus.distance = Some(200.0));
     let (a, b) = (Camera::new(&base, 300, 200).unwrap(), Camera::new(&scaled, 300, 200).unwrap());
     for u in points(64) {
         let ray = |c: &Camera| c.sample(Vec2::new(0.2, -0.3), [u[0], u[1]], u[2]);
@@ -249,13 +253,13 @@ fn errors_say_what_to_do() {
         Camera::new(&d, 30, 20).map(|_| ()).unwrap_err().to_string()
     };
     assert!(bad(&|d| d.lens_path = "nowhere.lens".into()).contains("nowhere.lens"));
-    assert!(bad(&|d| d.focus_distance = Some(1e-6)).contains("Camera"));
-    assert!(bad(&|d| d.focus_distance = Some(f64::NAN)).contains("focus distance"));
+    assert!(bad(&|d| d.focus.distance = Some(1e-6)).contains("Camera"));
+    assert!(bad(&|d| d.focus.distance = Some(f64::NAN)).contains("focus distance"));
     assert!(bad(&|d| d.wavelength_nm = Some(5.0)).contains("wavelength"));
-    assert!(bad(&|d| d.film_width_mm = 0.0).contains("film width"));
-    assert!(bad(&|d| d.film_distance_mm = Some(-1.0)).contains("behind the lens"));
+    assert!(bad(&|d| d.film.width_mm = 0.0).contains("film width"));
+    assert!(bad(&|d| d.focus.film_distance_mm = Some(-1.0)).contains("behind the lens"));
     assert!(bad(&|d| d.matrix_world = DMat4::ZERO).contains("matrix"));
-    assert!(bad(&|d| d.focus_point_world = Some(DVec3::Z)).contains("behind the camera"));
+    assert!(bad(&|d| d.focus.point_world = Some(DVec3::Z)).contains("behind the camera"));
 }
 
 const FIRST_ORDER: [Model; 2] = [Model::Thick, Model::Paraxial];
@@ -282,13 +286,13 @@ fn first_order_images_are_perfect() {
 #[test]
 fn close_to_the_axis_every_lens_is_of_first_order() {
     for file in ["wide-angle-smith-f3.4.lens", "tessar-brendel.lens", "cassegrain-f12.lens"] {
-        let far = |model| CameraDescription {
-            lens_path: lens(file),
-            f_number: Some(64.0),
-            focus_distance: None,
-            film_width_mm: 0.3,
-            film_height_mm: 0.2,
-            ..description(model)
+        let far = |model| {
+            CameraDescription { lens_path: lens(file), ..description(model) }.with(|c| {
+                c.lens.f_number = Some(64.0);
+                c.focus.distance = None;
+                c.film.width_mm = 0.3;
+                c.film.height_mm = 0.2;
+            })
         };
         let exact = Camera::new(&far(Model::Lens), 300, 200).unwrap();
         let Camera::Lens(exact) = exact else { unreachable!() };
@@ -313,17 +317,14 @@ fn a_white_world_is_one_in_the_middle_by_first_order_too() {
         let shapes =
             [(Model::Thick, 0, 0.0), (Model::Thick, 5, 0.0), (Model::Thick, 5, 0.7), (Model::Paraxial, 0, 0.0)];
         for (model, blades, blade_curvature) in shapes {
-            let d = CameraDescription {
-                lens_path: lens(file),
-                f_number: Some(8.0),
-                blades,
-                blade_curvature,
-                focus_distance: None,
-                film_width_mm: 1.0,
-                film_height_mm: 1.0,
-                wavelength_nm: None,
-                ..description(model)
-            };
+            let d = CameraDescription { lens_path: lens(file), wavelength_nm: None, ..description(model) }.with(|c| {
+                c.lens.f_number = Some(8.0);
+                c.lens.blades = blades;
+                c.lens.blade_curvature = blade_curvature;
+                c.focus.distance = None;
+                c.film.width_mm = 1.0;
+                c.film.height_mm = 1.0;
+            });
             let camera = Camera::new(&d, 100, 100).unwrap();
             let n = 20_000;
             let all: Vec<CameraRay> =
@@ -338,14 +339,12 @@ fn a_white_world_is_one_in_the_middle_by_first_order_too() {
 #[test]
 fn colours_part_by_the_paraxial_model() {
     let spread = |model| {
-        let d = CameraDescription {
-            lens_path: lens("biconvex-50mm.lens"),
-            focus_distance: None,
-            film_width_mm: 20.0,
-            film_height_mm: 20.0,
-            wavelength_nm: None,
-            ..description(model)
-        };
+        let d = CameraDescription { lens_path: lens("biconvex-50mm.lens"), wavelength_nm: None, ..description(model) }
+            .with(|c| {
+                c.focus.distance = None;
+                c.film.width_mm = 20.0;
+                c.film.height_mm = 20.0;
+            });
         let camera = Camera::new(&d, 100, 100).unwrap();
         let slope = |u: f32| {
             let direction = camera.sample(Vec2::ZERO, [0.0, 0.9], u).unwrap().ray.direction;
@@ -362,14 +361,12 @@ fn colours_part_by_the_paraxial_model() {
 fn a_card_is_exposed_as_the_light_meter_says() {
     let value = |model, n: f64, shutter_s: f64, iso: f64| {
         let exposure = Some(exposure::PhysicalExposure { shutter_s, iso, lumens_per_watt: 683.0 });
-        let d = CameraDescription {
-            f_number: Some(n),
-            focus_distance: None,
-            film_width_mm: 1.0,
-            film_height_mm: 1.0,
-            exposure,
-            ..description(model)
-        };
+        let d = CameraDescription { exposure, ..description(model) }.with(|c| {
+            c.lens.f_number = Some(n);
+            c.focus.distance = None;
+            c.film.width_mm = 1.0;
+            c.film.height_mm = 1.0;
+        });
         let camera = Camera::new(&d, 100, 100).unwrap();
         let count = 4096;
         let all = points(count).filter_map(|u| camera.sample(Vec2::ZERO, [u[0], u[1]], u[2]));
@@ -400,12 +397,14 @@ fn what_stands_in_the_middle_counts_for_the_t_number() {
             exposure: Some(physical),
             exposes_by_f_number,
             transmission: false,
-            focus_distance: None,
-            film_width_mm: 1.0,
-            film_height_mm: 1.0,
             model,
             ..with_lens("reflex-nikkor-500-f8.lens", 1.0, 1.0, 0.0)
-        };
+        }
+        .with(|c| {
+            c.focus.distance = None;
+            c.film.width_mm = 1.0;
+            c.film.height_mm = 1.0;
+        });
         let camera = Camera::new(&d, 100, 100).unwrap();
         let all = points(4096).filter_map(|u| camera.sample(Vec2::ZERO, [u[0], u[1]], u[2]));
         all.map(|ray| f64::from(ray.white().x)).sum::<f64>()

@@ -23,15 +23,16 @@ pub struct Thin {
 
 impl Thin {
     pub(super) fn new(d: &CameraDescription, axes: DMat3, width: u32, height: u32) -> Result<Self, CameraError> {
-        let f_number = d.f_number.unwrap_or(DEFAULT_F_NUMBER);
+        let f_number = d.lens.f_number.unwrap_or(DEFAULT_F_NUMBER);
         if !(f_number > 0.0 && f_number.is_finite()) {
             return Err(d.error(format!("the f-number is {f_number}; set it above zero")));
         }
-        let radius_mm = d.pinhole_focal_length_mm / (2.0 * f_number);
-        let mut diaphragm = Diaphragm::checked(radius_mm, d.blades, d.blade_curvature, d.blade_rotation_rad)
-            .map_err(|e| d.error(e.to_string()))?;
-        if let Some(mask) = &d.aperture_mask {
-            diaphragm = Diaphragm::masked(radius_mm, mask.clone(), d.blade_rotation_rad);
+        let radius_mm = d.perspective.focal_length_mm / (2.0 * f_number);
+        let mut diaphragm =
+            Diaphragm::checked(radius_mm, d.lens.blades, d.lens.blade_curvature, d.lens.blade_rotation_rad)
+                .map_err(|e| d.error(e.to_string()))?;
+        if let Some(mask) = &d.lens.aperture_mask {
+            diaphragm = Diaphragm::masked(radius_mm, mask.clone(), d.lens.blade_rotation_rad);
         }
         Ok(Self {
             pinhole: Pinhole::new(d, axes, width, height),

@@ -13,12 +13,14 @@ use crate::scene::plain::Plain;
 use crate::shading::{energy, principled::PrincipledTables};
 use media::Media;
 use rayon::prelude::*;
+use serde::Deserialize;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
 /// A light transport algorithm.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Integrator {
     /// [`path`]: from the camera.
     #[default]

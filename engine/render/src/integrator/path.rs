@@ -26,6 +26,7 @@ use crate::scene::Scene;
 use crate::shading::{Caustics, Past, mixture::Mixture};
 use crate::surface::{SurfacePoint, strand, tangent_about_z};
 use glam::Vec3A;
+use serde::Deserialize;
 
 /// Bounces before Russian roulette may end a path of light.
 pub(super) const SURE_BOUNCES: u32 = 3;
@@ -101,7 +102,8 @@ pub struct Limits {
 }
 
 /// The most scatterings of each kind, and the caustics that are computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct KindLimits {
     /// Reflections without a peak.
     pub diffuse: u32,

@@ -42,7 +42,7 @@ pub struct Checkpoints {
 }
 
 /// The results of keeping and resuming a render.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Kept {
     /// Mean samples a pixel that were there at the start.
     pub resumed_samples: f64,

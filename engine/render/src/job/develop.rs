@@ -2,6 +2,7 @@
 
 use super::{Job, Shared, lock};
 use crate::Rgb;
+use crate::camera::CameraError;
 use crate::stray::{Picture, Straight, StrayLight, StrayPass, Strays};
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
@@ -28,6 +29,19 @@ impl Job {
         if let Some(found) = found {
             *lock(&shared.strayed) = Some(Arc::new(found));
         }
+    }
+
+    /// [`Self::develop`] with what the plan of [`Self::request`] decided; nothing where it simulates no stray light.
+    ///
+    /// # Errors
+    /// [`CameraError`] where the lens cannot be traced for it.
+    pub fn develop_as_planned(&self) -> Result<(), CameraError> {
+        let Some((plan, camera)) = &self.stray_light else { return Ok(()) };
+        let settings = self.settings();
+        if let Some(stray_light) = plan.strays(camera, [settings.width, settings.height])? {
+            self.develop(&stray_light);
+        }
+        Ok(())
     }
 
     /// Ends [`Self::develop`] without a result.

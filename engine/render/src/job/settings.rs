@@ -7,14 +7,16 @@ use crate::integrator::{
 };
 use crate::pipeline::Pipeline;
 use crate::sampler::{pattern::Pattern, warp::Filter};
+use serde::Deserialize;
 
 /// The largest picture side, so that sizes fit in memory arithmetic.
 const MOST_PIXELS: u32 = 65_536;
 /// Default of the least samples: blocks of 64 pixels then know their error to about a tenth.
 pub const MIN_SAMPLES: u32 = 16;
 
-/// Settings as they arrive.
-#[derive(Clone, Debug)]
+/// The settings of a render, unchecked.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Width of the picture, pixels.
     pub width: u32,

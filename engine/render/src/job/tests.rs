@@ -26,13 +26,15 @@ fn description(model: Model) -> CameraDescription {
     CameraDescription {
         model,
         lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses/wide-angle-smith-f3.4.lens"),
-        focus_distance: Some(3.0),
-        film_width_mm: 90.0,
-        film_height_mm: 60.0,
-        tilt_rad: 0.1,
         spectrum: crate::camera::Spectrum::Visible,
         ..CameraDescription::default()
     }
+    .with(|c| {
+        c.focus.distance = Some(3.0);
+        c.film.width_mm = 90.0;
+        c.film.height_mm = 60.0;
+        c.film.tilt_rad = 0.1;
+    })
 }
 
 /// The camera of a model, made at its first use: the maps of a lens take longer than a small picture.
@@ -200,11 +202,10 @@ fn passes_of_data_lie_on_what_the_lens_sees() {
 #[test]
 fn a_lens_that_moves_takes_the_mean_of_its_pictures() {
     let at = |i: usize| {
-        let d = CameraDescription {
-            focus_distance: Some([2.2, 3.0, 6.0][i]),
-            f_number: Some([4.0, 5.6, 8.0][i]),
-            ..description(Model::Lens)
-        };
+        let d = description(Model::Lens).with(|c| {
+            c.focus.distance = Some([2.2, 3.0, 6.0][i]);
+            c.lens.f_number = Some([4.0, 5.6, 8.0][i]);
+        });
         Camera::new(&d, 75, 50).unwrap()
     };
     let picture = |cameras: Vec<Camera>, samples| {

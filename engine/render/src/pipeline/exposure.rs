@@ -3,19 +3,30 @@
 use crate::accel::Ray;
 use crate::scene::motion::AnimatedTransform;
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3};
+use serde::{Deserialize, Deserializer};
 
 /// Entries of the table of times.
 const TIMES: usize = 256;
 /// Places of a camera that moves, as bits of the exposure's moments.
 const WAY_BITS: u32 = 12;
 
-/// The opening and closing of the shutter.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// The opening and closing of the shutter, and the places of the camera meanwhile.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Shutter {
     /// Openness at times that lie evenly over the exposure, the first and the last at its ends; fewer than two: fully, all the time.
     pub openness: Vec<f32>,
     /// The picture is taken from the top to the bottom over the exposure, each row for this part of it; `None`: all rows at once.
     pub rolling: Option<f32>,
+    /// Camera space to world space at keys that lie evenly over the exposure; empty: the camera stands still. Deserialized row by row.
+    #[serde(deserialize_with = "all_by_rows")]
+    pub camera_keys: Vec<DMat4>,
+}
+
+/// Matrices, each of a sequence of rows.
+fn all_by_rows<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<DMat4>, D::Error> {
+    let all = Vec::<[[f64; 4]; 4]>::deserialize(from)?;
+    Ok(all.iter().map(|rows| DMat4::from_cols_array_2d(rows).transpose()).collect())
 }
 
 /// The time of an exposure.
@@ -29,6 +40,12 @@ pub struct Exposure {
 }
 
 impl Exposure {
+    /// The exposure of a shutter, with the camera's places meanwhile; `origin` is render space's.
+    pub fn of(shutter: &Shutter, origin: DVec3) -> Self {
+        let exposure = Self::new(shutter);
+        if shutter.camera_keys.is_empty() { exposure } else { exposure.along(&shutter.camera_keys, origin) }
+    }
+
     /// The exposure of a camera that stands still.
     pub fn new(shutter: &Shutter) -> Self {
         let rolling = shutter.rolling.map(|part| part.clamp(0.0, 1.0));
@@ -163,19 +180,19 @@ mod tests {
             let taken = (0..count).filter(|i| exposure.part((*i as f32 + 0.5) / count as f32, 0.0) < until).count();
             taken as f32 / count as f32
         };
-        let triangle = Exposure::new(&Shutter { openness: vec![0.0, 1.0, 0.0], rolling: None });
+        let triangle = Exposure::new(&Shutter { openness: vec![0.0, 1.0, 0.0], ..Shutter::default() });
         for (until, want) in [(0.25, 0.125), (0.5, 0.5), (0.75, 0.875)] {
             // The table has 256 entries.
             assert!((share(&triangle, until) - want).abs() < 2e-3, "{until}: {}", share(&triangle, until));
         }
-        let even = Exposure::new(&Shutter { openness: vec![0.7; 5], rolling: None });
+        let even = Exposure::new(&Shutter { openness: vec![0.7; 5], ..Shutter::default() });
         assert!((share(&even, 0.3) - 0.3).abs() < 1e-3);
     }
 
     /// A rolling shutter exposes from the top down, each row for its part of the time.
     #[test]
     fn a_rolling_shutter_begins_at_the_top() {
-        let rolling = |part| Exposure::new(&Shutter { openness: Vec::new(), rolling: Some(part) });
+        let rolling = |part| Exposure::new(&Shutter { rolling: Some(part), ..Shutter::default() });
         let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} {b}");
         for (up, want) in [(0.5, 0.0), (0.0, 0.5), (-0.5, 1.0)] {
             close(rolling(0.0).part(0.3, up), want);

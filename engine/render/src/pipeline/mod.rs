@@ -33,14 +33,17 @@ use std::time::{Duration, Instant};
 const TIMED_EVERY: u64 = 61;
 
 /// The order in which a sample is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Pipeline {
     /// Hero where the lens disperses, else film-first.
     #[default]
     Auto,
     /// [`film_first`].
+    #[serde(rename = "FILM")]
     FilmFirst,
     /// [`scene_first`].
+    #[serde(rename = "SCENE")]
     SceneFirst,
     /// [`hero`].
     Hero,

@@ -106,15 +106,16 @@ impl CameraChoice {
             None => d.wavelength_nm = Some(d.wavelength_nm.unwrap_or(D_LINE_NM)),
         }
         if let Some(f_number) = self.round_f_number {
-            (d.blades, d.aperture_mask, d.f_number, d.pupil_diameter_mm) = (0, None, Some(f_number), None);
+            (d.lens.blades, d.lens.aperture_mask, d.lens.f_number, d.lens.pupil_diameter_mm) =
+                (0, None, Some(f_number), None);
         }
         match self.way {
             CameraKind::Given | CameraKind::Exact => {}
             CameraKind::Gaussian => d.model = Model::Thick,
             CameraKind::Pinhole { focal_length_mm, film_width_mm, shift } => {
                 d.model = Model::Pinhole;
-                (d.pinhole_focal_length_mm, d.pinhole_film_width_mm) = (focal_length_mm, film_width_mm);
-                d.pinhole_shift = shift;
+                (d.perspective.focal_length_mm, d.perspective.film_width_mm) = (focal_length_mm, film_width_mm);
+                d.perspective.shift = shift;
             }
         }
         d

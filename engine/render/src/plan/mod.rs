@@ -11,6 +11,7 @@ mod look;
 mod measured;
 mod motion;
 mod price;
+pub mod report;
 mod spikes;
 mod words;
 
@@ -31,10 +32,13 @@ pub use light::Brightest;
 pub use look::SceneProbe;
 use measured::Known;
 use motion::scene_motion;
+use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// An effect on a picture: of the lens, of the wave nature of light, or of time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Effect {
     /// Blur of what is not at the distance of focus.
     Defocus,
@@ -159,7 +163,8 @@ impl Unit {
 }
 
 /// The user's word on an effect.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum EffectMode {
     /// The measure decides.
     #[default]
@@ -251,6 +256,15 @@ impl Default for PlanOptions {
 }
 
 impl PlanOptions {
+    /// The options with the user's words on some effects.
+    pub fn new(words: &BTreeMap<Effect, EffectMode>) -> Self {
+        let mut options = Self::default();
+        for (&effect, &word) in words {
+            options.say(effect, word);
+        }
+        options
+    }
+
     /// The user's word on one effect.
     pub fn word(&self, effect: Effect) -> EffectMode {
         self.words[effect as usize]
@@ -317,6 +331,8 @@ pub struct Plan {
     pub camera_ns: f64,
     /// Number of reflections of ghosts at most.
     pub ghost_reflections: Reflections,
+    /// The quality, by which all tolerances are divided.
+    pub quality: f64,
     /// Wall time that the plan took, s.
     pub seconds: f64,
 }
@@ -380,8 +396,9 @@ impl Plan {
             needs_lens,
         };
         let (decisions, camera, camera_ns) = decide(&known, wishes)?;
-        let (ghost_reflections, seconds) = (wishes.ghost_reflections, start.elapsed().as_secs_f64());
-        Ok(Self { decisions, camera, camera_ns, lens: Some(lens), look, ghost_reflections, seconds })
+        let PlanOptions { ghost_reflections, quality, .. } = *wishes;
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(Self { decisions, camera, camera_ns, lens: Some(lens), look, ghost_reflections, quality, seconds })
     }
 
     /// The stray light that this plan computes beside the rays that make the picture of a camera, of that many pixels; `None` if none.
@@ -476,6 +493,7 @@ impl Plan {
             camera: CameraChoice::given(wishes, is_moving, has_colours, has_transmission),
             camera_ns: 0.0,
             ghost_reflections: wishes.ghost_reflections,
+            quality: wishes.quality,
             lens: None,
             look,
             seconds: start.elapsed().as_secs_f64(),

@@ -1,6 +1,7 @@
 //! Shapes sampled by two uniform numbers. Directions are about +z unless a frame is given.
 
 use glam::{Vec2, Vec3, Vec3A};
+use serde::Deserialize;
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI, TAU};
 
 /// The unit disk, uniformly, by the concentric map (Shirley and Chiu 1997): neighbours stay neighbours.
@@ -101,7 +102,8 @@ pub fn to_local(frame: &[Vec3A; 3], v: Vec3A) -> Vec3A {
 }
 
 /// The shape of a pixel filter, as Cycles defines it; widths in pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Filter {
     /// A constant over one pixel.
     Box,

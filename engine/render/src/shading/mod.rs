@@ -23,6 +23,7 @@ use crate::Rgb;
 use crate::scene::visibility::Rays;
 use glam::Vec3A;
 pub use parted::{Features, LobeDecomposition, LobeShares};
+use serde::Deserialize;
 
 /// A direction to go on in.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +43,8 @@ pub struct BsdfSample {
 }
 
 /// The caustics that are computed: light that surfaces reflect or refract after a diffuse scattering of the path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Caustics {
     /// True if reflective caustics are computed.
     pub reflective: bool,

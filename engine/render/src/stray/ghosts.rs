@@ -15,6 +15,7 @@ use petzval_optics::ghosts::beam::Beam;
 use petzval_optics::ghosts::packet::GhostTracer;
 use raster::{Triangle, lay};
 use rayon::prelude::*;
+use serde::Serialize;
 use std::collections::HashMap;
 
 /// A cell of a grid is about so many pixels wide, if it needs no more of them than [`MOST_CELLS`].
@@ -31,7 +32,7 @@ const BLUR_PX: f64 = 1.5;
 const AT_ONCE: usize = 16;
 
 /// A report on the simulation of ghosts.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
     /// Number of sources that were looked at.
     pub sources: usize,
@@ -176,18 +177,16 @@ mod tests {
     use crate::luminance;
     use glam::{DVec2, DVec3};
     use petzval_optics::ghosts::ranking::ranked;
+    use petzval_optics::system::FocalLength;
 
     /// The picture of a far source has the light that the ghosts have one by one.
     #[test]
     fn the_picture_has_the_light_of_all_ghosts() {
         let lens_path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses/double-gauss-f2-tronnier.lens").into();
-        let d = CameraDescription {
-            lens_path,
-            focal_length_mm: Some(50.0),
-            f_number: Some(4.0),
-            wavelength_nm: Some(550.0),
-            ..CameraDescription::default()
-        };
+        let d = CameraDescription { lens_path, wavelength_nm: Some(550.0), ..CameraDescription::default() }.with(|c| {
+            c.lens.focal_length = FocalLength::Millimetres(50.0);
+            c.lens.f_number = Some(4.0);
+        });
         let lens = StrayLens::new(&d, 360, 240).unwrap();
         let angle = 8f64.to_radians();
         let towards = DVec3::new(0.0, angle.sin(), -angle.cos());

@@ -2,6 +2,7 @@
 
 use crate::cameras::camera;
 use glam::{DMat4, DVec3, Vec3};
+use petzval_optics::system::FocalLength;
 use petzval_render::Rgb;
 use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::integrator::{Integrator, PreparedScene};
@@ -24,12 +25,14 @@ fn description(model: Model, lens: &str) -> CameraDescription {
     CameraDescription {
         model,
         lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../lenses/{lens}.lens")),
-        focal_length_mm: Some(50.0),
-        focus_distance: Some(3.0),
-        film_width_mm: 36.0,
-        film_height_mm: 24.0,
         ..CameraDescription::default()
     }
+    .with(|c| {
+        c.lens.focal_length = FocalLength::Millimetres(50.0);
+        c.focus.distance = Some(3.0);
+        c.film.width_mm = 36.0;
+        c.film.height_mm = 24.0;
+    })
 }
 
 fn settings(samples: u32, noise_threshold: f32, seed: u32) -> Settings {

@@ -5,6 +5,7 @@ mod lenses;
 use crate::cameras::camera;
 use crate::scenes;
 use glam::DVec3;
+use petzval_optics::system::FocalLength;
 use petzval_render::camera::clip::Clip;
 use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::film::Film;
@@ -35,12 +36,14 @@ fn description(lens: &str) -> CameraDescription {
     CameraDescription {
         model: Model::Lens,
         lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../lenses/{lens}.lens")),
-        focal_length_mm: Some(80.0),
-        focus_distance: Some(3.5),
-        film_width_mm: 48.0,
-        film_height_mm: 32.0,
         ..CameraDescription::default()
     }
+    .with(|c| {
+        c.lens.focal_length = FocalLength::Millimetres(80.0);
+        c.focus.distance = Some(3.5);
+        c.film.width_mm = 48.0;
+        c.film.height_mm = 32.0;
+    })
 }
 
 fn settings(integrator: Integrator, samples: u32, seed: u32) -> Settings {
@@ -194,7 +197,11 @@ fn check(name: &str, c: &Comparison) {
 fn light_alone_makes_the_same_picture_of_matte_things() {
     let stage = scenes::matte();
     // Tilted and shifted, so that no symmetry hides a wrong sign.
-    let d = CameraDescription { tilt_rad: 0.15, swing_rad: -0.1, shift_mm: [4.0, -3.0], ..description(FIGURE_3) };
+    let d = description(FIGURE_3).with(|c| {
+        c.film.tilt_rad = 0.15;
+        c.film.swing_rad = -0.1;
+        c.film.shift_mm = [4.0, -3.0];
+    });
     let a: Vec<_> = (0..RENDERS)
         .map(|k| blocks(&render(&stage, &d, Settings { max_bounces: 1, ..settings(Integrator::Path, 12, 1 + k) })))
         .collect();

@@ -29,11 +29,13 @@ fn wall(depth: f64) -> Arc<PreparedScene> {
 fn lens(name: &str, film_mm: f64) -> CameraDescription {
     CameraDescription {
         lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses").join(format!("{name}.lens")),
-        film_width_mm: film_mm,
-        film_height_mm: film_mm / 1.5,
-        focus_distance: Some(3.0),
         ..CameraDescription::default()
     }
+    .with(|c| {
+        c.film.width_mm = film_mm;
+        c.film.height_mm = film_mm / 1.5;
+        c.focus.distance = Some(3.0);
+    })
 }
 
 fn triplet() -> CameraDescription {
@@ -92,10 +94,13 @@ fn shot(d: CameraDescription, depth: f64, width: u32) -> Shot {
 fn growing(effect: Effect, x: f64) -> Shot {
     let between = |low: f64, high: f64| low * (high / low).powf(x);
     match effect {
-        Effect::Defocus => shot(CameraDescription { f_number: Some(8.0), ..triplet() }, 3.0 + 3.0 * x, 900),
+        Effect::Defocus => shot(triplet().with(|c| c.lens.f_number = Some(8.0)), 3.0 + 3.0 * x, 900),
         Effect::Aberration => {
-            let d = CameraDescription { film_width_mm: 18.0, film_height_mm: 12.0, ..triplet() };
-            shot(CameraDescription { f_number: Some(between(22.0, 2.8)), ..d }, 3.0, 600)
+            let d = triplet().with(|c| {
+                c.film.width_mm = 18.0;
+                c.film.height_mm = 12.0;
+            });
+            shot(d.with(|c| c.lens.f_number = Some(between(22.0, 2.8))), 3.0, 600)
         }
         // The finer the pixels, the more of them between two places of the film.
         Effect::Distortion | Effect::LateralColour | Effect::AxialColour => {
@@ -103,18 +108,36 @@ fn growing(effect: Effect, x: f64) -> Shot {
         }
         Effect::Vignetting => {
             let film_width_mm = between(2.0, 36.0);
-            let d = CameraDescription { film_width_mm, film_height_mm: film_width_mm / 1.5, ..triplet() };
-            shot(CameraDescription { f_number: Some(8.0), ..d }, 3.0, 300)
+            let d = triplet().with(|c| {
+                c.film.width_mm = film_width_mm;
+                c.film.height_mm = film_width_mm / 1.5;
+            });
+            shot(d.with(|c| c.lens.f_number = Some(8.0)), 3.0, 300)
         }
         Effect::Diaphragm => {
-            let d = CameraDescription { f_number: Some(5.6), blades: 6, ..triplet() };
-            shot(CameraDescription { film_width_mm: 12.0, film_height_mm: 8.0, ..d }, 3.0 + 3.0 * x, 1600)
+            let d = triplet().with(|c| {
+                c.lens.f_number = Some(5.6);
+                c.lens.blades = 6;
+            });
+            shot(
+                d.with(|c| {
+                    c.film.width_mm = 12.0;
+                    c.film.height_mm = 8.0;
+                }),
+                3.0 + 3.0 * x,
+                1600,
+            )
         }
         Effect::MotionBlur => {
-            let at = |focus: f64| CameraDescription { focus_distance: Some(focus), f_number: Some(8.0), ..triplet() };
+            let at = |focus: f64| {
+                triplet().with(|c| {
+                    c.focus.distance = Some(focus);
+                    c.lens.f_number = Some(8.0);
+                })
+            };
             Shot { moving: vec![at(3.0 - x), at(3.0), at(3.0 + x)], ..shot(at(3.0), 3.0, 900) }
         }
-        Effect::Diffraction => shot(CameraDescription { f_number: Some(between(5.0, 32.0)), ..triplet() }, 3.0, 1600),
+        Effect::Diffraction => shot(triplet().with(|c| c.lens.f_number = Some(between(5.0, 32.0))), 3.0, 1600),
         Effect::Glare => {
             let mut room = scenes::Room { builder: SceneBuilder::new() };
             room.builder.set_world(World { color: Rgb::ONE, ..World::default() }).unwrap();
@@ -125,7 +148,7 @@ fn growing(effect: Effect, x: f64) -> Shot {
         // A film of a high index: the thicker, the more it reflects, and the less evenly.
         Effect::Transmission => {
             let coating = Some(Coating::parse(&format!("2.3:{:.6}nm", 60.0 * x)).unwrap());
-            shot(CameraDescription { coating, ..lens("biconvex-50mm", 8.0) }, 3.0, 300)
+            shot(lens("biconvex-50mm", 8.0).with(|c| c.lens.coating = coating), 3.0, 300)
         }
         // A sun in the picture, before an even sky.
         Effect::Ghosts => {
@@ -181,10 +204,12 @@ fn what_is_left_out_is_not_made() {
     assert!(packet(&grey) <= 1 && packet(&colours) == 8);
     assert!(d.wavelength_nm.is_some() && plan.camera.wavelengths() == 1);
     let (_, _, round) = limit(Effect::Diaphragm, 0.0);
-    assert_eq!(round.blades, 0);
+    assert_eq!(round.lens.blades, 0);
     // As much light as through the six blades.
-    assert!((round.f_number.unwrap() / 5.6 - (std::f64::consts::PI / (3.0 * 3f64.sqrt() / 2.0)).sqrt()).abs() < 1e-3);
-    assert_eq!(limit(Effect::Diaphragm, 1.0).2.blades, 6);
+    assert!(
+        (round.lens.f_number.unwrap() / 5.6 - (std::f64::consts::PI / (3.0 * 3f64.sqrt() / 2.0)).sqrt()).abs() < 1e-3
+    );
+    assert_eq!(limit(Effect::Diaphragm, 1.0).2.lens.blades, 6);
     assert!(!limit(Effect::MotionBlur, 0.0).1.camera.is_moving && limit(Effect::MotionBlur, 1.0).1.camera.is_moving);
 }
 
@@ -193,7 +218,7 @@ fn what_is_left_out_is_not_made() {
 #[test]
 fn errors_of_colour_add_up() {
     let colours = [Effect::LateralColour, Effect::AxialColour];
-    let small = || shot(CameraDescription { f_number: Some(8.0), ..triplet() }, 3.0, 100);
+    let small = || shot(triplet().with(|c| c.lens.f_number = Some(8.0)), 3.0, 100);
     let plan = small().plan(&PlanOptions::default()).unwrap();
     let [lateral, axial] = colours.map(|effect| plan.decision(effect).measure.unwrap());
     let (larger, smaller) = if lateral >= axial { (colours[0], colours[1]) } else { (colours[1], colours[0]) };
@@ -234,7 +259,7 @@ fn wavelengths_are_as_many_as_their_images_need() {
 /// The user's word goes before every measure, and quality before every tolerance.
 #[test]
 fn the_user_has_the_last_word() {
-    let small = || shot(CameraDescription { f_number: Some(16.0), ..triplet() }, 3.0, 90);
+    let small = || shot(triplet().with(|c| c.lens.f_number = Some(16.0)), 3.0, 90);
     let large = || shot(triplet(), 3.0, 2000);
     for effect in Effect::ALL.into_iter().filter(|effect| effect.is_available()) {
         // Nothing of the camera moves, and the opening is round.
@@ -281,12 +306,11 @@ fn picture(stage: &Arc<PreparedScene>, d: &CameraDescription, size: [u32; 2], sa
 /// A pinhole stands for a lens of which nothing can be seen: the same picture, shifted film and all.
 #[test]
 fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
-    let d = CameraDescription {
-        f_number: Some(22.0),
-        focus_distance: Some(4.0),
-        shift_mm: [0.5, -0.3],
-        ..lens("cooke-triplet-50mm", 8.0)
-    };
+    let d = lens("cooke-triplet-50mm", 8.0).with(|c| {
+        c.lens.f_number = Some(22.0);
+        c.focus.distance = Some(4.0);
+        c.film.shift_mm = [0.5, -0.3];
+    });
     let stage = scenes::box_under_a_lamp();
     let shot = Shot { stage: stage.clone(), d: d.clone(), moving: Vec::new(), size: [48, 32] };
     let plan = shot.plan(&no_colour_at_quality(0.4)).unwrap();
@@ -311,14 +335,18 @@ fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
 fn no_pinhole_stands_for_a_lens_that_squeezes() {
     let small = |d: CameraDescription| Shot {
         stage: wall(3.0),
-        d: CameraDescription { f_number: Some(22.0), film_width_mm: 2.0, film_height_mm: 2.0 / 1.5, ..d },
+        d: d.with(|c| {
+            c.lens.f_number = Some(22.0);
+            c.film.width_mm = 2.0;
+            c.film.height_mm = 2.0 / 1.5;
+        }),
         moving: Vec::new(),
         size: [48, 32],
     };
     let way = |d: CameraDescription| small(d).plan(&no_colour_at_quality(0.3)).unwrap().camera.way;
     assert!(matches!(way(triplet()), CameraKind::Pinhole { .. }));
     assert_eq!(way(lens("anamorphic-2x-double-gauss", 2.0)), CameraKind::Exact);
-    assert_eq!(way(CameraDescription { tilt_rad: 0.1, ..triplet() }), CameraKind::Exact);
+    assert_eq!(way(triplet().with(|c| c.film.tilt_rad = 0.1)), CameraKind::Exact);
     assert_eq!(
         way(CameraDescription { scale_mm_per_unit: DVec3::new(1000.0, 1000.0, 900.0), ..triplet() }),
         CameraKind::Exact

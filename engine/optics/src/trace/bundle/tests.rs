@@ -4,7 +4,7 @@ use super::*;
 use crate::diaphragm::ApertureMask;
 use crate::formats::lens;
 use crate::glass::Catalogue;
-use crate::system::{System, SystemSettings};
+use crate::system::{LensSettings, System};
 use std::sync::Arc;
 
 /// All kinds of instructions that this processor has.
@@ -72,7 +72,7 @@ fn a_ray_in_a_bundle_is_the_ray_alone() {
         let path = entry.unwrap().path();
         let Ok(prescription) = lens::read(&path, Catalogue::shipped()) else { continue };
         for (blades, blade_curvature) in [(0, 0.0), (5, 0.0), (5, 0.5)] {
-            let settings = SystemSettings { blades, blade_curvature, ..SystemSettings::default() };
+            let settings = LensSettings { blades, blade_curvature, ..LensSettings::default() };
             let system = System::new(&prescription, &settings).unwrap();
             let systems = [Some(system.clone()), (blades == 0).then(|| masked(system))];
             for (system, travel) in systems.iter().flatten().flat_map(|s| both.map(|travel| (s, travel))) {
@@ -87,7 +87,7 @@ fn a_ray_in_a_bundle_is_the_ray_alone() {
 fn a_bundle_can_be_filled_again() {
     let text = "0 5 1.5 10 0 1";
     let prescription = lens::parse(text, "test", Catalogue::shipped()).unwrap();
-    let tracer = System::new(&prescription, &SystemSettings::default()).unwrap().at_wavelength(550.0);
+    let tracer = System::new(&prescription, &LensSettings::default()).unwrap().at_wavelength(550.0);
     let mut bundle = tracer.bundle(Travel::FromScene);
     let ray = |x: f64| Ray { origin: DVec3::new(x, 0.0, -1.0), direction: DVec3::Z };
     tracer.trace(&mut bundle);

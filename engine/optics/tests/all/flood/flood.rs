@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Bundle, Ray, Traced, Tracer, Travel};
 
 /// Rays in a bundle.
@@ -105,7 +105,7 @@ fn systems() -> Vec<System> {
     files.sort();
     let system = |file: &Path| {
         let prescription = lens::read(file, Catalogue::shipped()).unwrap_or_else(|error| panic!("{error}"));
-        System::new(&prescription, &SystemSettings { blades: 7, ..SystemSettings::default() }).expect("a shipped lens")
+        System::new(&prescription, &LensSettings { blades: 7, ..LensSettings::default() }).expect("a shipped lens")
     };
     files.iter().map(|file| system(file)).collect()
 }

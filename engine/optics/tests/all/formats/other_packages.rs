@@ -7,7 +7,7 @@ use petzval_optics::focus::FilmPlane;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::NextMedium;
 use petzval_optics::prescription::moving::Part;
-use petzval_optics::system::{FocalLength, System, SystemSettings};
+use petzval_optics::system::{FocalLength, LensSettings, System};
 use petzval_optics::trace::Ray;
 use serde_json::Value;
 
@@ -96,7 +96,7 @@ fn a_published_zoom_has_its_focal_lengths() {
     assert_eq!(lens.surfaces[3].shape.profile().terms()[1], (6, -6.27286e-8));
     assert_eq!(lens.metadata.half_field_deg, Some(62.36));
     for (zoom_mm, back_mm) in [(11.33, 39.88), (17.32, 52.64), (23.28, 65.40)] {
-        let settings = SystemSettings { focal_length: FocalLength::Millimetres(zoom_mm), ..Default::default() };
+        let settings = LensSettings { focal_length: FocalLength::Millimetres(zoom_mm), ..Default::default() };
         let system = System::new(lens, &settings).unwrap();
         let fixed = lens.at_position(zoom_mm, 0.0);
         let info = Paraxial::new(&super::system(&fixed), line_nm::D);

@@ -3,6 +3,7 @@
 use super::*;
 use crate::camera::{Camera, lens_info, tests::with_lens};
 use petzval_optics::focus::Relation;
+use petzval_optics::system::FocalLength;
 
 const PIXELS: [u32; 2] = [300, 200];
 const ANCHORS: [Anchor; 3] = [Anchor::EntrancePupil, Anchor::FrontVertex, Anchor::Film];
@@ -13,7 +14,8 @@ fn described(anchor: Anchor, tilt_rad: f64) -> CameraDescription {
         * glam::DMat4::from_rotation_y(0.4)
         * glam::DMat4::from_rotation_x(-0.2);
     let focusing = Focusing { anchor, relation: Relation::Exact };
-    CameraDescription { matrix_world, focusing, ..with_lens("double-gauss-f2-available.lens", 36.0, 24.0, tilt_rad) }
+    CameraDescription { matrix_world, ..with_lens("double-gauss-f2-available.lens", 36.0, 24.0, tilt_rad) }
+        .with(|c| c.focus.focusing = focusing)
 }
 
 /// A wall at that depth of the camera, not at right angles to it.
@@ -29,7 +31,11 @@ fn wall(d: &CameraDescription, depth: f64, lean: f64) -> impl Fn(&Ray) -> Option
 
 fn focused(d: &CameraDescription, f: &Focused) -> CameraDescription {
     let film_distance_mm = Some(f.film_distance_mm);
-    CameraDescription { film_distance_mm, tilt_rad: f.tilt_rad, swing_rad: f.swing_rad, ..d.clone() }
+    d.clone().with(|c| {
+        c.focus.film_distance_mm = film_distance_mm;
+        c.film.tilt_rad = f.tilt_rad;
+        c.film.swing_rad = f.swing_rad;
+    })
 }
 
 /// Mean square distance, in world units, by which a picture point's rays pass `subject`; and of the nearest picture point
@@ -81,10 +87,13 @@ fn the_film_and_the_scale_say_the_same() {
     for anchor in ANCHORS {
         for relation in [Relation::Exact, Relation::Thin] {
             let d = described(anchor, 0.0);
-            let d = CameraDescription { focusing: Focusing { anchor, relation }, f_number: Some(11.0), ..d };
+            let d = d.with(|c| {
+                c.focus.focusing = Focusing { anchor, relation };
+                c.lens.f_number = Some(11.0);
+            });
             let found = on_picture_point(&d, PIXELS, Vec2::ZERO, wall(&d, 2.0, 0.0)).unwrap();
             let scale = found.focus_scale_mm.unwrap();
-            let by_scale = CameraDescription { focus_distance: Some(scale / 1000.0), ..d.clone() };
+            let by_scale = d.clone().with(|c| c.focus.distance = Some(scale / 1000.0));
             let info = lens_info(&by_scale, PIXELS[0], PIXELS[1]).unwrap();
             assert!((info.film_distance_mm - found.film_distance_mm).abs() < 1e-9, "{anchor:?} {relation:?}");
             assert!((info.focus_scale_mm.unwrap() - scale).abs() < 1e-6);
@@ -101,7 +110,7 @@ fn the_sky_is_at_infinity() {
     let d = described(Anchor::EntrancePupil, 0.0);
     let found = on_picture_point(&d, PIXELS, Vec2::new(0.1, 0.4), |_| None).unwrap();
     assert_eq!(found.subject_world, None);
-    let far = lens_info(&CameraDescription { focus_distance: None, ..d }, PIXELS[0], PIXELS[1]).unwrap();
+    let far = lens_info(&d.with(|c| c.focus.distance = None), PIXELS[0], PIXELS[1]).unwrap();
     // Field curvature and spherical aberration of this lens leave some tenths of a millimetre.
     assert!((found.film_distance_mm - far.film_distance_mm).abs() < 0.5, "{found:?} {}", far.film_distance_mm);
 }
@@ -171,21 +180,19 @@ fn what_cannot_be_focused_says_why() {
 fn groups_move_to_what_a_picture_point_sees() {
     let zoom = with_lens("zoom-nikon-57-143-f2.8.lens", 24.0, 16.0, 0.0);
     for (p, mm) in [(Vec2::ZERO, 100.0), (Vec2::new(0.3, -0.2), 60.0)] {
-        let d = CameraDescription {
-            focal_length_mm: Some(mm),
-            wavelength_nm: Some(D_LINE_NM),
-            focusing: Focusing { anchor: Anchor::FrontVertex, relation: Relation::Exact },
-            ..zoom.clone()
-        };
+        let d = CameraDescription { wavelength_nm: Some(D_LINE_NM), ..zoom.clone() }.with(|c| {
+            c.lens.focal_length = FocalLength::Millimetres(mm);
+            c.focus.focusing = Focusing { anchor: Anchor::FrontVertex, relation: Relation::Exact };
+        });
         let found = on_picture_point(&d, PIXELS, p, wall(&d, 3.0, 0.4)).unwrap();
         assert!(found.moves_groups);
         let subject = found.subject_world.unwrap();
         let at = |nearer: f64| {
             let metres = found.focus_scale_mm.unwrap() * 1e-3 / nearer;
-            CameraDescription { focus_distance: Some(metres), ..d.clone() }
+            d.clone().with(|c| c.focus.distance = Some(metres))
         };
         let place = |d: &CameraDescription| lens_info(d, PIXELS[0], PIXELS[1]).unwrap();
-        let far = CameraDescription { focus_distance: None, ..d.clone() };
+        let far = d.clone().with(|c| c.focus.distance = None);
         assert!((place(&at(1.0)).film_distance_mm - place(&far).film_distance_mm).abs() < 1e-9);
         assert!((found.film_distance_mm - place(&far).film_distance_mm).abs() < 1e-9);
         let step = 0.04;

@@ -15,7 +15,7 @@ fn wide_angle() -> CameraDescription {
 /// The point of the pinhole's picture at which the mean of the camera's rays for a picture point hits the sharp plane.
 fn by_rays(d: &CameraDescription, map: &DistortionMap, p: DVec2) -> DVec2 {
     let camera = Camera::new(d, PIXELS[0], PIXELS[1]).unwrap();
-    let depth = d.focus_distance.unwrap();
+    let depth = d.focus.distance.unwrap();
     let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
     for u in (0..20_000).map(|i| sobol_burley::sample_4d(i, 0, 3)) {
         let Some(sample) = camera.sample(Vec2::new(p.x as f32, p.y as f32), [u[0], u[1]], 0.0) else { continue };
@@ -28,7 +28,7 @@ fn by_rays(d: &CameraDescription, map: &DistortionMap, p: DVec2) -> DVec2 {
 
 #[test]
 fn it_says_where_the_camera_rays_go() {
-    let d = CameraDescription { wavelength_nm: Some(D_LINE_NM), f_number: Some(11.0), ..wide_angle() };
+    let d = CameraDescription { wavelength_nm: Some(D_LINE_NM), ..wide_angle() }.with(|c| c.lens.f_number = Some(11.0));
     let map = DistortionMap::new(&d, PIXELS, D_LINE_NM).unwrap();
     for p in PLACES.map(DVec2::from) {
         // At f/11 the weights of the rays, which count here and not there, are nearly alike: what is left is a part of the spot.
@@ -43,13 +43,13 @@ fn it_says_where_the_camera_rays_go() {
 #[test]
 fn the_middle_is_framed_alike_and_turned_and_shifted_films_too() {
     for d in [
-        CameraDescription { focus_distance: None, ..wide_angle() },
-        CameraDescription { shift_mm: [7.0, -3.0], ..wide_angle() },
+        wide_angle().with(|c| c.focus.distance = None),
+        wide_angle().with(|c| c.film.shift_mm = [7.0, -3.0]),
         CameraDescription { scale_mm_per_unit: DVec3::new(500.0, 500.0, 1000.0), ..wide_angle() },
     ] {
         let map = DistortionMap::new(&d, PIXELS, D_LINE_NM).unwrap();
         // The optical axis' place: there the lens is a pinhole to first order.
-        let axis = DVec2::new(-d.shift_mm[0] / 90.0, -d.shift_mm[1] / 60.0);
+        let axis = DVec2::new(-d.film.shift_mm[0] / 90.0, -d.film.shift_mm[1] / 60.0);
         let slope = (map.look(axis + 0.004).unwrap() - map.look(axis - 0.004).unwrap()) / 0.008;
         let stretch = d.scale_mm_per_unit.z / d.scale_mm_per_unit.x;
         if stretch == 1.0 {
@@ -62,7 +62,7 @@ fn the_middle_is_framed_alike_and_turned_and_shifted_films_too() {
 
 #[test]
 fn back_is_the_way_back() {
-    for d in [wide_angle(), CameraDescription { tilt_rad: 0.1, ..wide_angle() }] {
+    for d in [wide_angle(), wide_angle().with(|c| c.film.tilt_rad = 0.1)] {
         let map = DistortionMap::new(&d, PIXELS, D_LINE_NM).unwrap();
         for p in PLACES.map(DVec2::from) {
             let there = map.at(p).unwrap();
@@ -75,7 +75,10 @@ fn back_is_the_way_back() {
 #[test]
 fn what_the_lens_does_not_see_is_marked() {
     // Far more film than the lens covers.
-    let d = CameraDescription { film_width_mm: 400.0, film_height_mm: 300.0, ..wide_angle() };
+    let d = wide_angle().with(|c| {
+        c.film.width_mm = 400.0;
+        c.film.height_mm = 300.0;
+    });
     let map = DistortionMap::new(&d, [40, 30], D_LINE_NM).unwrap();
     let pixels = map.pixels([40, 30], Direction::Distort);
     assert_eq!(pixels[0], [0.0; 4]);

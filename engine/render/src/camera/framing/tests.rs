@@ -7,22 +7,20 @@ use crate::camera::tests::with_lens;
 const PIXELS: [u32; 2] = [300, 200];
 
 fn blenders(focal_length: f64, shift: [f64; 2], file: &str) -> CameraDescription {
-    CameraDescription {
-        pinhole_focal_length_mm: focal_length,
-        pinhole_film_width_mm: 36.0,
-        pinhole_shift: shift,
-        ..with_lens(file, 36.0, 24.0, 0.0)
-    }
+    with_lens(file, 36.0, 24.0, 0.0).with(|c| {
+        c.perspective.focal_length_mm = focal_length;
+        c.perspective.film_width_mm = 36.0;
+        c.perspective.shift = shift;
+    })
 }
 
 fn applied(d: &CameraDescription, f: &Framing) -> CameraDescription {
-    CameraDescription {
-        focal_length_mm: f.focal_length_mm.or(d.focal_length_mm),
-        film_width_mm: f.film_width_mm,
-        film_height_mm: f.film_height_mm,
-        shift_mm: f.shift_mm,
-        ..d.clone()
-    }
+    d.clone().with(|c| {
+        c.lens.focal_length = f.focal_length_mm.map_or(d.lens.focal_length, FocalLength::Millimetres);
+        c.film.width_mm = f.film_width_mm;
+        c.film.height_mm = f.film_height_mm;
+        c.film.shift_mm = f.shift_mm;
+    })
 }
 
 #[test]
@@ -58,7 +56,7 @@ fn a_picture_that_is_dark_at_its_edges_is_framed_too() {
 #[test]
 fn an_upright_picture_is_framed_along_its_height() {
     let d = blenders(60.0, [0.0; 2], "double-gauss-f2-available.lens");
-    let d = CameraDescription { pinhole_film_width_mm: 24.0, ..d };
+    let d = d.with(|c| c.perspective.film_width_mm = 24.0);
     let found = d.framed_like_blender([200, 300], Framed::ByFocalLength).unwrap();
     let info = lens_info(&applied(&d, &found), 200, 300).unwrap();
     assert!((info.fov_vertical_rad.unwrap() - 2.0 * (18.0 / 60.0f64).atan()).abs() < 1e-6);

@@ -15,13 +15,15 @@ fn description(file: &str, film_mm: [f64; 2]) -> CameraDescription {
     CameraDescription {
         model: Model::Lens,
         lens_path: lenses().join(file),
-        film_width_mm: film_mm[0],
-        film_height_mm: film_mm[1],
         wavelength_nm: Some(587.5618),
         // Differences are told in pixels finer than the pictures of these cameras.
         precision: Precision::Double,
         ..CameraDescription::default()
     }
+    .with(|c| {
+        c.film.width_mm = film_mm[0];
+        c.film.height_mm = film_mm[1];
+    })
 }
 
 /// The figure-3 lens, a double Gauss, two fisheyes, a mirror lens, each with film that fills its field.
@@ -57,7 +59,7 @@ fn cameras(d: &CameraDescription) -> [Camera; 2] {
 fn difference(d: &CameraDescription) -> Difference {
     let [exact, table] = cameras(d);
     let efl_mm = lens_info(d, 300, 200).unwrap().efl_mm.unwrap().abs();
-    let pixel_rad = d.film_width_mm / 1000.0 / efl_mm;
+    let pixel_rad = d.film.width_mm / 1000.0 / efl_mm;
     let mut difference = Difference::default();
     let (mut both, mut one) = (0.0, 0.0);
     for i in 0..20_000 {
@@ -92,7 +94,10 @@ fn directions_are_the_lenss() {
     for (file, film_mm) in CASES {
         for (f_number, rms_px, worst_px) in [(None, 0.035, 0.3), (Some(8.0), 0.0005, 0.003)] {
             for tilt_deg in [0.0f64, 10.0] {
-                let d = CameraDescription { f_number, tilt_rad: tilt_deg.to_radians(), ..description(file, film_mm) };
+                let d = description(file, film_mm).with(|c| {
+                    c.lens.f_number = f_number;
+                    c.film.tilt_rad = tilt_deg.to_radians();
+                });
                 let difference = difference(&d);
                 let name = format!("{file} {f_number:?} tilt {tilt_deg}: {difference:?}");
                 assert!(difference.rms_px < rms_px && difference.worst_px < worst_px, "{name}");
@@ -114,11 +119,22 @@ fn every_setting_is_the_lenss() {
     let base = description("double-gauss-f2-tronnier.lens", [60.0, 40.0]);
     let anamorphic = description("anamorphic-2x-double-gauss.lens", [24.0, 18.0]);
     let settings = [
-        CameraDescription { focus_distance: Some(0.8), ..base.clone() },
-        CameraDescription { blades: 5, blade_rotation_rad: 0.3, f_number: Some(4.0), ..base.clone() },
-        CameraDescription { shift_mm: [12.0, -7.0], swing_rad: -0.1, ..base.clone() },
+        base.clone().with(|c| c.focus.distance = Some(0.8)),
+        base.clone().with(|c| {
+            c.lens.blades = 5;
+            c.lens.blade_rotation_rad = 0.3;
+            c.lens.f_number = Some(4.0);
+        }),
+        base.clone().with(|c| {
+            c.film.shift_mm = [12.0, -7.0];
+            c.film.swing_rad = -0.1;
+        }),
         CameraDescription { wavelength_nm: Some(420.0), ..base },
-        CameraDescription { swing_rad: 0.1, tilt_rad: -0.05, blades: 6, ..anamorphic.clone() },
+        anamorphic.clone().with(|c| {
+            c.film.swing_rad = 0.1;
+            c.film.tilt_rad = -0.05;
+            c.lens.blades = 6;
+        }),
         anamorphic,
     ];
     for d in settings {
@@ -169,7 +185,10 @@ fn a_white_world_is_as_bright_in_the_middle_and_in_the_corner() {
     let ball = ("ball-lens-10mm.lens", [2.0, 1.5], 0.04);
     for (file, film_mm, part) in CASES.map(|(file, film_mm)| (file, film_mm, 0.01)).into_iter().chain([ball]) {
         for (f_number, blades) in [(None, 0), (Some(8.0), 0), (Some(8.0), 5)] {
-            let d = CameraDescription { f_number, blades, ..description(file, film_mm) };
+            let d = description(file, film_mm).with(|c| {
+                c.lens.f_number = f_number;
+                c.lens.blades = blades;
+            });
             let [exact, table] = cameras(&d);
             for p in [Vec2::ZERO, Vec2::splat(0.49)] {
                 let n = 8192;
@@ -193,7 +212,7 @@ fn errors_are_the_lenss() {
         Camera::new(&CameraDescription { model: Model::ImageBased, ..d }, 30, 20).map(|_| ()).unwrap_err().to_string()
     };
     let d = description("tessar-brendel.lens", [36.0, 24.0]);
-    assert!(error(CameraDescription { film_width_mm: 0.0, ..d.clone() }).contains("film width"));
+    assert!(error(d.clone().with(|c| c.film.width_mm = 0.0)).contains("film width"));
     assert!(error(CameraDescription { wavelength_nm: Some(5.0), ..d.clone() }).contains("wavelength"));
     assert!(error(CameraDescription { lens_path: "nowhere.lens".into(), ..d }).contains("nowhere.lens"));
 }

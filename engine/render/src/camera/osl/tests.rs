@@ -10,7 +10,7 @@ const PIXELS: [u32; 2] = [300, 200];
 fn every_place_is_filled_and_numbers_are_finite() {
     for file in ["double-gauss-f2-available.lens", "phone-4.1-f1.8.lens", "nikkor-z-24-70-f4.lens", "newtonian-f5.lens"]
     {
-        let d = CameraDescription { focus_distance: Some(30.0), ..with_lens(file, 4.0, 3.0, 0.05) };
+        let d = with_lens(file, 4.0, 3.0, 0.05).with(|c| c.focus.distance = Some(30.0));
         let text = d.osl_camera(PIXELS).unwrap_or_else(|error| panic!("{file}: {error}"));
         assert!(!text.contains('@'), "{file}");
         assert!(!["inf,", "inf}", "inf ", "NaN"].iter().any(|bad| text.contains(bad)), "{file}");

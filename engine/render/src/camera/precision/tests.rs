@@ -8,7 +8,7 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::surface::Section;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use std::path::{Path, PathBuf};
 
 /// Every lens of the cabinet and of the reference tables.
@@ -29,13 +29,14 @@ fn lenses() -> Vec<PathBuf> {
 /// Focused at infinity, before a film of 16:9 that holds the lens's field.
 pub(in crate::camera) fn camera(path: &Path, size: [u32; 2], more: impl Fn(&mut CameraDescription)) -> Camera {
     let prescription = lens::read(path, Catalogue::shipped()).unwrap();
-    let system = System::new(&prescription, &SystemSettings::default()).unwrap();
+    let system = System::new(&prescription, &LensSettings::default()).unwrap();
     let efl = Paraxial::in_section(&system, Section::Y, line_nm::D).efl_mm.unwrap().abs();
     let field = system.half_field_deg().unwrap_or(20.0).to_radians();
     let half_diagonal = efl * if field > 1.0 { field } else { field.tan() };
     let half_diagonal = system.film_radius_mm().map_or(half_diagonal, |radius| half_diagonal.min(0.8 * radius.abs()));
     let [width, height] = [16.0, 9.0].map(|side: f64| 2.0 * half_diagonal * side / 16.0f64.hypot(9.0));
-    let mut d = CameraDescription { lens_path: path.into(), focus_distance: None, ..with_lens("", width, height, 0.0) };
+    let mut d = CameraDescription { lens_path: path.into(), ..with_lens("", width, height, 0.0) }
+        .with(|c| c.focus.distance = None);
     more(&mut d);
     Camera::new(&d, size[0], size[1]).unwrap()
 }
@@ -100,7 +101,7 @@ fn a_lens_of_a_thousand_light_years_has_double_precision() {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses/tessar-brendel.lens");
     let camera = camera(&shipped, [1920, 1080], |d| {
         d.focal_scale = Some(1e20);
-        (d.film_width_mm, d.film_height_mm) = (1e20 * d.film_width_mm, 1e20 * d.film_height_mm);
+        (d.film.width_mm, d.film.height_mm) = (1e20 * d.film.width_mm, 1e20 * d.film.height_mm);
     });
     let chosen = camera.traced_lens().unwrap().precision();
     assert!(!chosen.is_single && chosen.error_px == f64::INFINITY, "{}", chosen.error_px);
@@ -111,7 +112,7 @@ fn a_lens_of_a_thousand_light_years_has_double_precision() {
 fn another_lens_is_told_apart() {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses/tessar-brendel.lens");
     let size = [1920, 1080];
-    let camera_at = |focus| camera(&shipped, size, |d| d.focus_distance = focus);
+    let camera_at = |focus| camera(&shipped, size, |d| d.focus.distance = focus);
     let (far, near) = (camera_at(None), camera_at(Some(1.0)));
     let (far, near) = (far.traced_lens().unwrap(), near.traced_lens().unwrap());
     // The rays of another focus are those of other film points.
@@ -119,7 +120,7 @@ fn another_lens_is_told_apart() {
         worst_px(far, &near.outward(), &far.outward(), size, |i| fan(&Evenly::default(), i)) > 100.0 * TOLERANCE_PX
     );
     // Through a smaller opening go fewer.
-    let stopped = camera(&shipped, size, |d| d.f_number = Some(16.0));
+    let stopped = camera(&shipped, size, |d| d.lens.f_number = Some(16.0));
     let stopped = stopped.traced_lens().unwrap();
     assert_eq!(worst_px(far, &stopped.outward(), &far.outward(), size, |i| fan(&Evenly::default(), i)), f64::INFINITY);
 }

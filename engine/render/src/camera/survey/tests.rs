@@ -23,7 +23,10 @@ fn on_plane(ray: &Ray, depth: f64) -> Option<DVec3> {
 #[test]
 fn defocus_is_that_of_similar_triangles() {
     let d = with_lens("biconvex-50mm.lens", 36.0, 24.0, 0.0);
-    let d = CameraDescription { f_number: Some(8.0), focus_distance: Some(2.0), wavelength_nm: Some(587.6), ..d };
+    let d = CameraDescription { wavelength_nm: Some(587.6), ..d }.with(|c| {
+        c.lens.f_number = Some(8.0);
+        c.focus.distance = Some(2.0);
+    });
     let info = crate::camera::lens_info(&d, SIZE[0], SIZE[1]).unwrap();
     let (f, diameter) = (info.efl_mm.unwrap(), info.entrance_pupil_diameter_mm.unwrap());
     for depth_mm in [1000.0, 4000.0, 1e9] {
@@ -40,12 +43,10 @@ fn defocus_is_that_of_similar_triangles() {
 #[test]
 fn aberrations_are_those_of_rays_from_the_scene() {
     for (file, f_number) in [("cooke-triplet-50mm.lens", 2.8), ("double-gauss-f2-tronnier.lens", 2.0)] {
-        let d = CameraDescription {
-            f_number: Some(f_number),
-            wavelength_nm: Some(587.6),
-            focus_distance: None,
-            ..with_lens(file, 36.0, 24.0, 0.0)
-        };
+        let d = CameraDescription { wavelength_nm: Some(587.6), ..with_lens(file, 36.0, 24.0, 0.0) }.with(|c| {
+            c.lens.f_number = Some(f_number);
+            c.focus.distance = None;
+        });
         let survey = Survey::new(&d, SIZE[0], SIZE[1]).unwrap();
         let fans = survey.fans();
         let (found, place) = (fans.measure(&vec![None; fans.rays().len()]).aberration.value, Vec2::new(0.0, 0.0));
@@ -75,19 +76,15 @@ fn aberrations_are_those_of_rays_from_the_scene() {
 fn a_part_of_the_film_is_measured_like_the_whole() {
     const PART: f64 = 0.05;
     for file in ["anamorphic-2x-front-focus.lens", "double-gauss-f2-tronnier.lens", "wide-angle-smith-f3.4.lens"] {
-        let whole = CameraDescription {
-            focus_distance: Some(4.0),
-            wavelength_nm: Some(587.6),
-            ..with_lens(file, 22.0, 18.6, 0.0)
-        };
+        let whole = CameraDescription { wavelength_nm: Some(587.6), ..with_lens(file, 22.0, 18.6, 0.0) }
+            .with(|c| c.focus.distance = Some(4.0));
         for (column, row) in [(4, 4), (GRID[0] - 1, GRID[1] / 2)] {
             let place = Survey::place(column, row).as_dvec2();
-            let part = CameraDescription {
-                film_width_mm: 22.0 * PART,
-                film_height_mm: 18.6 * PART,
-                shift_mm: [place.x * 22.0, place.y * 18.6],
-                ..whole.clone()
-            };
+            let part = whole.clone().with(|c| {
+                c.film.width_mm = 22.0 * PART;
+                c.film.height_mm = 18.6 * PART;
+                c.film.shift_mm = [place.x * 22.0, place.y * 18.6];
+            });
             let size = SIZE.map(|pixels| (f64::from(pixels) * PART) as u32);
             let surveys =
                 [Survey::new(&whole, SIZE[0], SIZE[1]), Survey::new(&part, size[0], size[1])].map(Result::unwrap);
@@ -118,12 +115,12 @@ fn a_part_of_the_film_is_measured_like_the_whole() {
 /// Distortion of an infinitely far subject: f tan θ against the exact chief ray on the film.
 #[test]
 fn distortion_is_the_way_from_f_tan_theta() {
-    let d = CameraDescription {
-        focus_distance: None,
-        wavelength_nm: Some(587.6),
-        f_number: Some(16.0),
-        ..with_lens("wide-angle-smith-f3.4.lens", 120.0, 80.0, 0.0)
-    };
+    let d =
+        CameraDescription { wavelength_nm: Some(587.6), ..with_lens("wide-angle-smith-f3.4.lens", 120.0, 80.0, 0.0) }
+            .with(|c| {
+                c.focus.distance = None;
+                c.lens.f_number = Some(16.0);
+            });
     let survey = Survey::new(&d, SIZE[0], SIZE[1]).unwrap();
     let found = measured(&d, SIZE, None).distortion;
     let f = survey.info().efl_mm.unwrap();
@@ -146,8 +143,8 @@ fn a_fisheye_is_without_bound() {
 /// A point at infinity, looked at through the whole lens at two wavelengths from the scene.
 #[test]
 fn colours_part_as_for_rays_from_the_scene() {
-    let d = CameraDescription { focus_distance: None, ..with_lens("cooke-triplet-50mm.lens", 36.0, 24.0, 0.0) };
-    let d = CameraDescription { f_number: Some(8.0), ..d };
+    let d = with_lens("cooke-triplet-50mm.lens", 36.0, 24.0, 0.0).with(|c| c.focus.distance = None);
+    let d = d.with(|c| c.lens.f_number = Some(8.0));
     let survey = Survey::new(&d, SIZE[0], SIZE[1]).unwrap();
     let found = measured(&d, SIZE, None).lateral_colour;
     let corner = survey.fans().fans[0].mean().unwrap();
@@ -175,14 +172,12 @@ fn colours_part_as_for_rays_from_the_scene() {
 fn vignetting_of_a_bare_stop_is_cos_to_the_fourth() {
     let file = std::env::temp_dir().join(format!("petzval-survey-{}.lens", std::process::id()));
     std::fs::write(&file, "0 0 air 0.2 0 1\n1e6 50 1.0000001 30 0 0\n-1e6 50 air 30 0 0\n").unwrap();
-    let d = CameraDescription {
-        lens_path: file.clone(),
-        film_distance_mm: Some(50.0),
-        wavelength_nm: Some(587.6),
-        film_width_mm: 36.0,
-        film_height_mm: 24.0,
-        ..CameraDescription::default()
-    };
+    let d = CameraDescription { lens_path: file.clone(), wavelength_nm: Some(587.6), ..CameraDescription::default() }
+        .with(|c| {
+            c.focus.film_distance_mm = Some(50.0);
+            c.film.width_mm = 36.0;
+            c.film.height_mm = 24.0;
+        });
     let found = measured(&d, SIZE, None).vignetting;
     std::fs::remove_file(file).unwrap();
     let cos = 100.0 / (100.0f64.powi(2) + 18.0 * 18.0 + 12.0 * 12.0).sqrt();

@@ -18,7 +18,7 @@ const TOLERANCE_STOPS: f64 = 0.02 / 4.0;
 
 fn taken(lens: &str, coating: Option<&str>) -> CameraDescription {
     let coating = coating.map(|name| Coating::parse(name).unwrap());
-    CameraDescription { transmission: true, coating, ..with_lens(lens, 36.0, 24.0, 0.0) }
+    CameraDescription { transmission: true, ..with_lens(lens, 36.0, 24.0, 0.0) }.with(|c| c.lens.coating = coating)
 }
 
 /// The colour of a uniform world of radiance one at a place, by rays from the film.
@@ -66,7 +66,7 @@ fn the_middle_has_the_lens_s_colour() {
     let rows = "200 3 N-SF66 20 0 0\n-200 1 air 20 0 0\n200 3 N-SF66 20 0 0\n-200 1 air 20 0 0\n0 30 air 6 0 1\n";
     std::fs::write(&file, format!("# coating: none\n{rows}")).unwrap();
     let mut d = taken("wide-angle-smith-f3.4.lens", None);
-    (d.lens_path, d.f_number) = (file.clone(), Some(11.0));
+    (d.lens_path, d.lens.f_number) = (file.clone(), Some(11.0));
     let catalogue = petzval_optics::glass::Catalogue::shipped();
     let flint = catalogue.medium("N-SF66").unwrap();
     // Of each wavelength four times what one surface passes at right angles, and what 6 mm of glass do.

@@ -1,9 +1,11 @@
 //! Approximations of indirect light that Cycles makes: less noise or time, for a picture that is not quite the scene's.
 
 use crate::nodes::PathState;
+use serde::Deserialize;
 
 /// The approximations that are made; by default none.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Approximations {
     /// Filter Glossy of Cycles: surfaces are rougher where a path looks that was scattered with less than this density per
     /// steradian. 0 is off.
@@ -13,7 +15,8 @@ pub struct Approximations {
 }
 
 /// Fast GI Approximation of Cycles: ambient occlusion instead of indirect light, or besides it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE", deny_unknown_fields)]
 pub enum FastGi {
     /// No approximation.
     #[default]

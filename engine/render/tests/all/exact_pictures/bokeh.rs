@@ -5,6 +5,7 @@ use super::exact::Exact;
 use super::noise::photographs;
 use super::studio::{Exposure, Lamp, in_three, lamps, lens};
 use glam::DVec3;
+use petzval_optics::system::FocalLength;
 use petzval_render::camera::{CameraDescription, lens_info};
 use petzval_render::pipeline::Pipeline;
 
@@ -33,13 +34,12 @@ const HALF_SIDE_PX: f64 = 2.0;
 
 impl Case {
     fn camera(&self) -> CameraDescription {
-        CameraDescription {
-            focal_length_mm: self.focal_length_mm,
-            film_width_mm: self.film_mm,
-            film_height_mm: self.film_mm / 1.5,
-            focus_distance: Some(self.focus),
-            ..lens(self.name)
-        }
+        lens(self.name).with(|c| {
+            c.lens.focal_length = self.focal_length_mm.map_or(FocalLength::AsPublished, FocalLength::Millimetres);
+            c.film.width_mm = self.film_mm;
+            c.film.height_mm = self.film_mm / 1.5;
+            c.focus.distance = Some(self.focus);
+        })
     }
 
     fn lamps(&self, d: &CameraDescription) -> Vec<Lamp> {
@@ -95,6 +95,6 @@ fn other_shapes_would_be_told() {
     mean.fit(&exact.picture_of(&corner, RAYS), 1, reach).check("corner");
     let aside = Lamp { at: corner.at + DVec3::X * 0.5 * corner.half_side / HALF_SIDE_PX, ..corner };
     mean.fit(&exact.picture_of(&aside, RAYS), 1, reach).check_not("half a pixel aside");
-    let closed = Exact::new(&CameraDescription { f_number: Some(1.5), ..d }, PIXELS).picture_of(&middle, RAYS);
+    let closed = Exact::new(&d.with(|c| c.lens.f_number = Some(1.5)), PIXELS).picture_of(&middle, RAYS);
     mean.fit(&closed, 1, reach).check_not("a smaller opening");
 }

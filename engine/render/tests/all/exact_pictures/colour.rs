@@ -6,7 +6,7 @@ use super::studio::{Exposure, Lamp, in_three, lamps, lens, shoot};
 use glam::{DMat2, DVec2, DVec3};
 use petzval_optics::glass::Catalogue;
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::system::{System, SystemSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_render::camera::precision::Precision;
 use petzval_render::camera::{Camera, CameraDescription, lens_info};
 use petzval_render::pipeline::Pipeline;
@@ -78,18 +78,20 @@ fn image_heights_are_those_of_the_reference() {
             let side = 2.2 * widest;
             let d = CameraDescription {
                 wavelength_nm: Some(1000.0 * table["wavelength_um"][line].as_str().unwrap().parse::<f64>().unwrap()),
-                film_distance_mm: Some(on_film[0].z - last_vertex_z),
-                film_width_mm: side,
-                film_height_mm: side,
-                f_number: Some(8.0),
                 // Angles are compared more finely than a picture of a hundred pixels needs.
                 precision: Precision::Double,
                 ..lens(name)
-            };
+            }
+            .with(|c| {
+                c.focus.film_distance_mm = Some(on_film[0].z - last_vertex_z);
+                c.film.width_mm = side;
+                c.film.height_mm = side;
+                c.lens.f_number = Some(8.0);
+            });
             let camera = Camera::new(&d, 100, 100).unwrap();
             let info = lens_info(&d, 100, 100).unwrap();
             let prescription = petzval_optics::formats::lens::read(&d.lens_path, Catalogue::shipped()).unwrap();
-            let system = System::new(&prescription, &SystemSettings::default()).unwrap();
+            let system = System::new(&prescription, &LensSettings::default()).unwrap();
             let pupil_z_mm = Paraxial::new(&system, d.wavelength_nm.unwrap()).entrance_pupil.z_mm.unwrap();
             for (ray, film) in chiefs.iter().zip(&on_film) {
                 let p = (-film.truncate() / side).as_vec2();
@@ -131,8 +133,11 @@ fn fringes_of_colour_are_as_wide_as_by_exact_rays() {
     const SEEDS: u32 = 6;
     for (name, x, y) in [("tessar-brendel", 0.35, 0.2), ("biogon-21-f4.5", -0.4, 0.6), ("eye-navarro", 0.2, -0.3)] {
         let far = 100.0;
-        let d = CameraDescription { f_number: Some(16.0), ..in_three(&lens(name)) };
-        let wide = CameraDescription { film_width_mm: 10.0, film_height_mm: 10.0, ..d };
+        let d = in_three(&lens(name)).with(|c| c.lens.f_number = Some(16.0));
+        let wide = d.with(|c| {
+            c.film.width_mm = 10.0;
+            c.film.height_mm = 10.0;
+        });
         let point = Lamp { at: far * DVec3::new(x, y, -1.0), half_side: 1e-4 };
         let exact = Exact::new(&wide, [1, 1]);
         let first = exact.picture_of(&point, 30_000);
@@ -142,12 +147,11 @@ fn fringes_of_colour_are_as_wide_as_by_exact_rays() {
         let fringe_mm = apart(0, 1).max(apart(1, 2)).max(apart(0, 2));
         let pixel_mm = fringe_mm / 2.5;
         let film_mm = pixel_mm * f64::from(SIDE);
-        let d = CameraDescription {
-            film_width_mm: film_mm,
-            film_height_mm: film_mm,
-            shift_mm: [-middle.x, -middle.y],
-            ..wide
-        };
+        let d = wide.with(|c| {
+            c.film.width_mm = film_mm;
+            c.film.height_mm = film_mm;
+            c.film.shift_mm = [-middle.x, -middle.y];
+        });
         let half_side = pixel_mm / middle.length() * x.hypot(y) * far;
         let lamp = Lamp { half_side, ..point };
         let truth = Exact::new(&d, [SIDE; 2]).picture_of(&lamp, 200_000);

@@ -12,7 +12,7 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::on_axis_throughput;
-use petzval_optics::system::{FocalLength, System, SystemSettings};
+use petzval_optics::system::System;
 use petzval_optics::trace::{Ray, Tracer};
 use petzval_render::Rgb;
 use petzval_render::camera::{CameraDescription, Spectrum, lens_info};
@@ -84,17 +84,15 @@ impl Beam {
 impl Exact {
     pub(crate) fn new(d: &CameraDescription, pixels: [u32; 2]) -> Self {
         let prescription = lens::read(&d.lens_path, Catalogue::shipped()).unwrap();
-        let focal_length = d.focal_length_mm.map_or(FocalLength::AsPublished, FocalLength::Millimetres);
-        let settings = SystemSettings { focal_length, f_number: d.f_number, blades: d.blades, ..Default::default() };
-        let system = System::new(&prescription, &settings).unwrap();
+        let system = System::new(&prescription, &d.lens).unwrap();
         let focused_nm = d.wavelength_nm.unwrap_or(D_LINE_NM);
         // Where the film stands the panel says, too; tests of the focus hold that against first-order optics.
         let info = lens_info(d, pixels[0], pixels[1]).unwrap();
         let film = FilmPlane {
-            tilt_rad: d.tilt_rad,
-            swing_rad: d.swing_rad,
+            tilt_rad: d.film.tilt_rad,
+            swing_rad: d.film.swing_rad,
             // The lens moved right is the film moved left.
-            shift_mm: d.shift_mm.map(|s| -s),
+            shift_mm: d.film.shift_mm.map(|s| -s),
             curvature_per_mm: system.film_radius_mm().map_or(0.0, f64::recip),
             ..FilmPlane::upright(info.film_z_mm)
         };

@@ -122,18 +122,21 @@ struct Scores {
 #[test]
 fn a_uniform_world_is_flat() {
     let stage = white_world();
-    let visible = |name: &str, width_mm: f64| CameraDescription {
-        wavelength_nm: None,
-        film_width_mm: width_mm,
-        film_height_mm: width_mm,
-        focus_distance: Some(3.0),
-        ..lens(name)
+    let visible = |name: &str, width_mm: f64| {
+        CameraDescription { wavelength_nm: None, ..lens(name) }.with(|c| {
+            c.film.width_mm = width_mm;
+            c.film.height_mm = width_mm;
+            c.focus.distance = Some(3.0);
+        })
     };
     // Out of focus by the way of the d line's light to the edge of the spectrum, and spherical aberration of 40 pixels.
     let blurred = visible("biconvex-50mm", 5.0);
-    let coloured = CameraDescription { focus_distance: Some(0.3), ..visible("ball-lens-10mm", 3.0) };
-    let turned = CameraDescription { tilt_rad: 0.2, swing_rad: 0.3, ..visible("double-gauss-f1.35", 20.0) };
-    let eye = CameraDescription { focus_distance: None, ..visible("eye-navarro", 6.0) };
+    let coloured = visible("ball-lens-10mm", 3.0).with(|c| c.focus.distance = Some(0.3));
+    let turned = visible("double-gauss-f1.35", 20.0).with(|c| {
+        c.film.tilt_rad = 0.2;
+        c.film.swing_rad = 0.3;
+    });
+    let eye = visible("eye-navarro", 6.0).with(|c| c.focus.distance = None);
     let sharp = visible("double-gauss-f1.35", 16.0);
     // With the samples that show it, and the ripple that must be seen. Scene-first light of a blurred glass is the noisiest.
     const USUAL: Filter = Filter::BlackmanHarris(1.5);

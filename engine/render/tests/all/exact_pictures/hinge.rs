@@ -6,6 +6,7 @@ use super::studio::{Exposure, Lamp, lamps, lens};
 use glam::{DVec2, DVec3};
 use petzval_optics::focus::Focus;
 use petzval_optics::paraxial::Paraxial;
+use petzval_optics::system::FocalLength;
 use petzval_render::camera::{CameraDescription, lens_info};
 use petzval_render::pipeline::Pipeline;
 
@@ -17,7 +18,7 @@ const PIXELS: [u32; 2] = [96, 64];
 /// through the object principal point (Merklinger 1992), and through the point of the axis that is focused on.
 fn hinge_plane(exact: &Exact, d: &CameraDescription) -> [DVec3; 2] {
     let info = Paraxial::new(&exact.system, d.wavelength_nm.unwrap());
-    let distance_mm = 1000.0 * d.focus_distance.unwrap();
+    let distance_mm = 1000.0 * d.focus.distance.unwrap();
     let focus = Focus::at_distance(&exact.system, d.wavelength_nm.unwrap(), distance_mm).unwrap();
     let normal = exact.film.normal();
     let focal_z = info.object_focal_plane_mm.unwrap() - info.object_principal_plane_mm.unwrap();
@@ -47,12 +48,13 @@ fn spread(pixels: &[[[f64; 2]; 3]], middle: DVec2, reach: f64) -> f64 {
 
 #[test]
 fn lamps_on_the_hinges_plane_are_sharp_in_the_picture() {
-    let turned = |name: &str, focal_length_mm, tilt: f64, swing: f64| CameraDescription {
-        focal_length_mm,
-        focus_distance: Some(1.2),
-        tilt_rad: tilt.to_radians(),
-        swing_rad: swing.to_radians(),
-        ..lens(name)
+    let turned = |name: &str, focal_length_mm, tilt: f64, swing: f64| {
+        lens(name).with(|c| {
+            c.lens.focal_length = focal_length_mm.map_or(FocalLength::AsPublished, FocalLength::Millimetres);
+            c.focus.distance = Some(1.2);
+            c.film.tilt_rad = tilt.to_radians();
+            c.film.swing_rad = swing.to_radians();
+        })
     };
     let cases = [
         turned("double-gauss-f2-tronnier", Some(50.0), 13.0, 0.0),

@@ -7,7 +7,7 @@ use glam::{DVec2, Vec2};
 use petzval_optics::focus::FilmPlane;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
-use petzval_optics::system::{FocalLength, System, SystemSettings};
+use petzval_optics::system::System;
 use petzval_optics::trace::{Ray, Tracer};
 use petzval_render::camera::{Camera, CameraDescription, lens_info};
 use petzval_render::pipeline::Pipeline;
@@ -29,13 +29,11 @@ struct Counter {
 impl Counter {
     fn new(d: &CameraDescription, pixels: [u32; 2]) -> Self {
         let prescription = lens::read(&d.lens_path, Catalogue::shipped()).unwrap();
-        let focal_length = d.focal_length_mm.map_or(FocalLength::AsPublished, FocalLength::Millimetres);
-        let settings = SystemSettings { focal_length, f_number: d.f_number, blades: d.blades, ..Default::default() };
-        let system = System::new(&prescription, &settings).unwrap();
+        let system = System::new(&prescription, &d.lens).unwrap();
         let info = lens_info(d, pixels[0], pixels[1]).unwrap();
         let film = FilmPlane {
-            tilt_rad: d.tilt_rad,
-            swing_rad: d.swing_rad,
+            tilt_rad: d.film.tilt_rad,
+            swing_rad: d.film.swing_rad,
             curvature_per_mm: system.film_radius_mm().map_or(0.0, f64::recip),
             ..FilmPlane::upright(info.film_z_mm)
         };
@@ -103,7 +101,10 @@ fn behind_a_rear_stop_light_falls_off_by_the_closed_form() {
     for diameter_mm in [9.0, 1.5] {
         let open = CameraDescription { lens_path: path.clone(), ..lens("biconvex-50mm") };
         let widest = lens_info(&open, 3, 2).unwrap().f_number;
-        let d = CameraDescription { f_number: Some(widest * 9.0 / diameter_mm), film_distance_mm: Some(45.0), ..open };
+        let d = open.with(|c| {
+            c.lens.f_number = Some(widest * 9.0 / diameter_mm);
+            c.focus.film_distance_mm = Some(45.0);
+        });
         let camera = Camera::new(&d, 30, 20).unwrap();
         let radius = 0.5 * diameter_mm;
         let closed = |h: f64| {
@@ -128,17 +129,21 @@ fn behind_a_rear_stop_light_falls_off_by_the_closed_form() {
 /// and a film that is turned.
 #[test]
 fn vignetting_is_that_of_counted_rays() {
-    let film = |name: &str, width: f64, f_number: Option<f64>| CameraDescription {
-        film_width_mm: width,
-        film_height_mm: width / 1.5,
-        f_number,
-        ..lens(name)
+    let film = |name: &str, width: f64, f_number: Option<f64>| {
+        lens(name).with(|c| {
+            c.film.width_mm = width;
+            c.film.height_mm = width / 1.5;
+            c.lens.f_number = f_number;
+        })
     };
-    let turned = CameraDescription { tilt_rad: 0.2, swing_rad: -0.15, ..film("double-gauss-f2-tronnier", 60.0, None) };
+    let turned = film("double-gauss-f2-tronnier", 60.0, None).with(|c| {
+        c.film.tilt_rad = 0.2;
+        c.film.swing_rad = -0.15;
+    });
     let cases = [
         film("wide-angle-smith-f3.4", 120.0, None),
         film("wide-angle-smith-f3.4", 120.0, Some(8.0)),
-        CameraDescription { blades: 5, ..film("biogon-21-f4.5", 34.0, Some(8.0)) },
+        film("biogon-21-f4.5", 34.0, Some(8.0)).with(|c| c.lens.blades = 5),
         film("pbrt-telephoto-250mm", 12.0, None),
         film("double-gauss-f1.35", 43.0, None),
         film("laikin-fisheye-170", 10.0, None),
@@ -151,13 +156,19 @@ fn vignetting_is_that_of_counted_rays() {
         let counter = Counter::new(&d, [300, 200]);
         let name = camera.name();
         // Turning the film leaves the middle's film point on the axis, but looks at the pupil from aside.
-        let upright = Counter::new(&CameraDescription { tilt_rad: 0.0, swing_rad: 0.0, ..d.clone() }, [300, 200]);
+        let upright = Counter::new(
+            &d.clone().with(|c| {
+                c.film.tilt_rad = 0.0;
+                c.film.swing_rad = 0.0;
+            }),
+            [300, 200],
+        );
         let axis = upright.exposure(DVec2::ZERO);
         let places = [[0.0, 0.0], [0.25, 0.15], [0.36, -0.34], [-0.42, -0.42], [0.5, 0.5]];
         for p in places {
             let expected = counter.exposure(DVec2::from(p)) / axis;
             let found = by_camera(&camera, DVec2::from(p).as_vec2());
-            assert!((found / expected - 1.0).abs() < 2e-3, "{name} {:?} {p:?}: {found} {expected}", d.f_number);
+            assert!((found / expected - 1.0).abs() < 2e-3, "{name} {:?} {p:?}: {found} {expected}", d.lens.f_number);
         }
     }
 }
@@ -170,7 +181,10 @@ fn pictures_of_a_white_world_fall_off_as_counted() {
     // The fisheye's corner is the noisiest.
     let wide = if petzval_testkit::is_thorough() { 6144 } else { 3072 };
     for (name, width, of_scene) in [("wide-angle-smith-f3.4", 120.0, wide), ("laikin-fisheye-170", 9.0, 6144)] {
-        let d = CameraDescription { film_width_mm: width, film_height_mm: width / 1.5, ..lens(name) };
+        let d = lens(name).with(|c| {
+            c.film.width_mm = width;
+            c.film.height_mm = width / 1.5;
+        });
         let counter = Counter::new(&d, PIXELS);
         let axis = counter.exposure(DVec2::ZERO);
         let places = [[6, 4], [1, 3], [11, 7]];

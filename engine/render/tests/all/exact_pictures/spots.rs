@@ -22,7 +22,10 @@ fn far_lamp(field_deg: f64, angle_rad: f64) -> Lamp {
 
 /// The camera with a small film where the spot is, and the lamp as large as two of its pixels.
 fn close_up(d: &CameraDescription, field_deg: f64) -> (CameraDescription, Lamp) {
-    let wide = CameraDescription { film_width_mm: 10.0, film_height_mm: 10.0, ..d.clone() };
+    let wide = d.clone().with(|c| {
+        c.film.width_mm = 10.0;
+        c.film.height_mm = 10.0;
+    });
     let exact = Exact::new(&wide, [1, 1]);
     let Truth { centroids, spread_px, .. } = exact.picture_of(&far_lamp(field_deg, 1e-6), 20_000);
     let middle = exact.on_film(centroids[1]);
@@ -30,7 +33,11 @@ fn close_up(d: &CameraDescription, field_deg: f64) -> (CameraDescription, Lamp) 
     // The film moved is the lens moved the other way.
     let shift_mm = [-middle.x, -middle.y];
     let pixel_rad = film_mm / f64::from(SIDE) / middle.length() * field_deg.to_radians().tan();
-    let d = CameraDescription { film_width_mm: film_mm, film_height_mm: film_mm, shift_mm, ..wide };
+    let d = wide.with(|c| {
+        c.film.width_mm = film_mm;
+        c.film.height_mm = film_mm;
+        c.film.shift_mm = shift_mm;
+    });
     (d, far_lamp(field_deg, 2.0 * pixel_rad))
 }
 

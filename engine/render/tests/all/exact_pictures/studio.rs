@@ -23,11 +23,13 @@ pub(crate) fn lens(name: &str) -> CameraDescription {
     CameraDescription {
         model: Model::Lens,
         lens_path: Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../lenses/{name}.lens")),
-        film_width_mm: 36.0,
-        film_height_mm: 24.0,
         wavelength_nm: Some(D_LINE_NM),
         ..CameraDescription::default()
     }
+    .with(|c| {
+        c.film.width_mm = 36.0;
+        c.film.height_mm = 24.0;
+    })
 }
 
 /// The camera in three wavelengths, one for each channel.

@@ -1,6 +1,7 @@
 //! Every way to take a picture, through lenses of every kind: by each pipeline, and from both ends.
 
 use super::{FIGURE_3, HEIGHT, WIDTH, description, render, scenes, settings};
+use petzval_optics::system::FocalLength;
 use petzval_render::camera::CameraDescription;
 use petzval_render::integrator::Integrator;
 use petzval_render::job::Settings;
@@ -14,24 +15,22 @@ const PART: usize = 4;
 /// The paper's wide angle, a double Gauss wide open, a fisheye to the edge of what it sees, a mirror lens whose points
 /// out of focus are rings, an eye with its retina, an anamorphic, and the wide angle before a film swung by 20 degrees.
 fn lenses() -> [(&'static str, CameraDescription); 7] {
-    let lens = |name: &str, focal_length_mm, film_mm: f64| CameraDescription {
-        focal_length_mm,
-        film_width_mm: film_mm,
-        film_height_mm: film_mm / 1.5,
-        ..description(name)
+    let lens = |name: &str, focal_length_mm, film_mm: f64| {
+        description(name).with(|c| {
+            c.lens.focal_length = focal_length_mm.map_or(FocalLength::AsPublished, FocalLength::Millimetres);
+            c.film.width_mm = film_mm;
+            c.film.height_mm = film_mm / 1.5;
+        })
     };
     let figure_3 = lens(FIGURE_3, Some(80.0), 48.0);
     [
         ("wide angle", figure_3.clone()),
         ("double Gauss", lens("double-gauss-f1.35", Some(70.0), 40.0)),
         ("fisheye", lens("laikin-fisheye-170", None, 10.0)),
-        (
-            "mirror lens",
-            CameraDescription { focus_distance: Some(4.5), ..lens("reflex-nikkor-500-f8", Some(90.0), 36.0) },
-        ),
-        ("eye", CameraDescription { focus_distance: None, ..lens("eye-navarro", None, 10.0) }),
+        ("mirror lens", lens("reflex-nikkor-500-f8", Some(90.0), 36.0).with(|c| c.focus.distance = Some(4.5))),
+        ("eye", lens("eye-navarro", None, 10.0).with(|c| c.focus.distance = None)),
         ("anamorphic", lens("anamorphic-2x-double-gauss", None, 22.0)),
-        ("swing", CameraDescription { swing_rad: 20f64.to_radians(), ..figure_3 }),
+        ("swing", figure_3.with(|c| c.film.swing_rad = 20f64.to_radians())),
     ]
 }
 

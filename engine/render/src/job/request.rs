@@ -1,0 +1,165 @@
+//! A render as it is asked for: descriptions, settings, a plan and outputs become the arguments of a [`Job`].
+
+use super::checkpoint::Checkpoints;
+use super::forecast::Forecast;
+use super::{Job, OutputOptions, Settings, SettingsError, catcher};
+use crate::camera::clip::Clip;
+use crate::camera::imaging::Imaging;
+use crate::camera::{Camera, CameraDescription, CameraError, shade};
+use crate::film::cryptomatte::MatteLayer;
+use crate::integrator::path::parts::{LightPass, Parts, Seen};
+use crate::integrator::{Integrator, PreparedScene};
+use crate::pipeline::exposure::{Exposure, Shutter};
+use crate::pipeline::motion::Motion;
+use crate::plan::report::{PlanReport, Predicted};
+use crate::plan::{Plan, PlanError, PlanOptions};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// All that decides a render, but its scene. The default camera has no lens.
+#[derive(Default)]
+pub struct JobRequest {
+    /// The camera in the middle of the exposure, before its plan.
+    pub camera: CameraDescription,
+    /// The camera at the middles of equal parts of the exposure, where it changes meanwhile; else empty.
+    pub over_the_shutter: Vec<CameraDescription>,
+    /// The camera a frame before and a frame after, for [`crate::film::data::DataPass::Vector`].
+    pub neighbours: Option<[CameraDescription; 2]>,
+    /// The settings.
+    pub settings: Settings,
+    /// The effects that are simulated; `None`: the camera as it is described.
+    pub plan: Option<Plan>,
+    /// The shutter, where anything but the lens moves.
+    pub shutter: Option<Shutter>,
+    /// The mattes that are kept.
+    pub mattes: Vec<MatteLayer>,
+    /// Names that a pixel of a matte holds.
+    pub matte_levels: u32,
+    /// Number of light groups.
+    pub light_groups: u16,
+    /// The parts of light that are kept.
+    pub parts: Vec<LightPass>,
+    /// Start and depth of the mist, Blender units, and the power of its falloff.
+    pub mist: [f32; 3],
+    /// True to keep what [`Job::shadow`] and [`Job::over_photograph`] need.
+    pub catches: bool,
+    /// The file in which the render is kept while it goes on.
+    pub checkpoints: Option<Checkpoints>,
+}
+
+/// An error by which a render does not start.
+#[derive(Debug, thiserror::Error)]
+pub enum RequestError {
+    /// A camera makes no picture.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// A setting is out of range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+}
+
+impl Job {
+    /// Starts a render in threads of its own.
+    ///
+    /// # Errors
+    /// [`RequestError`].
+    pub fn request(stage: Arc<PreparedScene>, asked: JobRequest) -> Result<Self, RequestError> {
+        let origin = stage.scene.origin;
+        let size = [asked.settings.width, asked.settings.height];
+        let is_moving = asked.plan.as_ref().is_none_or(|plan| plan.camera.is_moving);
+        let planned = |d: &CameraDescription| asked.plan.as_ref().map_or_else(|| d.clone(), |plan| plan.applied(d));
+        let now = planned(&asked.camera);
+        let descriptions = match asked.over_the_shutter.as_slice() {
+            moving @ [_, ..] if is_moving => moving.iter().map(planned).collect(),
+            _ => vec![now.clone()],
+        };
+        let camera = |d: &CameraDescription| Camera::new(d, size[0], size[1]);
+        let cameras = descriptions.iter().map(camera).collect::<Result<Vec<Camera>, _>>()?;
+
+        let mut settings = asked.settings;
+        if let Some(plan) = &asked.plan {
+            settings.pipeline = plan.pipeline();
+        }
+        let mut passes = asked.parts;
+        if asked.catches {
+            passes.extend(catcher::PARTS);
+        }
+        let seen = Seen::by(now.matrix_world, origin, matches!(cameras[0], Camera::Orthographic(_)), asked.mist);
+        let output = OutputOptions {
+            mattes: asked.mattes,
+            matte_levels: asked.matte_levels,
+            motion: motion(&now, asked.neighbours.as_ref(), size, origin)?,
+            clip: Clip::new(&now, &cameras[0]),
+            gains: shade::gains(&now, &cameras[cameras.len() / 2], size[0], size[1])?,
+            light_groups: asked.light_groups,
+            parts: Parts::new(&passes, seen),
+            checkpoints: asked.checkpoints,
+            exposure: exposure(asked.shutter.as_ref().filter(|_| is_moving), &now, origin),
+        };
+        let stray_light = asked.plan.map(|plan| (plan, asked.camera));
+        let mut job = Self::start_with(stage, cameras, settings, output)?;
+        job.stray_light = stray_light;
+        Ok(job)
+    }
+}
+
+impl Settings {
+    /// The plan of a render with these settings, whose pipeline goes before that of `options`. `moving` is the camera at times over which
+    /// the shutter is open, if the lens changes meanwhile; `shutter`: where anything but the lens moves.
+    ///
+    /// # Errors
+    /// [`PlanError`].
+    pub fn plan(
+        &self,
+        stage: &PreparedScene,
+        d: &CameraDescription,
+        moving: &[CameraDescription],
+        options: PlanOptions,
+        shutter: Option<&Shutter>,
+    ) -> Result<Plan, PlanError> {
+        let options = PlanOptions { pipeline: self.pipeline, ..options };
+        let needs_lens = self.integrator == Integrator::Bidirectional;
+        let exposure = shutter.map(|shutter| Exposure::of(shutter, stage.scene.origin));
+        Plan::new(stage, d, moving, [self.width, self.height], &options, needs_lens, exposure.as_ref())
+    }
+
+    /// The report of a plan with a forecast of the render: a little of it is rendered.
+    ///
+    /// # Errors
+    /// [`RequestError`].
+    pub fn forecast(
+        self,
+        plan: &Plan,
+        stage: Arc<PreparedScene>,
+        d: &CameraDescription,
+    ) -> Result<PlanReport, RequestError> {
+        let (d, samples) = (plan.applied(d), self.samples);
+        let settings = Self { pipeline: plan.pipeline(), ..self };
+        let camera = Camera::new(&d, settings.width, settings.height)?;
+        let output = OutputOptions { clip: Clip::new(&d, &camera), ..OutputOptions::default() };
+        let Forecast { seconds, threads, camera_part, .. } = Forecast::new(stage, vec![camera], settings, output)?;
+        Ok(plan.report_with(Predicted { seconds, samples, threads, camera_part }))
+    }
+}
+
+/// The motion between two frames; `None` where no frames beside this one are known.
+fn motion(
+    now: &CameraDescription,
+    neighbours: Option<&[CameraDescription; 2]>,
+    [width, height]: [u32; 2],
+    origin: DVec3,
+) -> Result<Option<Motion>, CameraError> {
+    let Some([before, after]) = neighbours else { return Ok(None) };
+    let imaging = |d: &CameraDescription| Imaging::new(d, width, height, origin);
+    let beside = [imaging(before)?, imaging(after)?];
+    Ok(Some(Motion::new(imaging(now)?, beside, width, height)))
+}
+
+/// The exposure of a camera that may stand beside render space's origin; `None` where nothing moves, and it stands there.
+fn exposure(shutter: Option<&Shutter>, now: &CameraDescription, origin: DVec3) -> Option<Exposure> {
+    let beside = now.position() - origin;
+    match shutter.map(|shutter| Exposure::of(shutter, origin)) {
+        None if beside == DVec3::ZERO => None,
+        exposure => Some(exposure.unwrap_or_default().displaced(beside)),
+    }
+}
