@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+
 from petzval.description import flat
 
 from . import loop
@@ -103,7 +104,9 @@ class Checkpoint:
         have the same."""
         told = {}
         for kind, whole, left_out in (("camera", camera, _PLACES), ("settings", settings, _OF_A_PART)):
-            told |= {f"{kind}.{name}": _short_value(value) for name, value in flat(whole).items() if name not in left_out}
+            told |= {
+                f"{kind}.{name}": _short_value(value) for name, value in flat(whole).items() if name not in left_out
+            }
         digests = {"lens": _lens(camera), "aperture mask": camera.lens.aperture_mask, **others}
         return (
             {"scene": self._scene.hexdigest()[:16]} | {name: _digest(value) for name, value in digests.items()} | told

@@ -6,6 +6,7 @@ from __future__ import annotations
 import dataclasses
 
 import bpy
+
 from petzval.description import changed
 
 from . import loop, render_settings, staging

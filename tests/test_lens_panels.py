@@ -309,7 +309,9 @@ def test_without_the_lens_the_framing_stays(blender, parts, scene, model, shift)
     scene.camera.data.lens, scene.camera.data.shift_x = 17.0, 0.3
     own.through_lens = False
     assert own.model == "PINHOLE" and not own.through_lens
-    described = parts.part("export.camera").describe(scene.camera, scene, 960, 540, parts.part("export.report").Report())
+    described = parts.part("export.camera").describe(
+        scene.camera, scene, 960, 540, parts.part("export.report").Report()
+    )
     assert described.model == "PINHOLE"
     seen = project(parts, blender, scene)
     slope = info["picture_width_mm"] / info["viewport_focal_length_mm"]

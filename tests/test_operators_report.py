@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-KINDS = ("DRAWING", "SPOTS", "FANS", "MTF", "DISTORTION", "ILLUMINATION")
+KINDS = ("DRAWING", "SPOTS", "FANS", "MTF", "PSF", "DISTORTION", "ILLUMINATION", "TRANSMISSION")
 
 
 @pytest.fixture
@@ -72,9 +72,10 @@ def test_the_report_is_of_the_camera_as_it_is_set(blender, scene, monkeypatch):
     own = scene.camera.data.petzval
     own.focal_mode, own.focal_length = "LENGTH", 75.0
     own.blades, own.spectrum, own.wavelength = 5, "SINGLE", 632.8
-    calls = asked(monkeypatch, "lens_spots_json")
+    calls = asked(monkeypatch, "lens_report_json")
     assert blender.ops.petzval.lens_report(kind="SPOTS") == {"FINISHED"}
-    (((_, setting, look, _, _), _),) = calls
+    (((name, _, setting, look, _), _),) = calls
+    assert name == "spots"
     assert (setting.focal_length, setting.f_number, setting.blades) == ({"MILLIMETRES": 75.0}, 8.0, 5)
     assert look.wavelengths_nm == pytest.approx((632.8,), rel=1e-6)
     info = scene_parts.part("lens_info").of_camera(scene.camera, scene)

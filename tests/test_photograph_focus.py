@@ -37,7 +37,9 @@ def studio(blender, tmp_path):
 
 def exact_film_z(focus_mm: float | None, focal_length_mm: float | None = None, **settings) -> float:
     lens = _native.Lens(str(LENSES / f"{WIDE_ANGLE}.lens"))
-    return json.loads(lens.info_json(LensSettings(focal_length(focal_length_mm), **settings), focus_distance_mm=focus_mm))["film_z_mm"]
+    return json.loads(
+        lens.info_json(LensSettings(focal_length(focal_length_mm), **settings), focus_distance_mm=focus_mm)
+    )["film_z_mm"]
 
 
 def test_the_film_stands_where_newton_says(studio):

@@ -70,9 +70,7 @@ def settings_of(lens: str, native, subject, focus_m: float | None, is_narrow: bo
     film = {"film.width_mm": size[0], "film.height_mm": size[1]}
     focus = {"focus.distance": focus_m, "focus.point_world": None}
     lens_settings = LensSettings(focal_length(FOCAL_MM), narrow)
-    return changed(
-        subject.camera, {"model": "LENS", "lens_path": str(path), "lens": lens_settings} | film | focus
-    )
+    return changed(subject.camera, {"model": "LENS", "lens_path": str(path), "lens": lens_settings} | film | focus)
 
 
 class Pictures:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from petzval.plotting import figure, raster, strokes, ticks
+from petzval.plotting import colour_maps, figure, raster, strokes, ticks
 
 pytestmark = pytest.mark.once
 
@@ -110,3 +110,39 @@ def test_numbers_on_scales_are_round():
     assert ticks.names([0.0, 50.0, 100.0]) == ["0", "50", "100"]
     assert ticks.by_power(0.08, 1.3, 6) == pytest.approx([0.1, 0.2, 0.5, 1.0])
     assert ticks.even(1.0, 1.0, 5) == [1.0]
+
+
+def test_an_image_shows_each_number_over_its_own_part():
+    page = figure.Figure((2.0, 2.0), Bars(), dpi=100.0, has_grid=False)
+    axes = page.add_axes((0.1, 0.1, 0.8, 0.8))
+    axes.set_axis_off()
+    values = np.array([[0.0, 1.0], [0.5, 0.25]])
+    axes.imshow(values, extent=(-1.0, 1.0, -1.0, 1.0), cmap="inferno", vmin=0.0, vmax=1.0)
+    pixels = page.drawn()
+    colours = colour_maps.coloured(values, "inferno")
+    for row in (0, 1):
+        for column in (0, 1):
+            part = pixels[20 + 80 * row : 100 + 80 * row, 20 + 80 * column : 100 + 80 * column, :3]
+            assert np.abs(part - colours[row, column]).max() < 1e-6
+    assert (pixels[:19, :, :3] == 1.0).all()
+    # A part of it, larger.
+    axes.set_xlim(-1.0, 0.0)
+    axes.set_ylim(0.0, 1.0)
+    assert np.abs(page.drawn()[20:180, 20:180, :3] - colours[1, 0]).max() < 1e-6
+
+
+def test_colours_are_matplotlibs():
+    matplotlib = pytest.importorskip("matplotlib")
+    parts = np.linspace(0.0, 1.0, 256)
+    # A polynomial of the sixth power: steps of six of 255 are seen in no report.
+    assert np.abs(colour_maps.coloured(parts, "inferno") - matplotlib.colormaps["inferno"](parts)[:, :3]).max() < 0.025
+
+
+def test_a_plot_may_take_a_whole_row_of_a_grid():
+    page = figure.Figure((6.0, 4.0), Bars(), dpi=50.0)
+    grid = page.add_gridspec(2, 3)
+    above = [page.add_subplot(grid[0, column]) for column in range(3)]
+    below = page.add_subplot(grid[1, :])
+    page.drawn()
+    assert below.box[0] == pytest.approx(above[0].box[0]) and below.box[2] == pytest.approx(above[2].box[2])
+    assert below.box[3] < above[0].box[1] and above[0].box[2] < above[1].box[0]

@@ -467,6 +467,7 @@ def test_shader_trees_of_any_shape_are_handed_over(shape, blender, tmp_path):
 def test_a_white_mask_takes_no_long(tmp_path):
     """2048 x 2048 took 11 seconds for a picture of 24 x 16."""
     import numpy as np
+
     from petzval.description import ApertureMask, CameraDescription, FocusSettings, LensSettings
 
     mask = ApertureMask("white", 2048, np.full(2048 * 2048, 255, np.uint8).tobytes())

@@ -72,7 +72,9 @@ def describe(
         object_name=holder.name,
         matrix_world=rows(holder.matrix_world),
         model=model,
-        perspective=Perspective(camera.lens, picture_width_mm, (camera.shift_x * side / larger, camera.shift_y * side / larger)),
+        perspective=Perspective(
+            camera.lens, picture_width_mm, (camera.shift_x * side / larger, camera.shift_y * side / larger)
+        ),
         pixel_aspect=aspect,
         lens=_lens(camera, of_lens),
         scale_mm_per_unit=scale(settings, scene),

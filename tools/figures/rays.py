@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from petzval.lens_loading import load
 from petzval.description import LensSettings, focal_length
+from petzval.lens_loading import load
 
 #: Rays are handed over so far before the first vertex.
 BEFORE_MM = 100.0
@@ -23,7 +23,14 @@ LINE_NM = 550.0
 class Rays:
     """A lens as it is set, focused on a plane so far before the entrance pupil, mm (infinity: None)."""
 
-    def __init__(self, lens: str, focus_mm: float | None = None, nm: float = LINE_NM, focal_length_mm: float | None = None, **settings: Any) -> None:
+    def __init__(
+        self,
+        lens: str,
+        focus_mm: float | None = None,
+        nm: float = LINE_NM,
+        focal_length_mm: float | None = None,
+        **settings: Any,
+    ) -> None:
         self.lens = load(lens)
         self.nm, self.focus_mm = nm, focus_mm
         self.setting = LensSettings(focal_length(focal_length_mm), **settings)

@@ -6,6 +6,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
 use glam::{DVec2, DVec3};
 
+use serde::Serialize;
+
 use crate::field::{Field, Origin};
 use crate::focus::{FilmPlane, Focus};
 use crate::glass::AIR_NAME;
@@ -24,7 +26,7 @@ const HALVINGS: u32 = 30;
 const APPROACH: f64 = 0.18;
 
 /// A surface.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Profile {
     /// Points from the lower rim to the upper.
     pub points: Vec<[f64; 2]>,
@@ -37,7 +39,7 @@ pub struct Profile {
 }
 
 /// The rays of a field.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldRays {
     /// Angle of the chief ray to the axis before the lens.
     pub angle_deg: f64,
@@ -46,7 +48,7 @@ pub struct FieldRays {
 }
 
 /// The drawing.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Drawing {
     /// Surfaces, scene side first.
     pub surfaces: Vec<Profile>,

@@ -1,11 +1,13 @@
 //! Gaussian properties of a lens at one wavelength (Wu et al. 2011, §3.2.2).
 
+use serde::Serialize;
+
 use crate::first_order::{ParaxialSurface, between_vertices, front_of, rear_of};
 use crate::surface::Section;
 use crate::system::System;
 
 /// The image of the stop on one side of the lens.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Pupil {
     /// Place of the pupil in lens space; `None`: at infinity (telecentric).
     pub z_mm: Option<f64>,

@@ -4,6 +4,8 @@
 //! the d line, to half of a unit of their last digit. Where a source rounds more than that, or its numbers do not give what it says,
 //! the header says why: `# differs: f_number: the clear apertures are modelled`.
 
+use serde::Serialize;
+
 use crate::axial_beam;
 use crate::glass::line_nm;
 use crate::paraxial::Paraxial;
@@ -21,7 +23,7 @@ const ROUNDING: f64 = 1e-9;
 const ZOOM: &str = "zoom";
 
 /// One number of the source.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Published {
     /// The key in the header; `zoom`: the focal length of a position.
     pub key: &'static str,

@@ -53,16 +53,10 @@ __all__ = [
     "free_memory_bytes",
     "glass_json",
     "glasses_json",
-    "lens_distortion_json",
     "lens_drawing_json",
-    "lens_fans_json",
     "lens_ghosts_json",
     "lens_groups",
-    "lens_illumination_json",
-    "lens_mtf_json",
-    "lens_psf_json",
-    "lens_spots_json",
-    "lens_transmission_json",
+    "lens_report_json",
     "merge_pictures_json",
     "osl_camera",
     "pointiness",
@@ -156,40 +150,40 @@ def lens_drawing_json(
     through, none where nothing does; film, a line; and of `info_json` name, wavelength_nm, efl_mm, f_number, focus_distance_mm,
     film_z_mm, the principal planes and the pupils. Without fields: the axis, 0.7 of the design's half field, and that."""
 
-# Every report is an object with name, efl_mm, f_number, focus_distance_mm, film_z_mm, wavelengths_nm, main_wavelength (its index),
-# azimuth_deg, airy_radius_mm, half_field_deg, and what stands below. Pairs are [sagittal, tangential]. A field from which nothing
-# comes has is_dark and no more. Without fields: 0, 0.7 and all of the half field, or `count` evenly over it.
-
-def lens_spots_json(lens: Lens, settings: LensSettings, look: LensReportSettings, rays: int, defocus_mm: Sequence[float]) -> str:
-    """defocus: for each of `defocus_mm` fields: angle_deg, centroid_mm from the film's middle, chief_mm, rms_mm and largest_mm from the
-    centroid, lines: wavelength_nm, rms_mm about its own centroid_mm, points_mm. `rays` is the number over the width of a beam."""
-
-def lens_fans_json(lens: Lens, settings: LensSettings, look: LensReportSettings, rays: int) -> str:
-    """fields: angle_deg, tangential and sagittal, each a list by wavelength of pupil (in radii of the stop), error_mm from the main
-    wavelength's ray through the stop's middle, path_waves, longer than the middle ray's of that wavelength."""
-
-def lens_mtf_json(
-    lens: Lens,
-    settings: LensSettings,
-    look: LensReportSettings,
-    frequencies: tuple[float, int],
-    heights: tuple[int, float],
+def lens_report_json(
+    name: str, lens: Lens, lens_settings: LensSettings, settings: LensReportSettings, options: dict[str, Any]
 ) -> str:
-    """`frequencies`: the highest, per mm, and the steps to it; `heights`: how many, and a step of the frequencies there. Gives
-    frequencies_per_mm, steps + 1 from 0, and fields: angle_deg, height_mm, sagittal and tangential (the frequency's direction),
-    each contrast, geometric (rays alone) and limit (diffraction alone). height_frequencies_per_mm, 0 to 4 steps, and heights: the
-    same from the axis to the largest field."""
+    """A report by its name, with its own options; `petzval/lens_reports` has a file for each.
 
-def lens_psf_json(lens: Lens, settings: LensSettings, look: LensReportSettings) -> str:
-    """fields: angle_deg, height_mm, strehl by wavelength; a picture of side x side values, step_mm apart, rows from below, the middle one where
-    the middle of all rays' light lies, all wavelengths together, in units of the brightest that this pupil makes without aberrations; and
-    the part of the light that is encircled within radii_mm. A field that is spread too far for waves has spread_mm and spread_times,
-    over λN, instead."""
+    Every report is an object with name, efl_mm, f_number, focus_distance_mm, film_z_mm, wavelengths_nm, main_wavelength (its index),
+    azimuth_deg, airy_radius_mm, half_field_deg, and what stands below. Pairs are [sagittal, tangential]. A field from which nothing
+    comes has is_dark and no more. Without fields: 0, 0.7 and all of the half field, or `count` evenly over it.
 
-def lens_distortion_json(lens: Lens, settings: LensSettings, look: LensReportSettings, count: int) -> str:
-    """height_by_slope_mm and fields: angle_deg, and of the ray through the middle of the stop height_mm, straight_height_mm (by the
-    tangent; null from 90 degrees on), even_height_mm (by the angle), tangential_focus_mm and sagittal_focus_mm from the film, along z,
-    colour_mm: by wavelength, from the main one's height."""
+    spots (rays over the width of a beam, defocus_mm): defocus: for each of `defocus_mm` fields: angle_deg, centroid_mm from the film's
+    middle, chief_mm, rms_mm and largest_mm from the centroid, lines: wavelength_nm, rms_mm about its own centroid_mm, points_mm.
+
+    fans (rays): fields: angle_deg, tangential and sagittal, each a list by wavelength of pupil (in radii of the stop), error_mm from the
+    main wavelength's ray through the stop's middle, path_waves, longer than the middle ray's of that wavelength.
+
+    mtf (highest_per_mm, steps, heights, height_step_per_mm): frequencies_per_mm, steps + 1 from 0, and fields: angle_deg, height_mm,
+    sagittal and tangential (the frequency's direction), each contrast, geometric (rays alone) and limit (diffraction alone).
+    height_frequencies_per_mm, 0 to 4 steps, and heights: the same from the axis to the largest field.
+
+    psf: fields: angle_deg, height_mm, strehl by wavelength; a picture of side x side values, step_mm apart, rows from below, the middle
+    one where the middle of all rays' light lies, all wavelengths together, in units of the brightest that this pupil makes without
+    aberrations; and the part of the light that is encircled within radii_mm. A field that is spread too far for waves has spread_mm and
+    spread_times, over λN, instead.
+
+    distortion (count): height_by_slope_mm and fields: angle_deg, and of the ray through the middle of the stop height_mm,
+    straight_height_mm (by the tangent; null from 90 degrees on), even_height_mm (by the angle), tangential_focus_mm and
+    sagittal_focus_mm from the film, along z, colour_mm: by wavelength, from the main one's height.
+
+    illumination (count): fields that are lit: angle_deg, height_mm, relative to the axis (null where that is dark), projected_sr.
+
+    transmission (spectrum_nm): the light of these wavelengths that passes: fields, each angle_deg, parts (by wavelength, the mean of the
+    light that no rim stops; null where nothing comes through) and is_dark; t_number (of white light in the film's middle; null where that
+    is dark), coating_is_assumed (the file says nothing of it), coatings, each name, before (the medium behind the first surface that has
+    it) and reflected (at right angles, by wavelength), and unknown_absorption: glasses that count as clear."""
 
 def lens_ghosts_json(
     lens: Lens,
@@ -210,15 +204,6 @@ def lens_ghosts_json(
     light_mm2 (irradiance times area) that gets to the film's plane, and on_film_mm2 of it; on_film_mm2 of all; and of the setting name,
     wavelength_nm, f_number, focus_distance_mm, angle_deg, azimuth_deg, film_mm (by default the lens file's, or 36 by 24), reflections.
     brute_force (null unless asked for): rays, on_film_mm2 by the number of reflections, and its standard error_mm2."""
-
-def lens_illumination_json(lens: Lens, settings: LensSettings, look: LensReportSettings, count: int) -> str:
-    """fields that are lit: angle_deg, height_mm, relative to the axis (null where that is dark), projected_sr."""
-
-def lens_transmission_json(lens: Lens, settings: LensSettings, look: LensReportSettings, spectrum_nm: Sequence[float]) -> str:
-    """What the lens lets through of light of these wavelengths, spectrum_nm: fields, each angle_deg, parts (by wavelength, the mean of the
-    light that no rim stops; null where nothing comes through) and is_dark; t_number (of white light in the film's middle; null where that
-    is dark), coating_is_assumed (the file says nothing of it), coatings, each name, before (the medium behind the first surface that has
-    it) and reflected (at right angles, by wavelength), and unknown_absorption: glasses that count as clear."""
 
 def glass_json(name: str, catalogue: str | None, wavelengths_nm: Sequence[float], thickness_mm: float) -> str:
     """A glass of the shipped catalogues, or of the .agf or .yml file `catalogue`: name, source, makers (that have one of this name, the

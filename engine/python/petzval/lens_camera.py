@@ -30,7 +30,9 @@ def add_camera(parser: argparse.ArgumentParser, kinds: str) -> None:
     parser.add_argument("--shift", type=types.pair, default=[0.0, 0.0], metavar="X,Y", help="the lens right and up against the film, mm")  # fmt: skip
 
 
-def camera_of(arguments: argparse.Namespace, *, wavelength_nm: float | None = None, spectrum: str = "VISIBLE") -> CameraDescription:
+def camera_of(
+    arguments: argparse.Namespace, *, wavelength_nm: float | None = None, spectrum: str = "VISIBLE"
+) -> CameraDescription:
     """What `add_camera` asked for, as the engine takes it."""
     distance = arguments.focus_distance
     is_far = distance is None or math.isinf(distance)

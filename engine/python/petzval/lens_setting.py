@@ -42,7 +42,9 @@ def add_setting(parser: argparse.ArgumentParser) -> None:
     opening.add_argument(
         "--pupil-diameter", type=number, metavar="MM", help="or to this diameter of the entrance pupil, as of an eye's"
     )
-    parser.add_argument("--blades", type=_count, metavar="N", help=f"blades of the diaphragm, 3 to {MOST_BLADES}; 0 is round")
+    parser.add_argument(
+        "--blades", type=_count, metavar="N", help=f"blades of the diaphragm, 3 to {MOST_BLADES}; 0 is round"
+    )
     parser.add_argument("--blade-curvature", type=number, metavar="C", help="of the blades' edges: 0 straight, 1 round")
     parser.add_argument("--blade-rotation", type=number, metavar="DEG", help="turn of the diaphragm about the axis")
     parser.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")

@@ -9,6 +9,7 @@ use petzval_render::camera::CameraError;
 use petzval_render::job::SettingsError;
 use petzval_render::job::request::RequestError;
 use petzval_render::plan::PlanError;
+use petzval_render::reports::ReportError;
 use petzval_render::scene::SceneError;
 use pyo3::create_exception;
 use pyo3::exceptions::PyException;
@@ -80,6 +81,17 @@ pub(crate) fn invalid(what: impl Into<String>) -> Error {
 /// A piece of a scene from Python is not what was asked for.
 pub(crate) fn bad_scene(what: impl Into<String>) -> Error {
     Error(PyErr::new::<SceneError_, _>(what.into()))
+}
+
+impl From<ReportError> for Error {
+    fn from(e: ReportError) -> Self {
+        match e {
+            ReportError::System(e) => e.into(),
+            ReportError::Focus(e) => e.into(),
+            ReportError::Groups(e) => e.into(),
+            other => invalid(other.to_string()),
+        }
+    }
 }
 
 impl From<RequestError> for Error {

@@ -1,9 +1,9 @@
 //! Glasses, for `petzval glass`.
 
 use crate::error::{Error, invalid};
-use crate::lens::check_wavelength;
 use petzval_optics::formats;
 use petzval_optics::glass::{Catalogue, Medium, line_nm};
+use petzval_render::reports::check_wavelength;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;

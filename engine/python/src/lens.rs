@@ -1,26 +1,23 @@
 //! Lens files for `petzval lens`.
 
 use crate::described::Described;
-use crate::error::{Error, invalid};
+use crate::error::{Error, invalid, json};
 use crate::gil::without_gil;
-use crate::library;
 use glam::DVec3;
 use petzval_optics::focus::focused;
 use petzval_optics::formats;
 use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM};
 use petzval_optics::lane::Real;
-use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
-use petzval_optics::seidel::Seidel;
-use petzval_optics::surface::Section;
 use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Tracer};
-use petzval_optics::vignetting::Vignetting;
-use petzval_render::camera::t_number;
+use petzval_render::reports::check_wavelength;
+use petzval_render::reports::info::info;
+use petzval_render::reports::summary::summary;
 use pyo3::prelude::*;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
 use std::collections::HashMap;
-use std::f64::consts::PI;
 use std::path::PathBuf;
 
 /// A checked lens prescription.
@@ -75,7 +72,7 @@ impl Lens {
     }
 
     fn summary_json(&self) -> Result<String, Error> {
-        library::summary(&self.prescription)
+        json(&summary(&self.prescription)?)
     }
 
     #[pyo3(signature = (settings = None, *, wavelength_nm = 587.5618, focus_distance_mm = None))]
@@ -86,67 +83,8 @@ impl Lens {
         wavelength_nm: f64,
         focus_distance_mm: Option<f64>,
     ) -> Result<String, Error> {
-        check_wavelength(wavelength_nm)?;
         let settings = settings.map(|settings| settings.0).unwrap_or_default();
-        let coating_is_assumed = settings.coating.is_none() && self.prescription.assumes_coatings();
-        let (system, focus) = focused(&self.prescription, &settings, wavelength_nm, focus_distance_mm)?;
-        let p = Paraxial::new(&system, wavelength_nm);
-        let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
-        let fields = without_gil(py, || Vignetting::new(&system, wavelength_nm, &focus))?;
-        let total = seidel.as_ref().map(Seidel::total);
-        let by_surface = seidel.as_ref().map(|s| &s.by_surface);
-        let pupil = |p: &Pupil| json!({ "z_mm": p.z_mm, "diameter_mm": p.diameter_mm });
-        let across = Paraxial::in_section(&system, Section::X, wavelength_nm);
-        let across = (across != p).then(|| {
-            json!({
-                "efl_mm": across.efl_mm,
-                "image_focal_plane_mm": across.image_focal_plane_mm,
-                "entrance_pupil": pupil(&across.entrance_pupil),
-                "exit_pupil": pupil(&across.exit_pupil),
-                "f_number": across.f_number,
-            })
-        });
-        Ok(json!({
-            "name": system.name(),
-            "wavelength_nm": p.wavelength_nm,
-            "efl_mm": p.efl_mm,
-            "bfd_mm": p.bfd_mm,
-            "ffd_mm": p.ffd_mm,
-            "object_principal_plane_mm": p.object_principal_plane_mm,
-            "image_principal_plane_mm": p.image_principal_plane_mm,
-            "object_focal_plane_mm": p.object_focal_plane_mm,
-            "image_focal_plane_mm": p.image_focal_plane_mm,
-            "entrance_pupil": pupil(&p.entrance_pupil),
-            "exit_pupil": pupil(&p.exit_pupil),
-            "f_number": p.f_number,
-            "t_number": t_number(&system, wavelength_nm, focus.film_z_mm),
-            "coatings": system.coatings(),
-            "coating_is_assumed": coating_is_assumed,
-            "unknown_absorption": system.glasses_of_unknown_absorption(),
-            "working_f_number": focus.working_f_number,
-            "stop_diameter_mm": p.stop_diameter_mm,
-            "stop_area_mm2": system.diaphragm().area_mm2(),
-            "f_number_by_area": p.f_number.map(|n| n * rounded(&system)),
-            "focus_distance_mm": focus_distance_mm.filter(|d| *d != f64::INFINITY),
-            "object_plane_mm": focus.object_plane_mm,
-            "magnification": focus.magnification,
-            "film_z_mm": focus.film_z_mm,
-            "total_track_mm": focus.film_z_mm,
-            "petzval_radius_mm": p.petzval_radius_mm,
-            "seidel": total.map(|sums| sums.seidel),
-            "seidel_by_surface": by_surface.map(|all| all.iter().map(|sums| sums.seidel).collect::<Vec<_>>()),
-            "chromatic": total.map(|sums| sums.chromatic),
-            "chromatic_by_surface": by_surface.map(|all| all.iter().map(|sums| sums.chromatic).collect::<Vec<_>>()),
-            "seidel_missing": no_seidel(&system, &p),
-            "seidel_field_deg": seidel.as_ref().map(|s| s.field_deg),
-            "vignetting_free_field_deg": fields.free_field_deg,
-            "half_vignetted_field_deg": fields.half_field_deg,
-            "largest_field_deg": fields.largest_field_deg,
-            "axial_beam_cut_by_surface": fields.axial_beam_cut_by,
-            "section_x": across,
-            "surfaces": p.surfaces,
-        })
-        .to_string())
+        json(&without_gil(py, || info(&self.prescription, &settings, wavelength_nm, focus_distance_mm))??)
     }
 
     #[pyo3(signature = (rays_json, settings = None, *, from_film = false, precision = "f64", focus = None))]
@@ -182,29 +120,8 @@ impl Lens {
             .map(|(i, ray)| parse_ray(i, ray))
             .collect::<Result<Vec<_>, Error>>()?;
         let out = without_gil(py, || trace(&system, &rays, from_film))?;
-        Ok(json!({ "rays": out }).to_string())
+        json(&Rays { rays: out })
     }
-}
-
-/// The reason why there are no Seidel sums; `None`: there are.
-fn no_seidel(system: &System, p: &Paraxial) -> Option<&'static str> {
-    if system.has_gradients() {
-        return Some("a medium has a gradient, whose own share is not worked out");
-    }
-    p.entrance_pupil.z_mm.is_none().then_some("the entrance pupil is at infinity")
-}
-
-/// Radius of the circle that holds the diaphragm's opening, over that of a round opening of equal area.
-fn rounded(system: &System) -> f64 {
-    let diaphragm = system.diaphragm();
-    diaphragm.radius_mm() * (PI / diaphragm.area_mm2()).sqrt()
-}
-
-pub(crate) fn check_wavelength(nm: f64) -> Result<(), Error> {
-    if (100.0..=20_000.0).contains(&nm) {
-        return Ok(());
-    }
-    Err(invalid(format!("wavelength {nm} nm: give nanometres; visible light is 380 to 780")))
 }
 
 fn parse_ray(index: usize, ray: &Value) -> Result<(Ray, f64), Error> {
@@ -225,7 +142,23 @@ fn parse_ray(index: usize, ray: &Value) -> Result<(Ray, f64), Error> {
     Ok((Ray { origin, direction }, nm))
 }
 
-fn trace_all<R: Real>(system: &System, rays: &[(Ray, f64)], from_film: bool) -> Vec<Value> {
+/// Traced rays as they are written.
+#[derive(Serialize)]
+struct Rays {
+    rays: Vec<Traced>,
+}
+
+/// A traced ray: its end behind the last surface, or the reason and the surface at which it was lost.
+#[derive(Serialize)]
+struct Traced {
+    status: &'static str,
+    surface: Option<usize>,
+    hits: Vec<[f64; 3]>,
+    origin: Option<[f64; 3]>,
+    direction: Option<[f64; 3]>,
+}
+
+fn trace_all<R: Real>(system: &System, rays: &[(Ray, f64)], from_film: bool) -> Vec<Traced> {
     let mut tracers: HashMap<u64, Tracer<R>> = HashMap::new();
     rays.iter()
         .map(|(ray, nm)| {
@@ -235,28 +168,19 @@ fn trace_all<R: Real>(system: &System, rays: &[(Ray, f64)], from_film: bool) -> 
         .collect()
 }
 
-fn traced<R: Real>(tracer: &Tracer<R>, ray: Ray, from_film: bool) -> Value {
+fn traced<R: Real>(tracer: &Tracer<R>, ray: Ray, from_film: bool) -> Traced {
     let mut hits = Vec::new();
     let result = if from_film {
         tracer.from_film_recording(ray, &mut hits)
     } else {
         tracer.from_scene_recording(ray, &mut hits)
     };
-    let hits: Vec<[f64; 3]> = hits.iter().map(DVec3::to_array).collect();
-    match result {
-        Ok(out) => json!({
-            "status": "ok",
-            "surface": null,
-            "hits": hits,
-            "origin": out.origin.to_array(),
-            "direction": out.direction.to_array(),
-        }),
-        Err(lost) => json!({
-            "status": lost.reason.name(),
-            "surface": lost.surface,
-            "hits": hits,
-            "origin": null,
-            "direction": null,
-        }),
-    }
+    let hits = hits.iter().map(DVec3::to_array).collect();
+    let (status, surface) = match &result {
+        Ok(_) => ("ok", None),
+        Err(lost) => (lost.reason.name(), Some(lost.surface)),
+    };
+    let out = result.ok();
+    let (origin, direction) = (out.map(|ray| ray.origin.to_array()), out.map(|ray| ray.direction.to_array()));
+    Traced { status, surface, hits, origin, direction }
 }

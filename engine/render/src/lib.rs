@@ -2,7 +2,7 @@
 //!
 //! Data goes one way, and a module uses only those above it in this list:
 //! [`spectrum`] → [`sampler`] → [`scene`] → [`accel`] → [`surface`] → [`nodes`] → [`shading`] → [`lights`] → [`camera`] →
-//! [`integrator`] → [`film`] → [`pipeline`] → [`stray`] → [`plan`] → [`job`].
+//! [`reports`] → [`integrator`] → [`film`] → [`pipeline`] → [`stray`] → [`plan`] → [`job`].
 //!
 //! # Spaces and units
 //! *World space* is Blender's, in Blender units. *Render space* has the world's axes and its origin at the
@@ -21,6 +21,7 @@ pub mod lights;
 pub mod nodes;
 pub mod pipeline;
 pub mod plan;
+pub mod reports;
 pub mod sampler;
 pub mod scene;
 pub mod shading;

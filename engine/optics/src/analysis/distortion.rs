@@ -2,6 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
+use serde::Serialize;
+
 use super::{Analysis, View};
 use crate::trace::Ray;
 
@@ -9,7 +11,7 @@ use crate::trace::Ray;
 const BESIDE: f64 = 1e-4;
 
 /// The ray of a field through the middle of the stop.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChiefRay {
     /// The field's angle.
     pub angle_deg: f64,

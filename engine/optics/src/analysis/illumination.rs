@@ -2,6 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
+use serde::Serialize;
+
 use super::{Analysis, Touching, centroid};
 use crate::trace::{Ray, Travel};
 
@@ -17,7 +19,7 @@ const TRIES: usize = 40;
 const LEAST: f64 = 1e-4;
 
 /// Light at a place of the film.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Illumination {
     /// Angle of the field.
     pub angle_deg: f64,

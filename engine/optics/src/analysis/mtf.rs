@@ -6,6 +6,7 @@
 //! pupil as rays find it. The waves are taken on a square lattice ([`super::waves`]) whose cell goes into λ ν a whole number of times.
 
 use glam::DVec2;
+use serde::Serialize;
 use thiserror::Error;
 
 use super::wavefront::Eikonal;
@@ -34,7 +35,7 @@ pub enum MtfError {
 }
 
 /// Contrast left of line pairs, from 0 to 1, by frequency: 0, `step`, 2 `step`... All wavelengths together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mtf {
     /// The field's angle.
     pub angle_deg: f64,
@@ -47,7 +48,7 @@ pub struct Mtf {
 }
 
 /// The contrast in one direction.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
     /// Contrast with aberrations and diffraction.
     pub contrast: Vec<f64>,

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 use petzval_fourier::{Complex, Direction, complex_f64};
+use serde::Serialize;
 use thiserror::Error;
 
 use super::wavefront::Eikonal;
@@ -49,7 +50,7 @@ pub enum PsfError {
 }
 
 /// The light of a point. Places are [sagittal, tangential] from the middle of all rays' light, mm.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Psf {
     /// The field's angle.
     pub angle_deg: f64,

@@ -2,10 +2,12 @@
 
 use glam::DVec2;
 
+use serde::Serialize;
+
 use super::{Analysis, Line, centroid};
 
 /// The spot of a field. Places are [sagittal, tangential], mm.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spot {
     /// The field's angle.
     pub angle_deg: f64,
@@ -22,7 +24,7 @@ pub struct Spot {
 }
 
 /// The spot of one wavelength.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpotLine {
     /// The wavelength in vacuum.
     pub wavelength_nm: f64,

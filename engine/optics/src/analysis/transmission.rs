@@ -1,5 +1,7 @@
 //! Transmission of the lens in each colour, on the axis and at fields off it.
 
+use serde::Serialize;
+
 use super::Analysis;
 use crate::transmission::{Passage, Passages};
 
@@ -7,7 +9,7 @@ use crate::transmission::{Passage, Passages};
 const MESH: usize = 15;
 
 /// The transmission of a field.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldTransmission {
     /// The field's angle to the axis.
     pub angle_deg: f64,

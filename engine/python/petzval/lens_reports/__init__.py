@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of what the engine reports of a lens, one kind a file: `draw(found, figure)` fills a figure of `page`."""
+"""Reports on a lens, one kind a file with its `REPORT`; `registry.REPORTS` lists them. `draw(found, figure)` fills a figure of `page`."""

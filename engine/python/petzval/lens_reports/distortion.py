@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import argparse
 from typing import Any
 
+from ..argument_types import natural
 from .page import DARK, lengths, line_colours, line_names
+from .report import LensReport
 
 #: From this half field on a picture by the tangent is none that anybody wants: distortion is that from heights by the angle.
 _FISHEYE_DEG = 60.0
@@ -69,3 +72,22 @@ def _colour(found: dict[str, Any], lit: list[dict[str, Any]], axes: Any) -> None
     axes.set_title("lateral colour", color=DARK)
     axes.set_xlabel(f"height from that at {wavelengths[found['main_wavelength']]:.4g} nm, {unit}")
     axes.legend(loc="best", fontsize=8)
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--count", type=natural, default=41, metavar="N", help="of the fields; default: 41")
+
+
+REPORT = LensReport(
+    name="distortion",
+    label="Distortion & Field Curvature",
+    help="distortion, field curvature, lateral colour",
+    description="Distortion, field curvature and lateral colour over the field",
+    size_in=size_in,
+    draw=draw,
+    title=lambda _found: "rays through the middle of the stop",
+    is_over_the_field=True,
+    options={"count": 41},
+    add_options=_add_options,
+    options_of=lambda arguments: {"count": arguments.count},
+)

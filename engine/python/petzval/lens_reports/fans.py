@@ -3,9 +3,14 @@
 
 from __future__ import annotations
 
+import argparse
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
+from ..argument_types import natural
 from .page import DARK, degrees, lengths, line_colours, line_names
+from .report import LensReport
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
@@ -42,3 +47,30 @@ def draw(found: dict[str, Any], figure: Any, key: str = "error_mm") -> None:
     axes[0][0].set_ylim(-limit, limit)
     handles = [axes[0][0].plot([], [], color=c, label=n)[0] for c, n in zip(colours, names, strict=True)]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8)
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--rays", type=natural, default=201, metavar="N", help="of a fan; default: 201")
+    parser.add_argument("--path", action="store_true", help="how long they take instead, in wavelengths")
+
+
+def _drawn_as(arguments: argparse.Namespace, report: LensReport) -> LensReport:
+    if not arguments.path:
+        return report
+    paths = "optical path beyond the middle ray's"
+    return replace(report, draw=partial(draw, key="path_waves"), title=lambda _found: paths)
+
+
+REPORT = LensReport(
+    name="fans",
+    label="Ray Fans",
+    help="how far rays across the pupil land from the middle one",
+    description="How far rays across the pupil land from the middle one",
+    size_in=size_in,
+    draw=draw,
+    title=lambda _found: "ray fans: where rays land, from the middle one",
+    options={"rays": 201},
+    add_options=_add_options,
+    options_of=lambda arguments: {"rays": arguments.rays},
+    drawn_as=_drawn_as,
+)

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 from typing import Any
 
+from ..argument_types import natural, number
 from .page import PALE, field_colour
+from .report import LensReport
 
 
 def size_in(found: list[dict[str, Any]]) -> tuple[float, float]:
@@ -43,3 +46,26 @@ def draw(found: list[dict[str, Any]], figure: Any) -> None:
     stops.set_yticks([100.0 * 0.5**stop for stop in marks], [f"−{stop:g}" if stop else "0" for stop in marks])
     stops.set_ylabel("stops")
     axes.legend(loc="lower left", fontsize=8)
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--count", type=natural, default=31, metavar="N", help="of the fields; default: 31")
+    parser.add_argument(
+        "--f-numbers", nargs="+", type=number, default=[], metavar="N", help="a curve for each, instead of --f-number"
+    )
+
+
+REPORT = LensReport(
+    name="illumination",
+    label="Illumination",
+    help="how bright the picture is off its middle",
+    description="How bright the picture is off its middle",
+    size_in=size_in,
+    draw=draw,
+    title=lambda _found: "light on the film, of a scene as bright everywhere",
+    is_over_the_field=True,
+    options={"count": 31},
+    add_options=_add_options,
+    options_of=lambda arguments: {"count": arguments.count},
+    has_f_numbers=True,
+)

@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import argparse
 from typing import Any
 
+from ..argument_types import natural, number
 from .page import PALE, degrees, field_colour
+from .report import LensReport, together
 
 _DASHES = (4, 2)
 #: From coarse to fine lines.
@@ -67,3 +70,34 @@ def _legend(axes: Any) -> None:
     axes.legend(
         loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4, fontsize=8, columnspacing=1.2, handlelength=1.8
     )
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--frequency", type=number, default=100.0, metavar="N", help="the highest, line pairs/mm; default: 100"
+    )
+    parser.add_argument("--steps", type=natural, default=40, metavar="N", help="of the frequency; default: 40")
+    parser.add_argument("--heights", type=natural, default=13, metavar="N", help="in the picture; default: 13")
+    parser.add_argument(
+        "--height-frequency", type=number, default=10.0, metavar="N",
+        help="over the height are 1, 2, 3 and 4 times so many line pairs/mm; default: 10",
+    )  # fmt: skip
+
+
+REPORT = LensReport(
+    name="mtf",
+    label="MTF",
+    help="how much contrast is left of fine lines",
+    description="How much contrast is left of fine lines",
+    size_in=size_in,
+    draw=draw,
+    title=lambda found: f"modulation transfer with diffraction, {together(found)}",
+    options={"highest_per_mm": 100.0, "steps": 40, "heights": 13, "height_step_per_mm": 10.0},
+    add_options=_add_options,
+    options_of=lambda arguments: {
+        "highest_per_mm": arguments.frequency,
+        "steps": arguments.steps,
+        "heights": arguments.heights,
+        "height_step_per_mm": arguments.height_frequency,
+    },
+)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from .page import DARK, degrees, field_colour, lengths
+from .report import LensReport, together
 
 #: Decades that the dark picture shows.
 _DECADES = 4.0
@@ -40,7 +41,7 @@ def draw(found: dict[str, Any], figure: Any) -> None:
     below.set_xlabel(f"radius about the middle of the light, {unit}")
     below.set_ylabel("light within")
     below.set_ylim(0.0, 1.0)
-    below.set_xlim(left=0.0)
+    below.set_xlim(0.0)
     if lit:
         below.legend(loc="lower right", fontsize=8)
 
@@ -85,3 +86,14 @@ def _pictures(
         bright.set_ylabel(f"tangential, {unit}")
         dark.set_ylabel(f"tangential, {unit}")
     dark.set_xlabel(f"sagittal, {unit}")
+
+
+REPORT = LensReport(
+    name="psf",
+    label="Point Spread",
+    help="what diffraction and aberrations make of a point",
+    description="The image of a point with diffraction and aberrations",
+    size_in=size_in,
+    draw=draw,
+    title=lambda found: f"point spread with diffraction, {together(found)}",
+)

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 from typing import Any
 
+from ..argument_types import natural, number
 from .page import DARK, degrees, lengths, line_colours, line_names
+from .report import LensReport
 
 #: Inches of a spot.
 _SIDE_IN = 2.6
@@ -90,3 +93,24 @@ def _round_up(value: float) -> float:
     """To the next of 1, 1.5, 2, 3, 5, 7 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(step * power for step in (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0) if step * power >= value * (1 - 1e-12))
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--rays", type=natural, default=41, metavar="N", help="over the width of a beam; default: 41")
+    parser.add_argument(
+        "--defocus", nargs="+", type=number, default=[0.0], metavar="MM", help="a column for each place of the film"
+    )
+
+
+REPORT = LensReport(
+    name="spots",
+    label="Spot Diagrams",
+    help="where the rays of a point meet the film",
+    description="Where the rays of points meet the film",
+    size_in=size_in,
+    draw=draw,
+    title=lambda _found: "spot diagrams, about the middle of their light",
+    options={"rays": 41, "defocus_mm": [0.0]},
+    add_options=_add_options,
+    options_of=lambda arguments: {"rays": arguments.rays, "defocus_mm": list(arguments.defocus)},
+)

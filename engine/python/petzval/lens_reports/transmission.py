@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import argparse
 from typing import Any
 
+from ..argument_types import number
 from .page import degrees, field_colour
+from .report import LensReport
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
@@ -32,3 +35,51 @@ def draw(found: dict[str, Any], figure: Any) -> None:
     through.set_ylim(0.0, 100.0)
     most = max((100.0 * max(coating["reflected"]) for coating in found["coatings"]), default=1.0)
     back.set_ylim(0.0, 1.1 * most)
+
+
+def _add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--spectrum", nargs=3, type=number, default=[380.0, 780.0, 5.0], metavar=("FROM", "TO", "STEP"),
+        help="nanometres; default: 380 780 5",
+    )  # fmt: skip
+
+
+def _spectrum_nm(first: float, last: float, step: float) -> list[float]:
+    return [first + step * i for i in range(int((last - first) / step + 1e-9) + 1)]
+
+
+def _options_of(arguments: argparse.Namespace) -> dict[str, Any]:
+    first, last, step = arguments.spectrum
+    steps = (last - first) / step if step > 0.0 else 0.0
+    if not 1.0 <= steps <= 1999.0:
+        arguments.usage_error("--spectrum FROM TO STEP: two wavelengths and a step between them, at most 2000 in all")
+    return {"spectrum_nm": _spectrum_nm(first, last, step)}
+
+
+def _title(found: dict[str, Any]) -> str:
+    number_of_white = found["t_number"]
+    return "light that passes" + ("" if number_of_white is None else f", T/{number_of_white:.3g} for white")
+
+
+def _remarks(found: dict[str, Any]) -> list[str]:
+    said = []
+    if found["coating_is_assumed"]:
+        said.append(f"its file names no coating: {found['coatings'][0]['name']} is assumed")
+    if found["unknown_absorption"]:
+        said.append(f"counted as clear, for their absorption is not known: {', '.join(found['unknown_absorption'])}")
+    return said
+
+
+REPORT = LensReport(
+    name="transmission",
+    label="Transmission",
+    help="what is left of each colour, and what coatings reflect",
+    description="What is left of each colour, and what coatings reflect",
+    size_in=size_in,
+    draw=draw,
+    title=_title,
+    options={"spectrum_nm": _spectrum_nm(380.0, 780.0, 5.0)},
+    add_options=_add_options,
+    options_of=_options_of,
+    remarks=_remarks,
+)

@@ -9,8 +9,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import ticks
+from .colour_maps import coloured
 from .legend import Legend
 from .lines import Line, colour_of
 from .strokes import stroke
@@ -25,6 +27,21 @@ _NUMBER_COLOUR, _EDGE, _GRID = "#444444", "#8a939a", "#e3e7ea"
 _MARGIN = 0.05
 #: Marks whose line is not drawn.
 _FORMATS = {"o": "o", "*": "*", "<": "<"}
+
+
+#: A place in a figure's grid: the row, the first and the last column.
+Place = tuple[int, int, int]
+
+
+@dataclass
+class _Image:
+    """Numbers as colours, rows from below."""
+
+    values: npt.NDArray[np.float64]
+    #: Left, right, low, high, of the data.
+    extent: tuple[float, float, float, float]
+    colours: str
+    limits: tuple[float, float]
 
 
 @dataclass
@@ -87,11 +104,11 @@ class _RightAxis:
 
 
 class Axes:
-    """A plot of a figure; its place is (row, column) of the figure's grid."""
+    """A plot of a figure; its place is that in the figure's grid."""
 
     transAxes = object()  # noqa: N815
 
-    def __init__(self, figure: Figure, place: tuple[int, int] | None) -> None:
+    def __init__(self, figure: Figure, place: Place | None) -> None:
         self.figure, self.place = figure, place
         self.box = (0.0, 0.0, 1.0, 1.0)
         self.share_x = self.share_y = self
@@ -104,6 +121,8 @@ class Axes:
         self._texts: list[tuple[float, float, str, dict[str, Any]]] = []
         self._legend: tuple[Legend, str, tuple[float, float]] | None = None
         self._right: _RightAxis | None = None
+        self._image: _Image | None = None
+        self._has_grid = figure.has_grid
         self._is_equal, self._number_size, self._has_axes = False, 9.0, True
 
     # What is drawn.
@@ -132,6 +151,15 @@ class Axes:
         """An area and its edge."""
         corners = np.stack([np.asarray(x, dtype=float), np.asarray(y, dtype=float)], axis=1)
         self._areas.append((zorder, (corners, facecolor, edgecolor, linewidth)))
+
+    def imshow(
+        self, values: Any, *, extent: tuple[float, float, float, float], cmap: str, vmin: float | None = None,
+        vmax: float | None = None, **_look: Any,
+    ) -> None:  # fmt: skip
+        """Numbers as colours, the first row below, each over its own part of the extent: left, right, low, high."""
+        numbers = np.asarray(values, dtype=float)
+        limits = (numbers.min() if vmin is None else vmin, numbers.max() if vmax is None else vmax)
+        self._image = _Image(numbers, extent, cmap, limits)
 
     def text(self, x: float, y: float, text: str, **look: Any) -> None:
         """Words at a place of the data, or of the plot with `transform=transAxes`."""
@@ -178,6 +206,10 @@ class Axes:
     def set_aspect(self, _kind: str) -> None:
         """One length is as long both ways."""
         self._is_equal = True
+
+    def grid(self, visible: bool) -> None:
+        """Lines at the ticks."""
+        self._has_grid = visible
 
     def set_axis_off(self) -> None:
         """No scales."""
@@ -243,6 +275,9 @@ class Axes:
         owner = self.share_x if axis == "x" else self.share_y
         scale = owner._x if axis == "x" else owner._y
         low, high = scale.limits
+        if (low is None or high is None) and owner._image is not None:
+            ends = owner._image.extent[:2] if axis == "x" else owner._image.extent[2:]
+            low, high = (ends[0] if low is None else low), (ends[1] if high is None else high)
         if low is None or high is None:
             sharers = [one for one in self.figure.axes if (one.share_x if axis == "x" else one.share_y) is owner]
             lines = [line for one in sharers for line in one.lines if line.endless in ("", axis)]
@@ -283,6 +318,8 @@ class Axes:
         """Into the figure's picture."""
         self._fit()
         left, low, right, high = self.box
+        if self._image is not None:
+            self._draw_image(self._image)
         if self._has_axes:
             self._draw_scales()
         drawings: list[tuple[float, Callable[[Any], None], Any]] = [
@@ -298,6 +335,23 @@ class Axes:
             self.figure.write(at_x, at_y, text, **words)
         if self._legend:
             self._draw_legend(*self._legend)
+
+    def _draw_image(self, image: _Image) -> None:
+        """Each pixel of the box has the colour of the number under its middle; beyond the extent there is none."""
+        left, low, right, high = self.box
+        columns, rows = np.arange(round(left), round(right)), np.arange(round(low), round(high))
+        (x0, x1), (y0, y1) = self._seen("x"), self._seen("y")
+        begin, end, bottom, top = image.extent
+        tall, wide = image.values.shape
+        across = np.floor(((x0 + (columns + 0.5 - left) / (right - left) * (x1 - x0)) - begin) / (end - begin) * wide)
+        up = np.floor(((y0 + (rows + 0.5 - low) / (high - low) * (y1 - y0)) - bottom) / (top - bottom) * tall)
+        is_across, is_up = (across >= 0) & (across < wide), (up >= 0) & (up < tall)
+        if not (is_across.any() and is_up.any()):
+            return
+        shown = image.values[np.ix_(up[is_up].astype(int), across[is_across].astype(int))]
+        least, most = image.limits
+        parts = (shown - least) / ((most - least) or 1.0)
+        self.figure.canvas.pixels[np.ix_(rows[is_up], columns[is_across])] = coloured(parts, image.colours)
 
     def _draw_area(self, area: Any) -> None:
         points, face, edge, width = area
@@ -331,7 +385,7 @@ class Axes:
         x_at = [(self.to_pixels(v, seen_y[0])[0], w) for v, w in zip(x_places, x_words, strict=True) if seen_x[0] - 1e-9 <= v <= seen_x[1] * (1 + 1e-9) + 1e-9]  # fmt: skip
         y_at = [(self.to_pixels(seen_x[0], v)[1], w) for v, w in zip(y_places, y_words, strict=True)]
         y_at = [(y, word) for y, word in y_at if low - 1.0 <= y <= high + 1.0]
-        if figure.has_grid:
+        if self._has_grid:
             for x, _ in x_at:
                 rule([[x, low], [x, high]], _GRID, 0.7)
             for y, _ in y_at:

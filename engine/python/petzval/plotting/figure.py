@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from .axes import Axes
+from .axes import Axes, Place
 from .legend import Legend
 from .lines import Line, colour_of
 from .raster import Canvas, Polygon
@@ -28,6 +28,19 @@ class Lettering(Protocol):
 
     def outline(self, text: str) -> tuple[list[Polygon], float]:
         """The outlines of a line of text, capitals as high as 1, from the origin of its first letter; and how wide it is."""
+
+
+class GridSpec:
+    """A grid of plots: `grid[row, column]` is the place of one, `grid[row, :]` that of one over a whole row."""
+
+    def __init__(self, columns: int) -> None:
+        self._columns = columns
+
+    def __getitem__(self, key: tuple[int, int | slice]) -> Place:
+        row, column = key
+        if isinstance(column, slice):
+            return row, 0, self._columns - 1
+        return row, column, column
 
 
 class Figure:
@@ -57,7 +70,7 @@ class Figure:
     ) -> Any:  # fmt: skip
         """Plots in a grid; an array of them, but one alone, or one row."""
         self._grid = rows, columns, width_ratios or [1.0] * columns
-        grid = [[Axes(self, (row, column)) for column in range(columns)] for row in range(rows)]
+        grid = [[Axes(self, (row, column, column)) for column in range(columns)] for row in range(rows)]
         for row, line in enumerate(grid):
             for column, axes in enumerate(line):
                 axes.share_x = grid[0][0] if sharex else axes
@@ -68,6 +81,17 @@ class Figure:
         if not squeeze:
             return grid
         return (grid[0][0] if columns == 1 else grid[0]) if rows == 1 else grid
+
+    def add_gridspec(self, rows: int, columns: int) -> GridSpec:
+        """A grid for `add_subplot`."""
+        self._grid = rows, columns, [1.0] * columns
+        return GridSpec(columns)
+
+    def add_subplot(self, place: Place) -> Axes:
+        """A plot in a place of the grid."""
+        axes = Axes(self, place)
+        self.axes.append(axes)
+        return axes
 
     def add_axes(self, rectangle: tuple[float, float, float, float]) -> Axes:
         """A plot in that part of the picture: left, low, width, height."""
@@ -143,18 +167,24 @@ class Figure:
         if self._legend and self._legend[1].startswith("outside"):
             low += self._legend[0].size(self)[1] + self.pixels(4.0)
         gap, across = _GAP * self.pixels(self.font_size), _GAP_ACROSS * self.pixels(self.font_size)
-        margins = {axes.place: axes.margins() for axes in self.axes}
-        columns_of = [[margins[row, c] for row in range(rows)] for c in range(columns)]
-        rows_of = [[margins[r, column] for column in range(columns)] for r in range(rows)]
-        lefts, rights = ([max(m[i] for m in found) for found in columns_of] for i in (0, 2))
-        lows, highs = ([max(m[i] for m in found) for found in rows_of] for i in (1, 3))
+        lefts, rights, lows, highs = [0.0] * columns, [0.0] * columns, [0.0] * rows, [0.0] * rows
+        for axes in self.axes:
+            if axes.place is None:
+                continue
+            row, first, last = axes.place
+            around = axes.margins()
+            for most, i, margin in ((lefts, first, around[0]), (lows, row, around[1]), (rights, last, around[2]), (highs, row, around[3])):  # fmt: skip
+                most[i] = max(most[i], margin)
         wide = right - left - sum(lefts) - sum(rights) - across * (columns - 1)
         tall = (high - low - sum(lows) - sum(highs) - gap * (rows - 1)) / rows
         for axes in self.axes:
             if axes.place is None:
                 continue
-            row, column = axes.place
-            x = left + sum(lefts[: column + 1]) + sum(rights[:column]) + across * column
-            x += wide * sum(ratios[:column]) / sum(ratios)
+            row, first, last = axes.place
+            # The left edges of the plots in the first and in the last of its columns.
+            begin, end = (
+                left + sum(lefts[: c + 1]) + sum(rights[:c]) + across * c + wide * sum(ratios[:c]) / sum(ratios)
+                for c in (first, last)
+            )
             y = high - sum(highs[: row + 1]) - sum(lows[:row]) - (gap + tall) * row
-            axes.box = (x, y - tall, x + wide * ratios[column] / sum(ratios), y)
+            axes.box = (begin, y - tall, end + wide * ratios[last] / sum(ratios), y)

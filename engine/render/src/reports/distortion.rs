@@ -1,0 +1,40 @@
+//! Distortion, field curvature and lateral colour over the field.
+
+use super::{Field, LensReport, MOST, ReportError, Subject, evenly, within};
+use petzval_optics::analysis::distortion::ChiefRay;
+use serde::{Deserialize, Serialize};
+
+/// Options of distortion.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Distortion {
+    /// Number of fields.
+    count: usize,
+}
+
+/// The chief rays of the fields.
+#[derive(Serialize)]
+pub(super) struct ChiefRays {
+    /// Height on the film by the tangent of the field, mm.
+    height_by_slope_mm: f64,
+    fields: Vec<Field<ChiefRay>>,
+}
+
+impl LensReport for Distortion {
+    const NAME: &'static str = "distortion";
+    type Found = ChiefRays;
+
+    fn parts(&self) -> Vec<f64> {
+        evenly(self.count)
+    }
+
+    fn check(&self) -> Result<(), ReportError> {
+        within(self.count, MOST, "fields")
+    }
+
+    fn find(&self, subject: Subject<'_>) -> Result<ChiefRays, ReportError> {
+        let analysis = &subject.analysis;
+        let fields = subject.fields_deg.iter().map(|&angle| Field::new(angle, analysis.chief_ray(angle))).collect();
+        Ok(ChiefRays { height_by_slope_mm: analysis.height_by_slope_mm(), fields })
+    }
+}

@@ -1,0 +1,30 @@
+//! Illumination of the film over the field.
+
+use super::{Fields, LensReport, MOST, ReportError, Subject, evenly, within};
+use petzval_optics::analysis::illumination::Illumination as FieldIllumination;
+use serde::Deserialize;
+
+/// Options of illumination.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Illumination {
+    /// Number of fields.
+    count: usize,
+}
+
+impl LensReport for Illumination {
+    const NAME: &'static str = "illumination";
+    type Found = Fields<FieldIllumination>;
+
+    fn parts(&self) -> Vec<f64> {
+        evenly(self.count)
+    }
+
+    fn check(&self) -> Result<(), ReportError> {
+        within(self.count, MOST, "fields")
+    }
+
+    fn find(&self, subject: Subject<'_>) -> Result<Self::Found, ReportError> {
+        Ok(Fields { fields: subject.analysis.illumination(&subject.fields_deg) })
+    }
+}

@@ -1,0 +1,51 @@
+//! Spot diagrams: the rays of points on the film.
+
+use super::{Field, LensReport, ReportError, Subject, within};
+use petzval_optics::analysis::spot::Spot;
+use serde::{Deserialize, Serialize};
+
+const MOST_RAYS_OF_A_SIDE: usize = 500;
+
+/// Options of spot diagrams.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Spots {
+    /// Number of rays over the width of a beam.
+    rays: usize,
+    /// Places of the film, from the focus, mm.
+    defocus_mm: Vec<f64>,
+}
+
+/// The spots on each place of the film.
+#[derive(Serialize)]
+pub(super) struct Through {
+    defocus: Vec<Place>,
+}
+
+/// The spots on a film.
+#[derive(Serialize)]
+struct Place {
+    defocus_mm: f64,
+    fields: Vec<Field<Spot>>,
+}
+
+impl LensReport for Spots {
+    const NAME: &'static str = "spots";
+    type Found = Through;
+
+    fn check(&self) -> Result<(), ReportError> {
+        within(self.rays, MOST_RAYS_OF_A_SIDE, "rays over the width of a beam")
+    }
+
+    fn find(&self, subject: Subject<'_>) -> Result<Through, ReportError> {
+        let Subject { mut analysis, fields_deg, .. } = subject;
+        let film_z_mm = analysis.film().z_mm;
+        let mut defocus = Vec::new();
+        for &defocus_mm in &self.defocus_mm {
+            analysis = analysis.with_film_at(film_z_mm + defocus_mm);
+            let field = |&angle: &f64| Field::new(angle, analysis.spot(angle, self.rays));
+            defocus.push(Place { defocus_mm, fields: fields_deg.iter().map(field).collect() });
+        }
+        Ok(Through { defocus })
+    }
+}
