@@ -28,15 +28,14 @@ def row(plan, effect):
 
 
 def test_everybody_has_the_same_list(blender):
-    from petzval import _native, effect_names
+    from petzval import _native, effects
 
     addon = sys.modules["petzval_addon"]
     known = json.loads(_native.effects_json())
     engine = [effect["name"] for effect in known]
-    assert [effect.name for effect in addon.effects.EFFECTS] == engine
-    assert [effect.is_available for effect in addon.effects.EFFECTS] == [effect["is_available"] for effect in known]
-    assert list(effect_names.EFFECTS) == engine
-    assert [word[0].lower() for word in addon.effects.WORDS] == list(effect_names.WORDS)
+    assert [effect.is_available for effect in effects.EFFECTS] == [effect["is_available"] for effect in known]
+    assert [effect.name for effect in effects.EFFECTS] == engine
+    assert [word[0].lower() for word in addon.effects.WORDS] == list(effects.WORDS)
 
 
 @pytest.mark.once

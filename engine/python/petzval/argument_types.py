@@ -7,7 +7,7 @@ import argparse
 import math
 
 from . import film_formats
-from .effect_names import EFFECTS, WORDS
+from .effects import EFFECTS, WORDS
 
 FILM_NAMES = ", ".join(film.name for film in film_formats.FILM_FORMATS)
 
@@ -17,6 +17,11 @@ def number(text: str) -> float:
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"not a finite number: {text}")
     return value
+
+
+def degrees(text: str) -> float:
+    """An angle in degrees, as radians."""
+    return math.radians(number(text))
 
 
 def positive(text: str) -> float:
@@ -129,12 +134,13 @@ def wavelengths(text: str) -> str | float:
 
 def effect(text: str) -> tuple[str, str]:
     name, _, word = text.partition("=")
-    if name not in EFFECTS or word not in WORDS:
-        raise argparse.ArgumentTypeError(f"{text}: give NAME=auto|on|off, NAME one of {', '.join(EFFECTS)}")
+    names = [one.name for one in EFFECTS]
+    if name not in names or word not in WORDS:
+        raise argparse.ArgumentTypeError(f"{text}: give NAME=auto|on|off, NAME one of {', '.join(names)}")
     return name, word
 
 
-for _type, _name in ((number, "number"), (positive, "number"), (part, "number"), (quality, "number"), (distance, "distance"),
+for _type, _name in ((number, "number"), (degrees, "number"), (positive, "number"), (part, "number"), (quality, "number"), (distance, "distance"),
                      (threshold, "number"), (frame, "number"), (natural, "number"), (count, "number"), (size_mm, "size"), (film, "film"),
                      (pixels, "size"), (pair, "pair"), (triple, "triple"), (effect, "effect"),
                      (wavelengths, "spectrum"), (place, "place"), (point, "point")):  # fmt: skip

@@ -103,17 +103,7 @@ def _checked(a: argparse.Namespace) -> dict[str, Any]:
     return options | {
         "output": str(output.absolute()),
         "stats": str(stats.absolute()) if stats else None,
-        "samples": a.samples,
-        "noise_threshold": a.noise_threshold,
-        "min_samples": a.min_samples,
-        "time_limit": a.time_limit,
-        "seed": a.seed,
-        "blue_noise": a.blue_noise,
-        "sample_offset": a.sample_offset,
-        "mergeable": a.mergeable,
-        "passes": a.passes,
         "checkpoint": str(checkpoint.absolute()) if checkpoint else "",
-        "checkpoint_every_s": a.checkpoint_every,
     }
 
 

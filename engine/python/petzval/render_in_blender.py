@@ -19,6 +19,17 @@ from typing import Any, TextIO
 _BAD_USAGE, _INTERRUPTED = 2, 130
 
 
+class _Options(dict[str, Any]):
+    """The options of a command; None for those of other commands."""
+
+    def __missing__(self, name: str) -> None:
+        return None
+
+
+#: The engine's integrators by the command's words.
+_INTEGRATORS = {"path": "PATH", "bdpt": "BIDIRECTIONAL"}
+
+
 class _OutOfRange(Exception):
     """A value that Blender would silently clamp; the message says from where to where values go."""
 
@@ -61,7 +72,7 @@ def render(options: dict[str, Any]) -> int:
     has; gives the exit status and has said what went wrong."""
     voice = _own_stderr(options.get("stderr_fd"))
     try:
-        error, interrupted = _render(options, voice)
+        error, interrupted = _render(_Options(options), voice)
     except KeyboardInterrupt:
         return _INTERRUPTED
     except _OutOfRange as refused:
@@ -113,7 +124,7 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
         return wrong, False
     watch = addon.loop.WATCH
     watch.study = study = _study(options.get("study"), scene, watch)
-    watch.checkpoint, watch.checkpoint_every_s = options["checkpoint"], options["checkpoint_every_s"]
+    watch.checkpoint, watch.checkpoint_every_s = options["checkpoint"] or "", options["checkpoint_every"]
     watch.written_checkpoints.clear()
     if voice.isatty() and (study is None or study.is_long):
         watch.on_progress = ProgressBar(voice)
@@ -261,7 +272,7 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
     if o["pipeline"]:
         own.pipeline = o["pipeline"].upper()
     if o["integrator"]:
-        own.integrator = o["integrator"]
+        own.integrator = _INTEGRATORS[o["integrator"]]
     if o["quality"] is not None:
         own.quality = o["quality"]
     if o["ghost_reflections"] is not None:
@@ -334,24 +345,22 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
         own.model = (o["camera"] or "lens").upper().replace("-", "_")
     if o["lens"]:
         own.lens_file = o["lens"]
-    if o["focal_length_mm"] is not None:
+    if o["focal_length"] is not None:
         if own.model in OF_LENS_FILE:
             own.focal_mode = "LENGTH"
-            own.focal_length = o["focal_length_mm"]
+            own.focal_length = o["focal_length"]
         else:
-            data.lens = o["focal_length_mm"]
+            data.lens = o["focal_length"]
     if o["f_number"] is not None:
         own.wide_open = False
         own.pupil_diameter = 0.0
         own.f_number = o["f_number"]
-    if o["pupil_diameter_mm"] is not None:
+    if o["pupil_diameter"] is not None:
         own.wide_open = False
-        own.pupil_diameter = o["pupil_diameter_mm"]
-    if o["blades"] is not None:
-        own.blades = o["blades"]
-    for name, option in (("blade_curvature", "blade_curvature"), ("blade_rotation", "blade_rotation_rad")):
-        if o[option] is not None:
-            setattr(own, name, o[option])
+        own.pupil_diameter = o["pupil_diameter"]
+    for name in ("blades", "blade_curvature", "blade_rotation", "tilt", "swing"):
+        if o[name] is not None:
+            setattr(own, name, o[name])
     if o["aperture_mask"]:
         own.aperture_mask = addon.export.aperture_mask.load(o["aperture_mask"])
     elif o["blades"] is not None:
@@ -360,38 +369,38 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
         own.coating = o["coating"].upper().replace("-", "_")
     if o["expose_by"]:
         own.exposes_by_f_number = o["expose_by"] == "f-number"
-    if o["scale_mm"]:
+    if o["scale"]:
         own.scale_from_scene = False
         own.scale_locked = False
-        own.scale = o["scale_mm"]
+        own.scale = o["scale"]
     if o["anchor"]:
         own.anchor = o["anchor"].upper().replace("-", "_")
     if o["focus_relation"]:
         own.focus_relation = o["focus_relation"].upper()
     if o["autofocus"]:
         own.focus_mode, own.autofocus_point = "AUTO", o["autofocus"]
-    if o["focus_distance_mm"] == "inf":
+    if o["focus_distance"] == "inf":
         own.focus_mode = "INFINITY"
-    elif o["focus_distance_mm"] is not None:
+    elif o["focus_distance"] is not None:
         own.focus_mode = "CAMERA"
         data.dof.focus_object = None
         # Blender's distance is in units of the scene.
-        data.dof.focus_distance = o["focus_distance_mm"] / addon.export.camera.scale(own, scene)[2]
-    if o["film_mm"]:
+        data.dof.focus_distance = o["focus_distance"] / addon.export.camera.scale(own, scene)[2]
+    if o["film"]:
         own.film_mode = "SIZE"
-        own.film_width, own.film_height = o["film_mm"]
-    if o["shutter_s"] or o["iso"]:
+        own.film_width, own.film_height = o["film"]
+    if o["shutter"] or o["iso"]:
         own.physical_exposure = True
-        own.shutter, own.iso = o["shutter_s"] or own.shutter, o["iso"] or own.iso
-    if o["film_diagonal_mm"] is not None:
+        own.shutter, own.iso = o["shutter"] or own.shutter, o["iso"] or own.iso
+    if o["film_diagonal"] is not None:
         from petzval.film_formats import with_diagonal
 
         shape = (own.film_width, own.film_height)
         if own.film_mode != "SIZE":
             shape = addon.export.camera.resolution(scene.render)
         own.film_mode = "SIZE"
-        own.film_width, own.film_height = with_diagonal(*shape, o["film_diagonal_mm"])
-    if own.model not in OF_LENS_FILE and (o["film_mm"] or o["film_diagonal_mm"] is not None):
+        own.film_width, own.film_height = with_diagonal(*shape, o["film_diagonal"])
+    if own.model not in OF_LENS_FILE and (o["film"] or o["film_diagonal"] is not None):
         # A camera without a lens has Blender's sensor, which is as high as the picture's shape says.
         data.sensor_fit, data.sensor_width, data.sensor_height = "HORIZONTAL", own.film_width, own.film_height
     if isinstance(o["spectrum"], float):
@@ -400,11 +409,8 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
         own.spectrum = o["spectrum"]
     if o["precision"]:
         own.precision = o["precision"].upper()
-    for option, name in (("tilt_rad", "tilt"), ("swing_rad", "swing")):
-        if o[option] is not None:
-            setattr(own, name, o[option])
-    if o["shift_mm"]:
-        own.shift_x, own.shift_y = o["shift_mm"]
+    if o["shift"]:
+        own.shift_x, own.shift_y = o["shift"]
 
 
 def _write_stats(path: Path, last: Any, found: dict[str, Any]) -> None:

@@ -21,12 +21,17 @@ from typing import Any, TextIO
 
 from . import argument_types as types
 from . import interrupts
+from .description import MOST_BLADES
 from .errors import CommandError
 from .interrupts import INTERRUPTED
 from .places import find_lens
 
 #: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
 _OWN_STATUS = {70: 0, 71: 1, 72: 2, INTERRUPTED: INTERRUPTED}
+
+
+#: Attributes of parsed arguments that are no option of the half in Blender.
+_NO_OPTIONS = {"action", "blender", "command", "effect", "run", "usage_error"}
 
 
 def add(p: argparse.ArgumentParser) -> None:
@@ -45,11 +50,11 @@ def add(p: argparse.ArgumentParser) -> None:
     opening.add_argument(
         "--pupil-diameter", type=types.positive, metavar="MM", help="of the entrance pupil, as of an eye's"
     )
-    p.add_argument("--blades", type=int, metavar="N", help="blades of the diaphragm, 3 to 24; 0 is round")
+    p.add_argument("--blades", type=int, metavar="N", help=f"blades of the diaphragm, 3 to {MOST_BLADES}; 0 is round")
     p.add_argument("--shutter", type=types.positive, metavar="S", help="expose physically, so many seconds")
     p.add_argument("--iso", type=types.positive, metavar="N", help="expose physically, with a film of that speed")
     p.add_argument("--blade-curvature", type=types.part, metavar="C", help="of the blades' edges: 0 straight, 1 round")
-    p.add_argument("--blade-rotation", type=types.number, metavar="DEG", help="turn of the diaphragm about the axis")
+    p.add_argument("--blade-rotation", type=types.degrees, metavar="DEG", help="turn of the diaphragm about the axis")
     p.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
     p.add_argument(
         "--coating", choices=("as-file", "none", "mgf2", "double", "triple"), help="wherever the lens's glass meets air"
@@ -83,8 +88,8 @@ def add(p: argparse.ArgumentParser) -> None:
     )
     # Coordinates may begin with a minus: what looks so is no option here.
     p._negative_number_matcher = re.compile(r"-[\d.]")
-    p.add_argument("--tilt", type=types.number, metavar="DEG", help="turn of the film about its horizontal axis")
-    p.add_argument("--swing", type=types.number, metavar="DEG", help="turn of the film about its vertical axis")
+    p.add_argument("--tilt", type=types.degrees, metavar="DEG", help="turn of the film about its horizontal axis")
+    p.add_argument("--swing", type=types.degrees, metavar="DEG", help="turn of the film about its vertical axis")
     p.add_argument("--shift", type=types.pair, metavar="X,Y", help="the lens right and up against the film, mm")
     p.add_argument(
         "--scale", type=types.triple, metavar="X,Y,Z", help="millimetres for one Blender unit along each axis"
@@ -115,7 +120,7 @@ def add(p: argparse.ArgumentParser) -> None:
 
 
 def checked(a: argparse.Namespace) -> dict[str, Any]:
-    """These options as plain data, checked as far as they can be without Blender."""
+    """All options of the command by their names, as JSON can have them, checked as far as they can be without Blender. Angles are in radians."""
     for file in filter(None, (a.scene, a.lens, a.aperture_mask)):
         check_name(file)
     scene = Path(a.scene)
@@ -125,8 +130,10 @@ def checked(a: argparse.Namespace) -> dict[str, Any]:
         a.usage_error(f"--camera {a.camera} has no lens: leave out the one or the other")
     if a.pupil_diameter is not None and a.camera in {"pinhole", "thin"}:
         a.usage_error(f"--pupil-diameter is a lens's, and --camera {a.camera} has none: leave out the one or the other")
-    if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= 24:
-        raise CommandError(f"{a.blades} blades: a diaphragm has 3 to 24, or 0 for a round one: change --blades")
+    if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= MOST_BLADES:
+        raise CommandError(
+            f"{a.blades} blades: a diaphragm has 3 to {MOST_BLADES}, or 0 for a round one: change --blades"
+        )
     if a.aperture_mask and a.blades:
         a.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
     if a.aperture_mask and not Path(a.aperture_mask).is_file():
@@ -136,55 +143,14 @@ def checked(a: argparse.Namespace) -> dict[str, Any]:
         a.usage_error(f"{' and '.join(asked)} say different things of the focus: leave out all but one")
     if a.sharp and (a.tilt is not None or a.swing is not None):
         a.usage_error("--sharp finds tilt and swing: leave out --tilt and --swing")
-    return {
+    given = {name: value for name, value in vars(a).items() if name not in _NO_OPTIONS}
+    return given | {
         "scene": str(scene.absolute()),
         "lens": str(find_lens(a.lens).absolute()) if a.lens else None,
-        "camera": a.camera,
-        "focal_length_mm": a.focal_length,
-        "f_number": a.f_number,
-        "pupil_diameter_mm": a.pupil_diameter,
-        "blades": a.blades,
-        "coating": a.coating,
-        "expose_by": a.expose_by,
-        "shutter_s": a.shutter,
-        "iso": a.iso,
-        "blade_curvature": a.blade_curvature,
         "aperture_mask": str(Path(a.aperture_mask).absolute()) if a.aperture_mask else None,
-        "blade_rotation_rad": None if a.blade_rotation is None else math.radians(a.blade_rotation),
-        "focus_distance_mm": "inf" if a.focus_distance == math.inf else a.focus_distance,
-        "anchor": a.anchor,
-        "focus_relation": a.focus_relation,
-        "autofocus": a.autofocus,
-        "sharp": a.sharp,
-        "film_mm": a.film,
-        "film_diagonal_mm": a.film_diagonal,
-        "tilt_rad": None if a.tilt is None else math.radians(a.tilt),
-        "swing_rad": None if a.swing is None else math.radians(a.swing),
-        "shift_mm": a.shift,
-        "scale_mm": a.scale,
-        "spectrum": a.spectrum,
+        # JSON has no infinity.
+        "focus_distance": "inf" if a.focus_distance == math.inf else a.focus_distance,
         "effects": dict(a.effect),
-        "quality": a.quality,
-        "ghost_reflections": a.ghost_reflections,
-        "precision": a.precision,
-        "pipeline": a.pipeline,
-        "integrator": {"path": "PATH", "bdpt": "BIDIRECTIONAL", None: None}[a.integrator],
-        "resolution": a.resolution,
-        "frame": a.frame,
-        "threads": a.threads,
-        "samples": None,
-        "noise_threshold": None,
-        "min_samples": None,
-        "time_limit": None,
-        "seed": None,
-        "blue_noise": None,
-        "sample_offset": None,
-        "output": None,
-        "stats": None,
-        "mergeable": False,
-        "passes": False,
-        "checkpoint": "",
-        "checkpoint_every_s": None,
     }
 
 

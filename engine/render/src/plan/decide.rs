@@ -1,126 +1,19 @@
 //! Decisions from measures and wishes: the cheapest camera that leaves out nothing that can be seen.
 
-use super::measured::{Known, measure};
+use super::choice::{CameraChoice, CameraKind};
+use super::measured::Known;
 use super::motion::SceneMotion;
-use super::price::{Price, picture_s, sample_ns, transmission_ns};
+use super::price::{Price, sample_ns, transmission_ns};
 use super::words::size;
 use super::{Decision, Effect, EffectMode, PlanError, PlanOptions};
-use crate::camera::setup::{D_LINE_NM, LensInfo};
-use crate::camera::survey::{LensMeasures, LensShape};
-use crate::camera::{CameraDescription, EnabledEffects, Model, Spectrum};
-use crate::pipeline::Pipeline;
+use crate::camera::setup::LensInfo;
+use crate::camera::{EnabledEffects, Spectrum};
 use crate::spectrum::{SET_SIZE, SPECTRAL_COUNT};
 
 /// Measures are taken at some places and for some rays of all: what is worst may lie between them.
 const MARGIN: f64 = 1.25;
 /// The part of the places without light from which on it is unknown what they would show.
 const DARK: f64 = 0.02;
-
-/// The kind of camera that stands for what was asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CameraKind {
-    /// The camera as it was given: it has no lens that could be planned.
-    Given,
-    /// The lens, every ray traced through its surfaces.
-    Exact,
-    /// Gaussian optics: by the measure, nothing that they leave out can be seen.
-    Gaussian,
-    /// A pinhole: everything is sharp.
-    Pinhole {
-        /// Focal length of the pinhole that frames the same picture, mm.
-        focal_length_mm: f64,
-        /// Width of the film, mm.
-        film_width_mm: f64,
-        /// The shift, as Blender counts it.
-        shift: [f64; 2],
-    },
-}
-
-impl CameraKind {
-    /// Name of the camera model in reports.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Given => "as given",
-            Self::Exact => "exact",
-            Self::Gaussian => "gaussian",
-            Self::Pinhole { .. } => "pinhole",
-        }
-    }
-}
-
-/// The simulation of a camera.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CameraChoice {
-    /// The camera model.
-    pub way: CameraKind,
-    /// The pipeline.
-    pub pipeline: Pipeline,
-    /// Wavelengths of the film; `None` is one wavelength.
-    pub spectrum: Option<Spectrum>,
-    /// F-number of a round opening of equal area, if the opening's shape does not matter.
-    pub round_f_number: Option<f64>,
-    /// The effects of the traced lens that are shown.
-    pub shown: EnabledEffects,
-    /// True if samples are taken all through the time that the shutter is open.
-    pub is_moving: bool,
-    /// True if reflections between the lens's surfaces are looked for.
-    pub ghosts: bool,
-    /// True if the picture is spread by [`crate::stray::diffraction`], of the camera as it was given.
-    pub diffraction: bool,
-    /// True if the picture is spread by [`crate::stray::glare`].
-    pub glare: bool,
-    /// True if light is lost at surfaces and in glasses.
-    pub transmission: bool,
-}
-
-impl CameraChoice {
-    /// The camera as it is.
-    pub(super) fn given(wishes: &PlanOptions, is_moving: bool, has_colours: bool, transmission: bool) -> Self {
-        Self {
-            way: CameraKind::Given,
-            pipeline: wishes.pipeline.of_packets(None),
-            spectrum: has_colours.then_some(Spectrum::Visible),
-            round_f_number: None,
-            shown: EnabledEffects::default(),
-            is_moving,
-            ghosts: false,
-            diffraction: false,
-            glare: false,
-            transmission,
-        }
-    }
-
-    /// Wavelengths that the film tells apart.
-    pub fn wavelengths(&self) -> usize {
-        self.spectrum.map_or(1, Spectrum::count)
-    }
-
-    pub(super) fn applied(&self, d: &CameraDescription) -> CameraDescription {
-        if self.way == CameraKind::Given {
-            let line_nm = d.wavelength_nm.or(self.spectrum.is_none().then_some(D_LINE_NM));
-            return CameraDescription { wavelength_nm: line_nm, transmission: self.transmission, ..d.clone() };
-        }
-        let mut d = CameraDescription { shown: self.shown, transmission: self.transmission, ..d.clone() };
-        match self.spectrum {
-            Some(spectrum) => (d.spectrum, d.wavelength_nm) = (spectrum, None),
-            None => d.wavelength_nm = Some(d.wavelength_nm.unwrap_or(D_LINE_NM)),
-        }
-        if let Some(f_number) = self.round_f_number {
-            (d.lens.blades, d.lens.aperture_mask, d.lens.f_number, d.lens.pupil_diameter_mm) =
-                (0, None, Some(f_number), None);
-        }
-        match self.way {
-            CameraKind::Given | CameraKind::Exact => {}
-            CameraKind::Gaussian => d.model = Model::Thick,
-            CameraKind::Pinhole { focal_length_mm, film_width_mm, shift } => {
-                d.model = Model::Pinhole;
-                (d.perspective.focal_length_mm, d.perspective.film_width_mm) = (focal_length_mm, film_width_mm);
-                d.perspective.shift = shift;
-            }
-        }
-        d
-    }
-}
 
 pub(super) fn decide(known: &Known<'_>, wishes: &PlanOptions) -> Result<(Vec<Decision>, CameraChoice, f64), PlanError> {
     if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
@@ -140,7 +33,7 @@ fn tolerance(effect: Effect, wishes: &PlanOptions) -> f64 {
 fn is_wanted(effect: Effect, known: &Known<'_>, wishes: &PlanOptions) -> bool {
     let is_large = || {
         let with = beside(effect, known, wishes).map_or(0.0, |(_, value)| value);
-        measure(known, effect).value.is_some_and(|m| (m + with) * MARGIN > tolerance(effect, wishes))
+        effect.measure(known).value.is_some_and(|m| (m + with) * MARGIN > tolerance(effect, wishes))
     };
     match wishes.word(effect) {
         EffectMode::On => true,
@@ -157,7 +50,7 @@ fn beside(effect: Effect, known: &Known<'_>, wishes: &PlanOptions) -> Option<(Ef
         Effect::AxialColour => Effect::LateralColour,
         _ => return None,
     };
-    let (own, others) = (measure(known, effect).value?, measure(known, other).value?);
+    let (own, others) = (effect.measure(known).value?, other.measure(known).value?);
     // Of equal ones that which comes first.
     let is_larger = own > others || (own == others && effect == Effect::LateralColour);
     (is_larger && others > 0.0 && wishes.word(other) != EffectMode::Off).then_some((other, others))
@@ -243,12 +136,12 @@ fn choose(known: &Known<'_>, wishes: &PlanOptions) -> Result<(CameraChoice, Pric
 
 /// The decision on an effect, and its reason.
 fn decision(effect: Effect, known: &Known<'_>, wishes: &PlanOptions, choice: &CameraChoice, price: Price) -> Decision {
-    let (word, tolerance, found) = (wishes.word(effect), tolerance(effect, wishes), measure(known, effect));
+    let (word, tolerance, found) = (wishes.word(effect), tolerance(effect, wishes), effect.measure(known));
     let measure = found.value;
     let beside = beside(effect, known, wishes);
     let with = beside.map_or(0.0, |(_, value)| value);
     let is_large = measure.is_some_and(|value| (value + with) * MARGIN > tolerance);
-    let is_on = is_simulated(effect, choice, known, word);
+    let is_on = effect.is_simulated(choice, known);
     let limit = size(tolerance, effect.unit());
     let why = if measure == Some(0.0) && word == EffectMode::Auto && !is_on {
         found.text + ": nothing to simulate"
@@ -278,12 +171,8 @@ fn decision(effect: Effect, known: &Known<'_>, wishes: &PlanOptions, choice: &Ca
         format!("{sized}: {outcome}")
     };
     let is_uncertain = known.lens.dark_part > DARK || (is_large && measure.is_some_and(|value| value <= tolerance));
-    let cost_ns = if is_on { cost_ns(effect, choice, price, known.survey.shape(), &known.lens) } else { 0.0 };
-    let picture_s = match (effect, &known.ghosts) {
-        _ if !is_on => 0.0,
-        (Effect::Ghosts, Some(ghosts)) => ghosts.picture_s,
-        _ => picture_s(effect, known.pixels),
-    };
+    let cost_ns = if is_on { effect.cost_ns(choice, price, known) } else { 0.0 };
+    let picture_s = if is_on { effect.picture_s(known) } else { 0.0 };
     Decision { effect, measure, tolerance, word, is_on, is_uncertain, why, cost_ns, picture_s }
 }
 
@@ -319,46 +208,5 @@ fn pinhole(info: &LensInfo) -> CameraKind {
         focal_length_mm: info.viewport_focal_length_mm,
         film_width_mm: info.picture_width_mm,
         shift: info.viewport_shift,
-    }
-}
-
-/// True if the choice simulates an effect.
-fn is_simulated(effect: Effect, choice: &CameraChoice, known: &Known<'_>, word: EffectMode) -> bool {
-    let is_exact = choice.way == CameraKind::Exact;
-    match effect {
-        Effect::Defocus => choice.shown.defocus && (is_exact || choice.way == CameraKind::Gaussian),
-        Effect::Aberration => is_exact && choice.shown.aberration,
-        Effect::Distortion => is_exact && choice.shown.distortion,
-        Effect::Vignetting => is_exact && choice.shown.vignetting,
-        Effect::LateralColour => choice.spectrum.is_some() && choice.shown.lateral_colour,
-        Effect::AxialColour => choice.spectrum.is_some() && choice.shown.axial_colour,
-        Effect::Diaphragm => known.lens.diaphragm_part > 0.0 && choice.round_f_number.is_none(),
-        Effect::MotionBlur => choice.is_moving,
-        Effect::Ghosts => choice.ghosts,
-        Effect::Diffraction => choice.diffraction,
-        Effect::Transmission => choice.transmission,
-        Effect::Glare => choice.glare,
-        Effect::SpectralMaterials => {
-            debug_assert!(word != EffectMode::On);
-            false
-        }
-    }
-}
-
-/// The cost of an effect beside the simulation without it, ns a sample.
-fn cost_ns(effect: Effect, choice: &CameraChoice, price: Price, shape: LensShape, lens: &LensMeasures) -> f64 {
-    let with = sample_ns(price, shape);
-    match effect {
-        // What is larger carries both.
-        Effect::LateralColour | Effect::AxialColour => {
-            let is_larger = (effect == Effect::LateralColour) == (lens.lateral_colour.value >= lens.axial_colour.value);
-            if !is_larger {
-                return 0.0;
-            }
-            with - sample_ns(Price::Exact { is_single: true, carried: 1 }, shape)
-        }
-        Effect::Transmission => transmission_ns(price),
-        Effect::Defocus if choice.way == CameraKind::Gaussian => with - sample_ns(Price::Pinhole, shape),
-        _ => 0.0,
     }
 }

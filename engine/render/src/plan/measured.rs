@@ -1,8 +1,9 @@
-//! The measure of each effect in this picture, and its text.
+//! The data on which decisions are based, and the form of a measure.
 
+use super::GhostLook;
 use super::motion::SceneMotion;
-use super::words::{size, worst};
-use super::{Effect, GhostLook, Unit};
+use super::unit::Unit;
+use super::words::worst;
 use crate::camera::CameraDescription;
 use crate::camera::survey::{LensMeasures, Survey, Worst};
 
@@ -37,86 +38,19 @@ pub(super) struct Measured {
     pub(super) text: String,
 }
 
-/// The size of an effect in this picture.
-pub(super) fn measure(known: &Known<'_>, effect: Effect) -> Measured {
-    let Known { survey, lens, .. } = known;
-    let of = |one: Worst| Measured { value: Some(one.value), text: worst(one, effect) };
-    match effect {
-        Effect::Defocus => of(lens.defocus),
-        Effect::Aberration => of(lens.aberration),
-        Effect::Distortion => of(lens.distortion),
-        Effect::LateralColour | Effect::AxialColour if !survey.has_colours() => {
-            let text = match known.d.wavelength_nm {
-                Some(nm) => format!("the camera photographs at {nm:.0} nm alone"),
-                None => "nothing in the lens disperses".to_owned(),
-            };
-            Measured { value: Some(0.0), text }
-        }
-        Effect::LateralColour => of(lens.lateral_colour),
-        Effect::AxialColour => of(lens.axial_colour),
-        Effect::Vignetting => {
-            let cut = match lens.cats_eye.value {
-                v if v >= 0.1 => format!(", rims narrow blur by {}", size(v, Unit::Pixels)),
-                _ => String::new(),
-            };
-            let one = of(lens.vignetting);
-            Measured { text: one.text + &cut, ..one }
-        }
-        Effect::Diaphragm if lens.diaphragm_part == 0.0 => {
-            Measured { value: Some(0.0), text: "the opening is round".to_owned() }
-        }
-        Effect::Diaphragm => {
-            let value = lens.diaphragm_part * (lens.defocus.value + lens.aberration.value);
-            Measured { value: Some(value), text: size(value, Unit::Pixels) }
-        }
-        Effect::MotionBlur => match (known.motion, &known.scene_motion) {
-            (Some(lens), None) => of(lens),
-            (Some(lens), Some(motion)) if lens.value > motion.px => of(lens),
-            (_, Some(SceneMotion { px, text })) => Measured { value: Some(*px), text: text.clone() },
-            (None, None) => Measured { value: Some(0.0), text: "everything stands still".to_owned() },
-        },
-        Effect::Transmission => {
-            let (info, changed) = (survey.info(), worst(lens.transmission, effect));
-            let coat = match info.coatings.as_slice() {
-                [] => String::new(),
-                [one] if one == "none" => "uncoated, ".to_owned(),
-                names if info.coating_is_assumed => format!("coated with {} (assumed), ", names.join(", ")),
-                names => format!("coated with {}, ", names.join(", ")),
-            };
-            let exposed = if known.d.exposes_by_f_number { "by its f-number" } else { "for that" };
-            let passed = 100.0 * lens.luminous;
-            let text =
-                format!("{coat}it lets {passed:.0} % through and, exposed {exposed}, changes colours by {changed}");
-            Measured { value: Some(lens.transmission.value), text }
-        }
-        Effect::Ghosts => match &known.ghosts {
-            Some(ghosts) => Measured {
-                value: Some(ghosts.value),
-                text: format!("the brightest is {}", size(ghosts.value, Unit::Exposure)),
-            },
-            None => Measured { value: Some(0.0), text: "no bright source before the lens".to_owned() },
-        },
-        Effect::Glare => match known.front_light {
-            Some(light) => {
-                let value = known.glare * light;
-                let (what, part) = (size(value, Unit::Exposure), 100.0 * known.glare);
-                Measured {
-                    value: Some(value),
-                    text: format!("{part:.2} % of the light is scattered: a veil of {what}"),
-                }
-            }
-            None => Measured { value: None, text: "the picture is black: not measured".to_owned() },
-        },
-        Effect::Diffraction if known.seen_px > lens.airy_px => Measured {
-            value: Some(known.seen_px),
-            text: format!("the brightest source is seen {} around itself", size(known.seen_px, Unit::Pixels)),
-        },
-        Effect::Diffraction => Measured {
-            value: Some(lens.airy_px),
-            text: format!("the first dark ring is {} wide", size(lens.airy_px, Unit::Pixels)),
-        },
-        Effect::SpectralMaterials => {
-            Measured { value: Some(0.0), text: "all of the scene is described in three colours".to_owned() }
-        }
+impl Measured {
+    /// The measure of the worst place in the picture.
+    pub(super) fn at(one: Worst, unit: Unit) -> Self {
+        Self { value: Some(one.value), text: worst(one, unit) }
+    }
+
+    /// The measure of an effect that changes nothing, and the reason.
+    pub(super) fn nothing(why: impl Into<String>) -> Self {
+        Self { value: Some(0.0), text: why.into() }
+    }
+
+    /// A measure with its text.
+    pub(super) fn new(value: f64, text: impl Into<String>) -> Self {
+        Self { value: Some(value), text: text.into() }
     }
 }

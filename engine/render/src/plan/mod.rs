@@ -5,7 +5,9 @@
 //! picture, and applied to the camera's description. After that nothing asks any more what is simulated. No decision depends
 //! on a clock, so the same scene has the same plan on every machine.
 
+mod choice;
 mod decide;
+mod effects;
 mod light;
 mod look;
 mod measured;
@@ -13,6 +15,7 @@ mod motion;
 mod price;
 pub mod report;
 mod spikes;
+mod unit;
 mod words;
 
 use crate::Rgb;
@@ -26,8 +29,9 @@ use crate::pipeline::exposure::Exposure;
 use crate::stray::diffraction::Diffraction;
 use crate::stray::glare::Glare;
 use crate::stray::{Ghosts, Reflections, Strays, ghosts, sources::Source};
+pub use choice::{CameraChoice, CameraKind};
 use decide::decide;
-pub use decide::{CameraChoice, CameraKind};
+pub use effects::Effect;
 pub use light::Brightest;
 pub use look::SceneProbe;
 use measured::Known;
@@ -35,132 +39,7 @@ use motion::scene_motion;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
-
-/// An effect on a picture: of the lens, of the wave nature of light, or of time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Effect {
-    /// Blur of what is not at the distance of focus.
-    Defocus,
-    /// Spherical aberration, coma, astigmatism, field curvature.
-    Aberration,
-    /// Distortion: straight lines are bent.
-    Distortion,
-    /// Colours of different size.
-    LateralColour,
-    /// Colours of different focus.
-    AxialColour,
-    /// Fall-off of light towards the corners.
-    Vignetting,
-    /// The shape of the opening in blur discs.
-    Diaphragm,
-    /// Something moves, or the lens changes, while the shutter is open.
-    MotionBlur,
-    /// Losses in glass and at coatings in each colour.
-    Transmission,
-    /// Light reflected between surfaces.
-    Ghosts,
-    /// Light scattered in the lens.
-    Glare,
-    /// The wave nature of light.
-    Diffraction,
-    /// Materials that are more than three colours.
-    SpectralMaterials,
-}
-
-impl Effect {
-    /// All effects, in the order of panels and reports.
-    pub const ALL: [Self; 13] = [
-        Self::Defocus,
-        Self::Aberration,
-        Self::Distortion,
-        Self::LateralColour,
-        Self::AxialColour,
-        Self::Vignetting,
-        Self::Diaphragm,
-        Self::MotionBlur,
-        Self::Transmission,
-        Self::Ghosts,
-        Self::Glare,
-        Self::Diffraction,
-        Self::SpectralMaterials,
-    ];
-
-    /// Name of the effect on the command line and in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Defocus => "defocus",
-            Self::Aberration => "aberration",
-            Self::Distortion => "distortion",
-            Self::LateralColour => "lateral_colour",
-            Self::AxialColour => "axial_colour",
-            Self::Vignetting => "vignetting",
-            Self::Diaphragm => "diaphragm",
-            Self::MotionBlur => "motion_blur",
-            Self::Transmission => "transmission",
-            Self::Ghosts => "ghosts",
-            Self::Glare => "glare",
-            Self::Diffraction => "diffraction",
-            Self::SpectralMaterials => "spectral_materials",
-        }
-    }
-
-    /// The effect of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|effect| effect.name() == name)
-    }
-
-    /// The unit of the effect's measure.
-    pub fn unit(self) -> Unit {
-        match self {
-            Self::Vignetting | Self::Transmission => Unit::Stops,
-            Self::Ghosts | Self::Glare | Self::SpectralMaterials => Unit::Exposure,
-            _ => Unit::Pixels,
-        }
-    }
-
-    /// True if the effect needs a lens that is traced: it is a matter of the rays that make the picture, not of what strays from them.
-    pub(super) fn is_of_rays(self) -> bool {
-        !matches!(self, Self::MotionBlur | Self::SpectralMaterials | Self::Ghosts | Self::Glare | Self::Diffraction)
-    }
-
-    /// False for those that this engine cannot simulate yet: they are measured and reported.
-    pub fn is_available(self) -> bool {
-        self != Self::SpectralMaterials
-    }
-}
-
-/// A unit of the measures of effects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// Pixels of this picture by which light is moved.
-    Pixels,
-    /// Powers of two of brightness.
-    Stops,
-    /// Light added, as a part of the picture's mean brightness.
-    Exposure,
-}
-
-impl Unit {
-    /// The text of the unit behind a number.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pixels => "px",
-            Self::Stops => "stops",
-            Self::Exposure => "of exposure",
-        }
-    }
-
-    /// The tolerance below which effects are left out, at quality 1: half a pixel, a fiftieth of a stop, a 255th of the exposure.
-    pub fn tolerance(self, quality: f64) -> f64 {
-        let coarse = match self {
-            Self::Pixels => 0.5,
-            Self::Stops => 0.02,
-            Self::Exposure => 1.0 / 255.0,
-        };
-        coarse / quality
-    }
-}
+pub use unit::Unit;
 
 /// The user's word on an effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -183,22 +62,6 @@ impl EffectMode {
             Self::On => "on",
             Self::Off => "off",
         }
-    }
-
-    /// The word of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        [Self::Auto, Self::On, Self::Off].into_iter().find(|word| word.name() == name)
-    }
-}
-
-/// True if a simpler model of a camera has an effect (docs/camera-models.md).
-fn model_has(model: Model, effect: Effect) -> bool {
-    let is_image_based = model == Model::ImageBased;
-    match effect {
-        Effect::Defocus | Effect::Diaphragm => !matches!(model, Model::Pinhole | Model::Orthographic),
-        Effect::Aberration | Effect::Distortion | Effect::Vignetting => is_image_based,
-        Effect::LateralColour | Effect::AxialColour => model == Model::Paraxial,
-        _ => false,
     }
 }
 
@@ -437,14 +300,14 @@ impl Plan {
         }
         // What a model leaves out it leaves out; what it has it has, but for its colours.
         let colours = [Effect::LateralColour, Effect::AxialColour].map(|effect| wishes.word(effect));
-        let has_colours = model_has(d.model, Effect::LateralColour) && colours != [EffectMode::Off; 2];
+        let has_colours = Effect::LateralColour.is_in(d.model) && colours != [EffectMode::Off; 2];
         // The colour that it has on the axis.
         let may_transmit = matches!(d.model, Model::Thick | Model::Paraxial | Model::ImageBased);
         let has_transmission = may_transmit && wishes.word(Effect::Transmission) != EffectMode::Off;
         let has = |effect: Effect| match effect {
             Effect::LateralColour | Effect::AxialColour => has_colours,
             Effect::Transmission => has_transmission,
-            _ => model_has(d.model, effect),
+            _ => effect.is_in(d.model),
         };
         let is_against = |effect: &Effect| {
             *effect != Effect::MotionBlur

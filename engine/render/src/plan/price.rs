@@ -4,7 +4,6 @@
 //! Times are nanoseconds on the machine of docs/accuracy-cost.md, one thread; their ratios hold elsewhere. They are constants,
 //! so that the same scene has the same plan on every machine and at every load.
 
-use super::Effect;
 use crate::camera::survey::LensShape;
 use crate::stray::ghosts::Glimpse;
 
@@ -53,14 +52,14 @@ pub(super) fn ghosts_s(sources: usize, look: &Glimpse, pixels: f64) -> f64 {
 const DIFFRACTION_NS: f64 = 1_200.0;
 const GLARE_NS: f64 = 700.0;
 
-/// Seconds that an effect takes of the finished picture.
-pub(super) fn picture_s(effect: Effect, pixels: f64) -> f64 {
-    let ns = match effect {
-        Effect::Diffraction => DIFFRACTION_NS,
-        Effect::Glare => GLARE_NS,
-        _ => 0.0,
-    };
-    1e-9 * ns * pixels
+/// Seconds that diffraction takes of a finished picture of so many pixels.
+pub(super) fn diffraction_s(pixels: f64) -> f64 {
+    1e-9 * DIFFRACTION_NS * pixels
+}
+
+/// Seconds that glare takes of a finished picture of so many pixels.
+pub(super) fn glare_s(pixels: f64) -> f64 {
+    1e-9 * GLARE_NS * pixels
 }
 
 /// The lens's transmission along a ray, and for each wavelength that a path carries: a polynomial of some ten terms.

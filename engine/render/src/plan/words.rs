@@ -1,6 +1,6 @@
 //! The texts of decisions.
 
-use super::{Effect, Unit};
+use super::unit::Unit;
 use crate::camera::survey::Worst;
 use glam::Vec2;
 
@@ -31,9 +31,9 @@ pub(super) fn place(at: Vec2) -> &'static str {
 }
 
 /// "3.2 px in a corner".
-pub(super) fn worst(worst: Worst, effect: Effect) -> String {
+pub(super) fn worst(worst: Worst, unit: Unit) -> String {
     match worst.value {
-        0.0 => format!("0 {}", effect.unit().name()),
-        value => format!("{} {}", size(value, effect.unit()), place(worst.place)),
+        0.0 => format!("0 {}", unit.name()),
+        value => format!("{} {}", size(value, unit), place(worst.place)),
     }
 }

@@ -321,7 +321,9 @@ pub fn check_wavelength(nm: f64) -> Result<(), ReportError> {
 
 fn check_fields(fields_deg: &[f64]) -> Result<(), ReportError> {
     match fields_deg.iter().find(|angle| !(-180.0..=180.0).contains(*angle)) {
-        Some(angle) => Err(ReportError::OutOfRange(format!("a field of {angle} degrees: give angles from -180 to 180"))),
+        Some(angle) => {
+            Err(ReportError::OutOfRange(format!("a field of {angle} degrees: give angles from -180 to 180")))
+        }
         None => Ok(()),
     }
 }

@@ -39,7 +39,8 @@ impl LensReport for Mtf {
         within(self.heights, MOST, "heights")?;
         let is_good = |frequency: f64| (1e-6..=1e6).contains(&frequency);
         let (highest, step) = (self.highest_per_mm, self.height_step_per_mm);
-        let what = || ReportError::OutOfRange(format!("frequencies to {highest} and {step} lines/mm: give more than 0"));
+        let what =
+            || ReportError::OutOfRange(format!("frequencies to {highest} and {step} lines/mm: give more than 0"));
         (is_good(highest) && is_good(step)).then_some(()).ok_or_else(what)
     }
 
