@@ -22,10 +22,10 @@ use gradient::{Gap, Gradients};
 use step::{Intersection, is_far};
 
 pub use crate::surface::Failure;
-pub use bundle::{Bundle, Traced};
+pub use bundle::{Bundle, LINES, Leaving, Traced};
 pub use gradient::{GradientNumbers, GradientsBeside};
 pub use reflected::{GhostRay, Incidence, ReflectedTracer, SurfaceCrossing, SurfaceEvent};
-pub use spectral::{LINES, Leaving, SpectralBundle, SpectralTracer};
+pub use spectral::{SpectralBundle, SpectralTracer};
 pub use step::{Action, Step};
 
 /// A ray in lens space, mm.

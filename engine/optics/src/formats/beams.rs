@@ -8,7 +8,7 @@ use crate::prescription::NextMedium;
 use crate::surface::{Conic, Shape};
 use crate::vector::Vector;
 
-use super::draft::DraftRow;
+use super::draft_row::DraftRow;
 
 /// Rays of one beam. Heights are good to about one in a hundred of the beam.
 const RAYS: usize = 200;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::glass::{Catalogue, Dispersion, GlassError, Medium};
 
 use super::agf;
-use super::lens::header::Header;
+use super::header::Header;
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::Remarks;
 use super::rii;

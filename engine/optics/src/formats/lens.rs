@@ -100,7 +100,6 @@
 //! A diaphragm that opens with the focal length is the `diameter` of its row.
 
 mod columns;
-pub(super) mod header;
 mod moving;
 mod write;
 
@@ -116,7 +115,6 @@ use super::glass_names::Glasses;
 use super::problem::at;
 use super::remarks::{Reading, Remarks};
 use super::text::{self, Token, finite, not_a_number, stem, tokens};
-use header::Header;
 
 pub use super::problem::{LensFileError, Problem};
 

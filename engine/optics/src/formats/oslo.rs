@@ -7,7 +7,8 @@
 use crate::glass::{Catalogue, GlassError, Medium, line_nm};
 use crate::prescription::{NextMedium, Place};
 
-use super::draft::{Beam, Draft, DraftRow, FieldKind, FieldPoint, MOST_SURFACES};
+use super::draft::{Beam, Draft, FieldKind, FieldPoint, MOST_SURFACES};
+use super::draft_row::DraftRow;
 use super::glass_names::Glasses;
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::Reading;

@@ -10,7 +10,8 @@ use std::collections::HashMap;
 use crate::glass::{Catalogue, GlassError, Medium};
 use crate::prescription::{NextMedium, Place};
 
-use super::draft::{Beam, Draft, DraftRow, FieldKind, FieldPoint, MOST_SURFACES};
+use super::draft::{Beam, Draft, FieldKind, FieldPoint, MOST_SURFACES};
+use super::draft_row::DraftRow;
 use super::glass_names::Glasses;
 use super::problem::{LensFileError, Problem};
 use super::remarks::Reading;

@@ -16,7 +16,7 @@ use crate::prescription::Place;
 
 use super::draft::{Beam, Draft, FieldKind, FieldPoint};
 use super::glass_names::Glasses;
-use super::lens::header::{self, Header};
+use super::header::{self, Header};
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::Reading;
 use super::text::{Token, finite, not_a_number, tokens};

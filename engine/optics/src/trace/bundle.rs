@@ -8,7 +8,6 @@ use glam::DVec3;
 
 use super::fate::RayStatus;
 use super::gradient::Gradients;
-use super::spectral::{LINES, Leaving};
 use super::step::{Action, Step};
 use super::{Failure, Lost, Ray, SurfaceSequence, Tracer, Travel};
 use crate::diaphragm::Diaphragm;
@@ -17,6 +16,9 @@ use crate::vector::Vector;
 
 /// Rays in a block: they must fill several registers and stay in the nearest cache.
 const BLOCK: usize = 256;
+
+/// Lines in a group: a multiple of the numbers in the widest register of f64.
+pub const LINES: usize = 8;
 
 /// Rays of one wavelength on one way through a lens, in numbers of one kind.
 ///
@@ -29,6 +31,21 @@ pub struct Bundle<R = f64> {
     numbers: [Vec<R>; 6],
     fates: Vec<RayStatus>,
     is_traced: bool,
+}
+
+/// Rays of a group where they leave the lens.
+pub struct Leaving<'a, R> {
+    /// x, y, z from the last vertex on the way, then of the directions, whose length is 1 but for roundings.
+    pub numbers: [&'a [R; LINES]; 6],
+    pub(super) fates: &'a [RayStatus],
+}
+
+impl<R> Leaving<'_, R> {
+    /// A bit for each that got through, the first the lowest. The numbers of the others are undefined.
+    #[inline]
+    pub fn through(&self) -> u32 {
+        self.fates.iter().enumerate().fold(0, |bits, (i, fate)| bits | u32::from(fate.is_through()) << i)
+    }
 }
 
 impl<R: Traced> Tracer<R> {

@@ -158,6 +158,32 @@ impl Gradients<f64> {
     }
 }
 
+impl<R: Real> Step<R> {
+    /// [`Self::pass`] with `gradients` beside the surface; `numbers` are then the indices before and behind it without what the gradients
+    /// add.
+    #[inline(always)]
+    pub(super) fn pass_gradients<L: Lane<Real = R>>(
+        &self,
+        mut p: Vector<L>,
+        d: Vector<L>,
+        diaphragm: &Diaphragm<R>,
+        numbers: Option<[L; 2]>,
+        gradients: &Gradients<R>,
+    ) -> Intersection<L> {
+        p.z = p.z + self.to_here;
+        let bases = numbers.unwrap_or_else(|| gradients.bases(p.x));
+        let (p, d, arrives) = gradients.carry(self, p, d, bases[0]);
+        let mut crossing = self.meet(p, d);
+        crossing.met = crossing.met & arrives;
+        let place = match &self.pose {
+            Some(pose) => pose.point_out(crossing.point),
+            None => crossing.point,
+        };
+        let interface = Interfaces::between(gradients.indices_at(place, bases));
+        self.act(self.own(p, d).1, crossing, diaphragm, Some(interface))
+    }
+}
+
 impl<R: Real> Gradients<R> {
     /// The length that the way of one ray from `p` along `d` to the surface of `step` would have in a medium of the index that is
     /// before the vertex of that surface: its optical path over that index. `None` where the medium before is no gradient.

@@ -6,15 +6,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::bundle::{Block, Bundle, Lines, Losses, Trace, Traced};
+use super::bundle::{Block, Bundle, LINES, Leaving, Lines, Losses, Trace, Traced};
 use super::fate::RayStatus;
 use super::step::Action;
 use super::{Lost, Ray, SurfaceSequence, Tracer, Travel};
 use crate::diaphragm::Diaphragm;
 use crate::lane::{Lane, LaneKernel, Level, Real};
-
-/// Lines in a group: a multiple of the numbers in the widest register of f64.
-pub const LINES: usize = 8;
 
 /// Ratios and excesses of the interfaces, by step and line; beside a gradient the indices before and behind without it.
 type Tables<R> = Arc<[[Box<[R]>; 2]]>;
@@ -36,21 +33,6 @@ pub struct SpectralBundle<R = f64> {
     rays: Bundle<R>,
     first: Vec<u32>,
     group: usize,
-}
-
-/// Rays of a group where they leave the lens.
-pub struct Leaving<'a, R> {
-    /// x, y, z from the last vertex on the way, then of the directions, whose length is 1 but for roundings.
-    pub numbers: [&'a [R; LINES]; 6],
-    pub(super) fates: &'a [RayStatus],
-}
-
-impl<R> Leaving<'_, R> {
-    /// A bit for each that got through, the first the lowest. The numbers of the others are undefined.
-    #[inline]
-    pub fn through(&self) -> u32 {
-        self.fates.iter().enumerate().fold(0, |bits, (i, fate)| bits | u32::from(fate.is_through()) << i)
-    }
 }
 
 impl SpectralTracer {

@@ -7,8 +7,6 @@ use crate::surface::{Conic, Crossing, Failure, Pose, Shape};
 use crate::system::Surface;
 use crate::vector::Vector;
 
-use super::gradient::Gradients;
-
 /// The change of a ray's direction at a surface.
 #[derive(Clone, Copy, Debug)]
 pub enum Action<R> {
@@ -128,33 +126,9 @@ impl<R: Real> Step<R> {
         self.act(d, crossing, diaphragm, interfaces)
     }
 
-    /// [`Self::pass`] with `gradients` beside the surface; `numbers` are then the indices before and behind it without what the gradients
-    /// add.
-    #[inline(always)]
-    pub(super) fn pass_gradients<L: Lane<Real = R>>(
-        &self,
-        mut p: Vector<L>,
-        d: Vector<L>,
-        diaphragm: &Diaphragm<R>,
-        numbers: Option<[L; 2]>,
-        gradients: &Gradients<R>,
-    ) -> Intersection<L> {
-        p.z = p.z + self.to_here;
-        let bases = numbers.unwrap_or_else(|| gradients.bases(p.x));
-        let (p, d, arrives) = gradients.carry(self, p, d, bases[0]);
-        let mut crossing = self.meet(p, d);
-        crossing.met = crossing.met & arrives;
-        let place = match &self.pose {
-            Some(pose) => pose.point_out(crossing.point),
-            None => crossing.point,
-        };
-        let interface = Interfaces::between(gradients.indices_at(place, bases));
-        self.act(self.own(p, d).1, crossing, diaphragm, Some(interface))
-    }
-
     /// The passage of rays that have come to the surface along `d`, in its own coordinates.
     #[inline(always)]
-    fn act<L: Lane<Real = R>>(
+    pub(super) fn act<L: Lane<Real = R>>(
         &self,
         d: Vector<L>,
         crossing: Crossing<L>,

@@ -3,8 +3,8 @@
 use super::path_state::PathState;
 use super::point::Images;
 use crate::sampler::phase::PhaseLobe;
-use crate::scene::graph::Source;
 use crate::scene::grid::Grid;
+use crate::scene::layer::Source;
 use crate::scene::mesh::Mesh;
 use crate::scene::volume::{Phase, PrincipledVolume, Volume, VolumeClosure};
 use crate::scene::{Instance, Scene};

@@ -4,7 +4,6 @@
 //! ends; its radius follows the same curve. A segment goes from one key to the next and has the first one's number.
 
 use super::SceneError;
-use super::mesh::Mesh;
 use glam::{Vec2, Vec3, Vec4};
 
 /// The shape of a strand.
@@ -260,14 +259,9 @@ impl Curves {
     }
 
     /// The corners of the box that holds the keys.
-    fn bounds(&self) -> [Vec3; 2] {
+    pub(super) fn bounds(&self) -> [Vec3; 2] {
         let places = || self.keys.iter().map(|key| key.truncate());
         [places().fold(Vec3::MAX, Vec3::min), places().fold(Vec3::MIN, Vec3::max)]
-    }
-
-    /// The curves as a mesh without triangles.
-    pub(super) fn into_mesh(self, name: String) -> Mesh {
-        Mesh { name, bounds: self.bounds(), curves: Some(Box::new(self)), is_special: true, ..Mesh::default() }
     }
 }
 

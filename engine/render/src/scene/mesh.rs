@@ -4,7 +4,7 @@ use super::SceneError;
 use super::corners::{self, Corners, Named, Numbers};
 use super::curves::Curves;
 use super::grid::Grid;
-use super::motion::Poses;
+use super::motion::{Poses, bounds_of};
 use super::points::Points;
 use glam::{Vec2, Vec3, Vec4};
 
@@ -249,10 +249,25 @@ fn has_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     (b - a).cross(c - a).length_squared() > 0.0
 }
 
-/// The lowest and the highest corner of the box about all points that are finite.
-pub(super) fn bounds_of(points: &[Vec3]) -> [Vec3; 2] {
-    let finite = || points.iter().filter(|p| p.is_finite());
-    [finite().fold(Vec3::MAX, |a, b| a.min(*b)), finite().fold(Vec3::MIN, |a, b| a.max(*b))]
+impl Curves {
+    /// The curves as a mesh without triangles.
+    pub(super) fn into_mesh(self, name: String) -> Mesh {
+        Mesh { name, bounds: self.bounds(), curves: Some(Box::new(self)), is_special: true, ..Mesh::default() }
+    }
+}
+
+impl Points {
+    /// The points as a mesh without triangles.
+    pub(super) fn into_mesh(self, name: String) -> Mesh {
+        let places = |points: &[Vec4]| points.iter().map(|point| point.truncate()).collect();
+        let poses = (!self.poses.is_empty()).then(|| {
+            let positions = self.poses.iter().map(|pose| places(pose)).collect();
+            Box::new(Poses { positions, corner_normals: None })
+        });
+        let low = self.points.iter().map(|p| p.truncate() - p.w).fold(Vec3::MAX, Vec3::min);
+        let high = self.points.iter().map(|p| p.truncate() + p.w).fold(Vec3::MIN, Vec3::max);
+        Mesh { name, bounds: [low, high], poses, points: Some(Box::new(self)), is_special: true, ..Mesh::default() }
+    }
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ pub mod graph;
 pub mod grid;
 mod instance;
 pub mod lamp;
+pub mod layer;
 pub mod material;
 pub mod mesh;
 pub mod motion;

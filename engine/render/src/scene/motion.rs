@@ -6,7 +6,6 @@
 //! instance has goes by how far it moves over the picture.
 
 use super::corners::{Corners, Numbers};
-use super::mesh::{Mesh, bounds_of};
 use super::{Instance, Scene};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Vec3};
 
@@ -274,12 +273,12 @@ impl Moving {
     pub(super) fn new(instance: u32, way: Option<AnimatedTransform>) -> Self {
         Self { instance, first: 0, shift: 0, way }
     }
+}
 
-    /// Number of keys of the motion.
-    pub fn key_count(&self, mesh: &Mesh) -> usize {
-        let of_shape = mesh.poses.as_ref().map_or(0, |poses| poses.key_count());
-        self.way.as_ref().map_or(0, AnimatedTransform::key_count).max(of_shape)
-    }
+/// The lowest and the highest corner of the box about all points that are finite.
+pub(super) fn bounds_of(points: &[Vec3]) -> [Vec3; 2] {
+    let finite = || points.iter().filter(|p| p.is_finite());
+    [finite().fold(Vec3::MAX, |a, b| a.min(*b)), finite().fold(Vec3::MIN, |a, b| a.max(*b))]
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! [`crate::shading::principled::Bsdf`].
 
 use super::closure::Closure;
-use super::graph::{GraphLayer, Source};
+use super::layer::{GraphLayer, Source};
 use crate::Rgb;
 use glam::Vec3A;
 use petzval_nodes::Program;

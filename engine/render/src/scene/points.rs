@@ -1,8 +1,7 @@
 //! Point clouds: balls, each known by its number, checked once so that nothing later needs to.
 
 use super::SceneError;
-use super::mesh::Mesh;
-use super::motion::{Pose, Poses};
+use super::motion::Pose;
 use glam::{Vec3, Vec4};
 
 /// A point cloud as it arrives.
@@ -31,7 +30,7 @@ pub struct Points {
     /// The places a frame before and a frame after.
     pub moved_points: Option<[Vec<Vec3>; 2]>,
     /// Positions and radii by key over the time that the shutter is open; empty where nothing changes.
-    poses: Vec<Vec<Vec4>>,
+    pub(super) poses: Vec<Vec<Vec4>>,
 }
 
 impl Points {
@@ -107,18 +106,6 @@ impl Points {
     pub fn attribute(&self, name: &str, point: u32) -> Option<Vec4> {
         let (_, values) = self.attributes.iter().find(|(own, _)| own == name)?;
         Some(values[point as usize])
-    }
-
-    /// The points as a mesh without triangles.
-    pub(super) fn into_mesh(self, name: String) -> Mesh {
-        let places = |points: &[Vec4]| points.iter().map(|point| point.truncate()).collect();
-        let poses = (!self.poses.is_empty()).then(|| {
-            let positions = self.poses.iter().map(|pose| places(pose)).collect();
-            Box::new(Poses { positions, corner_normals: None })
-        });
-        let low = self.points.iter().map(|p| p.truncate() - p.w).fold(Vec3::MAX, Vec3::min);
-        let high = self.points.iter().map(|p| p.truncate() + p.w).fold(Vec3::MIN, Vec3::max);
-        Mesh { name, bounds: [low, high], poses, points: Some(Box::new(self)), is_special: true, ..Mesh::default() }
     }
 }
 

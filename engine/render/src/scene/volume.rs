@@ -1,6 +1,6 @@
 //! A participating medium as a compiled shader graph: closures whose inputs a program computes at each point.
 
-use super::graph::{MOST_LAYERS, Source, in_words};
+use super::layer::{MOST_LAYERS, Source, in_words};
 use glam::Vec3A;
 use petzval_nodes::{Field, Layer, LayerKind, Program};
 

@@ -2,7 +2,7 @@
 
 use crate::prescription::{NextMedium, Place};
 
-use super::super::draft::DraftRow;
+use super::super::draft_row::DraftRow;
 use super::super::problem::{LensFileError, Problem, at};
 use super::super::text::Token;
 use super::Reader;
