@@ -6,8 +6,8 @@ use crate::gil::without_gil;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use petzval_pictures::channels;
 use petzval_render::camera::CameraDescription;
-use petzval_render::camera::distortion_map::{Direction, DistortionMap};
-use petzval_render::camera::framing::Framed;
+use petzval_render::camera::tools::distortion_map::{Direction, DistortionMap};
+use petzval_render::camera::tools::framing::Framed;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 

@@ -14,7 +14,7 @@ pub mod request;
 mod settings;
 
 use crate::camera::clip::Clip;
-use crate::camera::real_lens::RealLens;
+use crate::camera::lens::real_lens::RealLens;
 use crate::camera::{Camera, CameraDescription};
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};

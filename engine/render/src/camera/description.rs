@@ -2,7 +2,7 @@
 
 use super::CameraError;
 use super::exposure::PhysicalExposure;
-use super::precision::Precision;
+use super::lens::precision::Precision;
 use super::scattering::Scattering;
 use crate::spectrum::SPECTRAL_COUNT;
 use glam::{DMat3, DMat4, DVec3};
@@ -117,7 +117,7 @@ pub struct FocusSettings {
     pub point_world: Option<DVec3>,
     /// Distance from the last vertex to the film's middle, mm.
     pub film_distance_mm: Option<f64>,
-    /// The picture point, 0 to 1 from the lower left, on whose subject [`super::autofocus`] is to focus; a camera itself leaves it out of
+    /// The picture point, 0 to 1 from the lower left, on whose subject [`super::tools::autofocus`] is to focus; a camera itself leaves it out of
     /// account.
     pub autofocus: Option<[f64; 2]>,
 }

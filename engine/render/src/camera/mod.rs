@@ -3,63 +3,36 @@
 //! The only place where lens millimetres meet world units. Picture coordinates are fractions of the picture's
 //! width and height from its centre, right and up as one looks at the finished picture: -1/2 to 1/2.
 
-pub mod adapted;
-mod arrive;
-pub mod autofocus;
-pub mod batch;
-mod beam;
 pub mod clip;
 mod description;
-pub mod distortion_map;
 pub mod exposure;
-mod focal_surface;
-pub mod framing;
-pub mod from_scene;
-pub mod gaussian;
-pub mod image_based;
-pub mod imaging;
-mod lines;
-mod mount;
-pub mod orthographic;
-mod osl;
-mod outward;
-pub mod packet;
-pub mod pinhole;
-pub mod precision;
-pub mod real_lens;
+pub mod lens;
+pub mod models;
 pub mod scattering;
-pub mod scene_side;
-pub mod setup;
-pub mod shade;
-pub mod sharpness;
-mod steps;
-pub mod straying;
-pub mod survey;
-pub mod thin;
-mod transmission;
+pub mod tools;
 
 pub use description::{CameraDescription, EnabledEffects, Model, Spectrum};
 
 use crate::Rgb;
 use crate::accel::Ray;
-use adapted::Adapted;
-use batch::LensBatch;
-use gaussian::{Gaussian, Order};
 use glam::{DMat3, Mat3, Vec2};
-use image_based::ImageBased;
-use orthographic::Orthographic;
-use packet::Request;
+use lens::batch::LensBatch;
+use lens::packet::Request;
+use lens::real_lens::RealLens;
+use lens::setup::LensInfo;
+use models::adapted::Adapted;
+use models::gaussian::{Gaussian, Order};
+use models::image_based::ImageBased;
+use models::orthographic::Orthographic;
+use models::pinhole::Pinhole;
+use models::thin::Thin;
 use petzval_optics::autofocus::{AutofocusError, SharpPlaneError};
 use petzval_optics::axial_beam;
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::pupil_map::unobstructed_part;
 use petzval_optics::system::{System, SystemError};
-use pinhole::Pinhole;
-use real_lens::RealLens;
-use setup::LensInfo;
 use std::sync::Arc;
-use thin::Thin;
 
 /// An error by which a camera cannot photograph.
 #[derive(Debug, thiserror::Error)]
@@ -240,19 +213,16 @@ impl Camera {
 /// As [`Camera::new`].
 pub fn lens_info(d: &CameraDescription, width: u32, height: u32) -> Result<LensInfo, CameraError> {
     d.check(width, height)?;
-    setup::Setup::new(d, width, height).map(|setup| setup.info)
+    lens::setup::Setup::new(d, width, height).map(|setup| setup.info)
 }
 
 /// The T-number of a lens before a film at `film_z_mm`, lens space: the f-number of one that loses nothing, has nothing in its middle,
 /// and is as bright in the film's middle, for white light. `None`: that is dark, or the lens has no focal length.
 pub fn t_number(system: &System, wavelength_nm: f64, film_z_mm: f64) -> Option<f64> {
     let clear = unobstructed_part(&system.at_wavelength(wavelength_nm), system, film_z_mm);
-    let part = clear * transmission::luminous(system, wavelength_nm, film_z_mm)?;
+    let part = clear * lens::transmission::luminous(system, wavelength_nm, film_z_mm)?;
     axial_beam::f_number(system, wavelength_nm).map(|n| n / part.sqrt()).filter(|n| n.is_finite())
 }
-
-#[cfg(test)]
-mod between_models;
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -15,7 +15,7 @@ use super::path::{Limits, PathResult};
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::clip::Clip;
-use crate::camera::real_lens::RealLens;
+use crate::camera::lens::real_lens::RealLens;
 use crate::sampler::{PathSampler, raster::Raster};
 use glam::Affine3A;
 use vertex::Vertex;

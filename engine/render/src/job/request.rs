@@ -4,7 +4,7 @@ use super::checkpoint::Checkpoints;
 use super::forecast::Forecast;
 use super::{Job, OutputOptions, Settings, SettingsError, catcher};
 use crate::camera::clip::Clip;
-use crate::camera::imaging::Imaging;
+use crate::camera::tools::imaging::Imaging;
 use crate::camera::{Camera, CameraDescription, CameraError, shade};
 use crate::film::cryptomatte::MatteLayer;
 use crate::integrator::path::parts::{LightPass, Parts, Seen};

@@ -230,7 +230,7 @@ fn a_lens_that_moves_takes_the_mean_of_its_pictures() {
 /// that stands is that of its picture.
 #[test]
 fn mattes_and_vectors_do_not_depend_on_threads() {
-    use crate::camera::imaging::Imaging;
+    use crate::camera::tools::imaging::Imaging;
     use crate::film::cryptomatte::id;
     let mut builder = SceneBuilder::new();
     let triangle = MeshDescription {

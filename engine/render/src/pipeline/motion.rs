@@ -5,7 +5,7 @@
 //! their mean is the way of the blurred one. The background lies infinitely far: only turns of the camera move it.
 
 use crate::accel::Ray;
-use crate::camera::imaging::{Imaging, Seen};
+use crate::camera::tools::imaging::{Imaging, Seen};
 use crate::integrator::path::FirstSurface;
 use crate::scene::curves::Curves;
 use crate::scene::points::Points;

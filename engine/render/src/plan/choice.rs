@@ -1,7 +1,7 @@
 //! The simulation of a camera that a plan has chosen.
 
 use super::PlanOptions;
-use crate::camera::setup::D_LINE_NM;
+use crate::camera::lens::setup::D_LINE_NM;
 use crate::camera::{CameraDescription, EnabledEffects, Model, Spectrum};
 use crate::pipeline::Pipeline;
 

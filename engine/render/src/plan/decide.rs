@@ -6,7 +6,7 @@ use super::motion::SceneMotion;
 use super::price::{Price, sample_ns, transmission_ns};
 use super::words::size;
 use super::{Decision, Effect, EffectMode, PlanError, PlanOptions};
-use crate::camera::setup::LensInfo;
+use crate::camera::lens::setup::LensInfo;
 use crate::camera::{EnabledEffects, Spectrum};
 use crate::spectrum::{SET_SIZE, SPECTRAL_COUNT};
 

@@ -5,7 +5,7 @@ use super::motion::SceneMotion;
 use super::unit::Unit;
 use super::words::worst;
 use crate::camera::CameraDescription;
-use crate::camera::survey::{LensMeasures, Survey, Worst};
+use crate::camera::tools::survey::{LensMeasures, Survey, Worst};
 
 /// The data on which decisions are based.
 pub(super) struct Known<'a> {

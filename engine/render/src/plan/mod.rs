@@ -20,8 +20,8 @@ mod words;
 
 use crate::Rgb;
 use crate::camera::clip::Clip;
-use crate::camera::straying::StrayLens;
-use crate::camera::survey::{GRID, LensMeasures, Survey, Worst};
+use crate::camera::tools::straying::StrayLens;
+use crate::camera::tools::survey::{GRID, LensMeasures, Survey, Worst};
 use crate::camera::{Camera, CameraDescription, CameraError, Model};
 use crate::integrator::PreparedScene;
 use crate::pipeline::Pipeline;

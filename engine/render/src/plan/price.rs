@@ -4,7 +4,7 @@
 //! Times are nanoseconds on the machine of docs/accuracy-cost.md, one thread; their ratios hold elsewhere. They are constants,
 //! so that the same scene has the same plan on every machine and at every load.
 
-use crate::camera::survey::LensShape;
+use crate::camera::tools::survey::LensShape;
 use crate::stray::ghosts::Glimpse;
 
 /// The way in which a camera makes its rays.

@@ -1,7 +1,7 @@
 //! The distance from a bright source in the picture up to which light spread by diffraction is seen.
 
 use super::look::SceneProbe;
-use crate::camera::survey::Survey;
+use crate::camera::tools::survey::Survey;
 use std::f64::consts::PI;
 
 /// The least light that is seen, as a part of the exposure.

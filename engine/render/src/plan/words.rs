@@ -1,7 +1,7 @@
 //! The texts of decisions.
 
 use super::unit::Unit;
-use crate::camera::survey::Worst;
+use crate::camera::tools::survey::Worst;
 use glam::Vec2;
 
 /// A size with its unit, short.

@@ -13,7 +13,7 @@ mod table;
 
 use super::spread::{Spreading, Transfer, Zone};
 use crate::Rgb;
-use crate::camera::survey::Survey;
+use crate::camera::tools::survey::Survey;
 use crate::camera::{CameraDescription, CameraError};
 use crate::spectrum::FilmSpectrum;
 use glam::{Mat3, Vec2};

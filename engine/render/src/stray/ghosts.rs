@@ -9,7 +9,7 @@ mod raster;
 
 use super::sources::Source;
 use super::{Picture, Reflections};
-use crate::camera::straying::StrayLens;
+use crate::camera::tools::straying::StrayLens;
 use choose::{Candidate, LINES_NM, candidates, keep};
 use petzval_optics::ghosts::beam::Beam;
 use petzval_optics::ghosts::packet::GhostTracer;

@@ -19,7 +19,7 @@
 use super::sampled::Sampled;
 use super::spread;
 pub use crate::camera::scattering::Scattering;
-use crate::camera::survey::Survey;
+use crate::camera::tools::survey::Survey;
 use crate::camera::{CameraDescription, CameraError};
 use crate::spectrum::FilmSpectrum;
 use crate::{Rgb, luminance};

@@ -13,7 +13,7 @@ pub mod spread;
 
 use crate::Rgb;
 use crate::camera::Camera;
-use crate::camera::straying::StrayLens;
+use crate::camera::tools::straying::StrayLens;
 use crate::integrator::PreparedScene;
 use diffraction::Diffraction;
 use glare::Glare;

@@ -4,7 +4,7 @@
 use super::Straight;
 use crate::accel::Ray;
 use crate::camera::Camera;
-use crate::camera::straying::StrayLens;
+use crate::camera::tools::straying::StrayLens;
 use crate::integrator::PreparedScene;
 use crate::nodes::PathState;
 use crate::sampler::evenly::Evenly;

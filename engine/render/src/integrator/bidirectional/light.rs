@@ -5,7 +5,7 @@ use super::weights::{Partial, squared, weight};
 use super::{FilmEnd, Techniques, is_dark};
 use crate::Rgb;
 use crate::accel::{Hit, Ray};
-use crate::camera::from_scene::Landed;
+use crate::camera::lens::from_scene::Landed;
 use crate::integrator::PreparedScene;
 use crate::integrator::path::{Limits, SURE_BOUNCES, transmittance};
 use crate::nodes::{PathState, View};

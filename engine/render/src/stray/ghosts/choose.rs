@@ -1,7 +1,7 @@
 //! The choice of the ghosts that are bright enough to be seen.
 
 use super::super::sources::Source;
-use crate::camera::straying::StrayLens;
+use crate::camera::tools::straying::StrayLens;
 use crate::luminance;
 use glam::DVec2;
 use petzval_optics::ghosts::beam::Beam;

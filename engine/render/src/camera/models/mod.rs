@@ -1,0 +1,10 @@
+//! Models of a camera.
+
+pub mod adapted;
+#[cfg(test)]
+mod between_models;
+pub mod gaussian;
+pub mod image_based;
+pub mod orthographic;
+pub mod pinhole;
+pub mod thin;

@@ -1,0 +1,11 @@
+//! Tools for a camera with a lens: focus, framing, maps, measures.
+
+pub mod autofocus;
+pub mod distortion_map;
+pub mod framing;
+pub mod imaging;
+pub(super) mod osl;
+pub mod shade;
+pub mod sharpness;
+pub mod straying;
+pub mod survey;
