@@ -10,33 +10,22 @@ try:
 except ImportError as error:
     raise ImportError(f"Petzval's package is missing ({error}): install the extension again") from None
 
-from . import (
-    autofocus,
-    cost_operator,
-    engine,
-    favourites,
-    focus_operators,
-    focus_picking,
-    framing_operator,
-    gizmos,
-    lens_export_operators,
-    lens_operators,
-    live_drawing,
-    lookout,
-    native,
-    operators,
-    overlay,
-    plan_operator,
-    preset_operators,
-    properties,
-    redraw,
-    report_operator,
-    scene_size,
-    select_operator,
-    thumbnails,
-    ui,
-    viewport_camera,
-)
+from . import engine, native, redraw, ui
+from .data import favourites
+from .drawing import gizmos, live_drawing, overlay, thumbnails
+from .operators import common as operators
+from .operators import cost as cost_operator
+from .operators import focus as focus_operators
+from .operators import focus_picking
+from .operators import framing as framing_operator
+from .operators import lens as lens_operators
+from .operators import lens_export as lens_export_operators
+from .operators import plan as plan_operator
+from .operators import presets as preset_operators
+from .operators import report as report_operator
+from .operators import select as select_operator
+from .queries import autofocus, lookout, scene_size, viewport_camera
+from .settings import properties
 
 # What is used stands before what uses it.
 PARTS = (

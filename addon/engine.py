@@ -7,11 +7,12 @@ import traceback
 
 import bpy
 
-from . import loop, passes, persistent, planning, preview, statistics
+from .data import passes
 from .export.errors import ExportError
 from .native import EngineMissing, engine
-from .photograph import Photograph
-from .results import deliver_black
+from .render import loop, persistent, planning, preview, statistics
+from .render.photograph import Photograph
+from .render.results import deliver_black
 from .viewport import RenderedView
 
 #: The one name of the engine.

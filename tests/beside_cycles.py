@@ -143,7 +143,7 @@ def take(folder: Path, engine: str, warns: str = "") -> np.ndarray:
     finally:
         scene.render.engine = "PETZVAL"
     if engine == "PETZVAL":
-        warnings = scene_parts.part("statistics").last(scene.name).warnings
+        warnings = scene_parts.part("render.statistics").last(scene.name).warnings
         assert len(warnings) == bool(warns) and all(warns in warning for warning in warnings), warnings
     return picture
 

@@ -101,7 +101,7 @@ def test_a_border_is_the_crop_of_the_whole(parts, tmp_path, border, model):
     render.use_crop_to_border = False
     framed = parts.render(tmp_path, "frame.exr")
 
-    window = parts.part("tiles").region(61, 43, border)
+    window = parts.part("data.tiles").region(61, 43, border)
     rows, columns = slice(window.y, window.y + window.height), slice(window.x, window.x + window.width)
     assert cropped.shape == (window.height, window.width, 4)
     assert np.array_equal(cropped, whole[rows, columns])
@@ -382,7 +382,7 @@ def test_a_render_stops_at_once_and_keeps_what_is_there(parts, blender, tmp_path
     import time
 
     scene = parts.set_up(width=320, height=200, samples=1_000_000, model="LENS")
-    watch = parts.part("loop").WATCH
+    watch = parts.part("render.loop").WATCH
     asked = []
 
     def ask():
@@ -398,7 +398,7 @@ def test_a_render_stops_at_once_and_keeps_what_is_there(parts, blender, tmp_path
         watch.stop.clear()
     # Half of it is Blender's own: writing the picture. A busy machine may take longer than the promised 0.3 s.
     assert asked and time.monotonic() - asked[0] < 3.0
-    last = parts.part("statistics").last(scene.name)
+    last = parts.part("render.statistics").last(scene.name)
     assert last.stopped and 1 <= last.stats["samples"] < 1_000_000
     assert picture[50:150, 80:240, :3].mean() == pytest.approx(0.5, rel=0.1)
 
@@ -406,7 +406,7 @@ def test_a_render_stops_at_once_and_keeps_what_is_there(parts, blender, tmp_path
 def test_the_statistics_of_the_last_render_are_kept(parts, blender):
     parts.set_up(samples=3, model="LENS")
     blender.ops.render.render()
-    last = parts.part("statistics").last("Scene")
+    last = parts.part("render.statistics").last("Scene")
     assert last.stats["samples"] == 3
     assert last.stats["camera_rays"] >= 3 * 48 * 32
     assert last.stats["non_finite_samples"] == 0

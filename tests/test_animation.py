@@ -60,7 +60,7 @@ def test_persistent_data_draws_trees_anew_around_what_moves(parts, blender, tmp_
         assert key.keyframe_insert("value", frame=frame)
         still.location.x = 0.1 + 0.1 * amount
         assert still.keyframe_insert("location", frame=frame)
-    last = parts.part("statistics").last
+    last = parts.part("render.statistics").last
     pictures = {}
     for kept in (False, True):
         scene.render.use_persistent_data = kept
@@ -77,7 +77,7 @@ def test_persistent_data_draws_trees_anew_around_what_moves(parts, blender, tmp_
     assert last("Scene").stats["trees_refitted"] == 0
     scene.render.use_persistent_data = False
     parts.render(tmp_path, "off.exr")
-    assert parts.part("persistent").previous(blender.context.evaluated_depsgraph_get()) is None
+    assert parts.part("render.persistent").previous(blender.context.evaluated_depsgraph_get()) is None
 
 
 @pytest.mark.once

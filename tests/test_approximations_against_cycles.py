@@ -241,7 +241,7 @@ def test_fast_gi_of_view_and_picture(blender):
     scene = parts.set_up()
     for name, value in fast_gi("REPLACE", 3, 4.0, 0.5).items():
         setattr(scene.cycles, name, value)
-    describe = parts.part("render_settings").describe
+    describe = parts.part("export.settings").describe
     picture, view = (describe(scene, 8, 8, is_viewport=is_view).approximations.fast_gi for is_view in (False, True))
     assert picture == {"REPLACE": {"bounces": 3, "distance": 4.0, "factor": 0.5}}
     assert view["REPLACE"]["bounces"] == 7

@@ -362,7 +362,7 @@ def test_nodes_in_a_circle_are_cut_and_named(studio, blender, tmp_path):
     parts.square("Wall", (0.0, 3.0, 0.0), 4.0, made)
     picture = parts.render(tmp_path)
     assert np.isfinite(picture).all()
-    (warning,) = parts.part("statistics").last("Scene").warnings
+    (warning,) = parts.part("render.statistics").last("Scene").warnings
     assert "Material 'Circle'" in warning and "Mix Shader" in warning and "itself" in warning
 
 

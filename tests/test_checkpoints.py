@@ -117,7 +117,7 @@ def test_what_leaves_its_mark(blender):
     """Everything that the engine is told, and nothing that does not change the picture."""
     import petzval
 
-    checkpoints = petzval.load_addon().checkpoints
+    checkpoints = petzval.load_addon().render.checkpoints
 
     def mark(*values) -> str:
         digest = hashlib.blake2b()
@@ -149,17 +149,17 @@ def test_a_render_in_blender_keeps_itself_among_the_users_files(blender, tmp_pat
 
     addon = petzval.load_addon()
     monkeypatch.setattr(blender.utils, "user_resource", lambda _kind, path, create: str(tmp_path))
-    monkeypatch.setattr(addon.checkpoints, "EVERY_S", 0.005)
+    monkeypatch.setattr(addon.render.checkpoints, "EVERY_S", 0.005)
     # 64 samples are over in 20 ms where it is fast; these take a second there.
     scene = parts.set_up(96, 64, 3000)
     parts.square("Square", (0.1, 5, 0.2), 0.6, parts.emitter((1.0, 0.5, 0.2), 2.0))
     seen = []
-    monkeypatch.setattr(addon.loop.WATCH, "on_progress", lambda _part, _text: seen.extend(tmp_path.iterdir()))
+    monkeypatch.setattr(addon.render.loop.WATCH, "on_progress", lambda _part, _text: seen.extend(tmp_path.iterdir()))
     blender.ops.render.render(scene=scene.name)
-    stats = addon.statistics.last(scene.name).stats["checkpoint"]
+    stats = addon.render.statistics.last(scene.name).stats["checkpoint"]
     assert stats["written"] > 0 and stats["problem"] is None
     assert any(path.suffix == ".checkpoint" for path in seen)
     assert list(tmp_path.iterdir()) == []
     scene.petzval.use_checkpoints = False
     blender.ops.render.render(scene=scene.name)
-    assert addon.statistics.last(scene.name).stats["checkpoint"] is None
+    assert addon.render.statistics.last(scene.name).stats["checkpoint"] is None

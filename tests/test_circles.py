@@ -129,3 +129,22 @@ def test_the_package_does_not_know_the_add_on():
         assert "spec_from_file_location" not in file.read_text("utf-8") or file.name in ("places.py", "_native.py"), (
             file
         )
+
+
+def test_folders_of_the_add_on_form_no_circle_and_have_few_arrows():
+    """The add-on's folders, and the modules at its root, each as one room."""
+    root, arrows = ROOT / "addon", defaultdict(set)
+    for file in root.rglob("*.py"):
+        own = file.relative_to(root).with_suffix("").parts
+        if own[0] == "presets":
+            continue
+        package = own[:-1]
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                base = package[: len(package) - node.level + 1]
+                for name in (one.name for one in node.names):
+                    to = (*base, *(node.module.split(".") if node.module else ()), name)[0]
+                    if to != own[0] and own[0] != "__init__":
+                        arrows[own[0]].add(to)
+    assert circles(arrows) == []
+    assert sum(map(len, arrows.values())) <= 60

@@ -35,7 +35,7 @@ def test_everybody_has_the_same_list(blender):
     engine = [effect["name"] for effect in known]
     assert [effect.is_available for effect in effects.EFFECTS] == [effect["is_available"] for effect in known]
     assert [effect.name for effect in effects.EFFECTS] == engine
-    assert [word[0].lower() for word in addon.effects.WORDS] == list(effects.WORDS)
+    assert [word[0].lower() for word in addon.data.effects.WORDS] == list(effects.WORDS)
 
 
 @pytest.mark.once
@@ -146,16 +146,16 @@ def test_the_button_measures(blender):
     scene.camera.data.petzval.lens_file = "cooke-triplet-50mm.lens"
     scene.petzval.quality = 2.0
     scene.petzval.effects.distortion = "OFF"
-    addon.planning.forget()
+    addon.render.planning.forget()
     assert blender.ops.petzval.plan_effects() == {"FINISHED"}
-    found = addon.planning.last(scene.name)
+    found = addon.render.planning.last(scene.name)
     assert row(found, "distortion")["decision"] == "off"
     assert row(found, "defocus")["tolerance"] == pytest.approx(0.25)
-    texts = [addon.effects.size(one) for one in found["effects"]] + [
-        addon.effects.cost(one) for one in found["effects"]
+    texts = [addon.data.effects.size(one) for one in found["effects"]] + [
+        addon.data.effects.cost(one) for one in found["effects"]
     ]
     assert all(isinstance(text, str) for text in texts)
-    assert "wavelength" in addon.effects.summary(found)
+    assert "wavelength" in addon.data.effects.summary(found)
     scene.petzval.effects.distortion = "AUTO"
     scene.camera.data.petzval.lens_file = "no-such.lens"
     with pytest.raises(RuntimeError, match="no-such"):

@@ -83,5 +83,5 @@ def test_a_bad_strand_is_named(parts, blender, tmp_path):
     picture = parts.render(tmp_path)
     assert np.isfinite(picture).all()
     assert picture[16, 24, :3] == pytest.approx([1.0] * 3, abs=1e-3)
-    warnings = parts.part("statistics").last("Scene").warnings
+    warnings = parts.part("render.statistics").last("Scene").warnings
     assert any("'Strands': 1 of 2 strands" in line for line in warnings), warnings

@@ -415,7 +415,7 @@ def test_hostile_meshes_are_rendered_around(parts, blender, tmp_path):
     picture = parts.render(tmp_path)
     assert np.isfinite(picture).all()
     assert picture[16, 24, :3] == pytest.approx([1.0] * 3, abs=1e-3)
-    assert parts.part("statistics").last("Scene").stats["non_finite_samples"] == 0
+    assert parts.part("render.statistics").last("Scene").stats["non_finite_samples"] == 0
 
 
 def test_a_volume_without_its_file_is_said(parts, blender, tmp_path):

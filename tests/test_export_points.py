@@ -74,5 +74,5 @@ def test_a_bad_point_is_named(parts, blender, tmp_path):
     assert np.isfinite(picture).all()
     colour = blender.data.objects["Cloud"].data.attributes["paint"].data[0].color
     assert picture[16, 24, :3] == pytest.approx(list(colour)[:3], abs=1e-3)
-    warnings = parts.part("statistics").last("Scene").warnings
+    warnings = parts.part("render.statistics").last("Scene").warnings
     assert any("1 of 2 are not finite" in line for line in warnings), warnings

@@ -88,5 +88,5 @@ def test_pixel_jitter_is_named(edges, blender, tmp_path):
     blender.context.scene.petzval.samples = 1
     cycles.use_pixel_jitter = True
     edges.render(tmp_path)
-    (warning,) = edges.part("statistics").last("Scene").warnings
+    (warning,) = edges.part("render.statistics").last("Scene").warnings
     assert "Pixel Jitter" in warning

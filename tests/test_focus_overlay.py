@@ -22,7 +22,7 @@ def overlay(blender):
     own.lens_file, own.wide_open, own.f_number = "double-gauss-f2-tronnier.lens", False, 8.0
     scene.camera.data.dof.focus_distance = 4.0
     bpy.context.view_layer.update()
-    return import_module(f"{petzval.load_addon().__name__}.overlay"), bpy
+    return import_module(f"{petzval.load_addon().__name__}.drawing.overlay"), bpy
 
 
 def test_the_surface_of_focus_is_where_the_camera_is_focused(overlay):

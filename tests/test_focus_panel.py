@@ -47,7 +47,7 @@ def choose(own, objects):
 def film_mm(scene) -> float:
     import scene_parts
 
-    return scene_parts.part("lens_info").of_camera(scene.camera, scene)["film_distance_mm"]
+    return scene_parts.part("queries.lens_info").of_camera(scene.camera, scene)["film_distance_mm"]
 
 
 # Three sharp points ------------------------------------------------------------------------------------------------
@@ -149,7 +149,7 @@ def find(bpy, scene):
     import scene_parts
 
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    return scene_parts.part("autofocus").find(scene.camera, scene, depsgraph)
+    return scene_parts.part("queries.autofocus").find(scene.camera, scene, depsgraph)
 
 
 @pytest.mark.parametrize("point", [(0.5, 0.5), (0.45, 0.55), (0.02, 0.98)])
@@ -165,7 +165,7 @@ def test_the_panel_finds_what_the_render_finds(blender, scene, point, away):
     own.focus_mode, own.autofocus_point = "AUTO", point
     found = find(blender, scene)
     assert blender.ops.render.render() == {"FINISHED"}
-    rendered = scene_parts.part("statistics").last(scene.name).stats["autofocus"]
+    rendered = scene_parts.part("render.statistics").last(scene.name).stats["autofocus"]
     # Both place the square in f32.
     assert found["film_distance_mm"] == pytest.approx(rendered["film_distance_mm"], rel=1e-6)
     assert (found["subject_world"] is None) == (rendered["subject_world"] is None) == (point == (0.02, 0.98))
@@ -229,7 +229,7 @@ def test_a_panel_never_looks_by_itself(blender, scene, monkeypatch):
     """It asks, gets what is known, and the timer does the work."""
     import scene_parts
 
-    part = scene_parts.part("autofocus")
+    part = scene_parts.part("queries.autofocus")
     looks = []
     looking = part.LOOKOUT.find
     monkeypatch.setattr(part.LOOKOUT, "find", lambda *asked: looks.append(asked) or looking(*asked))

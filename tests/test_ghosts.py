@@ -177,7 +177,7 @@ def plan(scene) -> dict[str, dict]:
 
     import scene_parts
 
-    told = scene_parts.part("plan_operator").plan(scene, bpy.context.evaluated_depsgraph_get())
+    told = scene_parts.part("operators.common.plan").plan(scene, bpy.context.evaluated_depsgraph_get())
     return {row["effect"]: row for row in told["effects"]}
 
 

@@ -201,7 +201,7 @@ def test_luminaires(studio, blender, tmp_path, name, is_file):
 def test_a_luminaire_without_its_file_is_named(studio, blender, tmp_path):
     lamp(blender, "POINT", lambda t: t.shows(t.node("Emission", Strength=t.node("TexIES").outputs[0]).outputs[0]))
     studio.render(tmp_path)
-    warnings = studio.part("statistics").last("Scene").warnings
+    warnings = studio.part("render.statistics").last("Scene").warnings
     assert len(warnings) == 1 and "Lamp" in warnings[0] and "file is missing" in warnings[0]
 
 

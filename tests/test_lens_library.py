@@ -71,7 +71,7 @@ def test_the_menu_has_a_place_for_every_group(blender):
     from petzval.places import load_addon
 
     addon = load_addon()
-    files, menu = addon.lens_files, addon.ui.lens_menu
+    files, menu = addon.data.lens_files, addon.ui.lens_menu
     assert 0 < len(files.groups()) <= menu.MOST_GROUPS
     camera = blender.data.cameras.new("Camera")
     holder = blender.data.objects.new("Camera", camera)

@@ -31,7 +31,7 @@ def scene(parts):
 
 
 def test_a_favourite_is_kept_for_every_file(blender, parts, scene, tmp_path, monkeypatch):
-    favourites, gallery = parts.part("favourites"), parts.part("ui.lens_gallery")
+    favourites, gallery = parts.part("data.favourites"), parts.part("ui.lens_gallery")
     monkeypatch.setattr(blender.utils, "user_resource", lambda *_, **__: str(tmp_path))
     favourites.load()
     own = scene.camera.data.petzval
@@ -52,7 +52,7 @@ def test_a_favourite_is_kept_for_every_file(blender, parts, scene, tmp_path, mon
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", '{"lenses": 3}', '{"lenses": [1, null]}'])
 def test_a_file_of_favourites_that_is_none_of_ours_is_none(blender, parts, tmp_path, monkeypatch, text):
-    favourites = parts.part("favourites")
+    favourites = parts.part("data.favourites")
     (tmp_path / "favourite-lenses.json").write_text(text)
     monkeypatch.setattr(blender.utils, "user_resource", lambda *_, **__: str(tmp_path))
     favourites.load()
@@ -63,7 +63,7 @@ def test_a_file_of_favourites_that_is_none_of_ours_is_none(blender, parts, tmp_p
 
 
 def test_lenses_are_found_by_name_group_and_focal_length(blender, parts):
-    gallery, files = parts.part("ui.lens_gallery"), parts.part("lens_files")
+    gallery, files = parts.part("ui.lens_gallery"), parts.part("data.lens_files")
 
     def ids(words, group="ALL"):
         return {entry["id"] for entry in gallery.chosen(group, words)}
@@ -77,14 +77,14 @@ def test_lenses_are_found_by_name_group_and_focal_length(blender, parts):
         assert ids("", group) == {entry["id"] for entry in files.shipped() if entry["group"] == group}
         assert ids(group) >= ids("", group)
     # So does Blender's own search, which looks at names alone.
-    items = {key: name for key, name, _ in parts.part("operators")._shipped_items(None, None)}
+    items = {key: name for key, name, _ in parts.part("operators.common.common")._shipped_items(None, None)}
     assert "wide angle, 28.41 mm, f/1.45" in items["nikkor-28-f1.4.lens"]
 
 
 @pytest.mark.once
 def test_every_lens_has_a_thumbnail(blender, parts):
     """Something is drawn in the middle, nothing at the corners' very edge, colours never beyond their coverage."""
-    thumbnails, files = parts.part("thumbnails"), parts.part("lens_files")
+    thumbnails, files = parts.part("drawing.thumbnails"), parts.part("data.lens_files")
     for entry in files.shipped():
         picture = thumbnails.pixels(files.file_name(entry))
         assert picture.shape == (thumbnails.SIDE_PX, thumbnails.SIDE_PX, 4) and np.isfinite(picture).all()
@@ -93,7 +93,7 @@ def test_every_lens_has_a_thumbnail(blender, parts):
 
 
 def test_a_thumbnail_is_drawn_by_the_timer(blender, parts):
-    thumbnails = parts.part("thumbnails")
+    thumbnails = parts.part("drawing.thumbnails")
     thumbnails.forget()
     key, missing = "cooke-triplet-50mm.lens", "no-such.lens"
     thumbnails.icon(key)
@@ -122,7 +122,7 @@ def test_a_lens_file_is_imported(blender, parts, scene, tmp_path):
     (tmp_path / "triplet.zmx").write_text(text)
     assert blender.ops.petzval.import_lens(filepath=str(tmp_path / "triplet.zmx")) == {"FINISHED"}
     assert own.lens_file == str(tmp_path / "triplet.zmx")
-    info = parts.part("lens_info").of_camera(scene.camera, scene)
+    info = parts.part("queries.lens_info").of_camera(scene.camera, scene)
     assert info["efl_mm"] == pytest.approx(50.0, rel=0.02)
     # Beside a saved file by its relative path.
     blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
@@ -136,7 +136,7 @@ def test_a_lens_file_is_imported(blender, parts, scene, tmp_path):
 
 
 def test_all_endings_that_the_engine_reads_are_asked_for(blender, parts):
-    operators = parts.part("lens_operators")
+    operators = parts.part("operators.common.lens")
     glob = blender.ops.petzval.import_lens.get_rna_type().properties["filter_glob"].default
     assert glob.split(";") == [f"*{ending}" for ending in operators.ENDINGS]
     for ending in operators.PETZVAL_FH_lens.bl_file_extensions.split(";"):
@@ -147,7 +147,7 @@ def test_all_endings_that_the_engine_reads_are_asked_for(blender, parts):
 
 
 def canvas(parts, width=64, height=48, view=(0.0, 64.0, 0.0, 48.0), fine=4):
-    return parts.part("canvas").Canvas(width, height, view, fine)
+    return parts.part("drawing.canvas").Canvas(width, height, view, fine)
 
 
 def test_a_polygon_covers_its_area(blender, parts):
@@ -183,7 +183,7 @@ def test_a_line_is_as_wide_as_asked_and_may_leave_the_picture(blender, parts):
 
 
 def drawing(parts, scene):
-    return parts.part("live_drawing").of_camera(scene.camera, scene)
+    return parts.part("drawing.live_drawing").of_camera(scene.camera, scene)
 
 
 def test_the_drawing_is_of_the_lens_as_it_is_set(parts, scene):
@@ -194,7 +194,7 @@ def test_the_drawing_is_of_the_lens_as_it_is_set(parts, scene):
     after = drawing(parts, scene)
     assert before["efl_mm"] != pytest.approx(50.0, rel=0.1) and after["efl_mm"] == pytest.approx(50.0, rel=1e-6)
     assert after["entrance_pupil"]["diameter_mm"] == pytest.approx(50.0 / 8.0, rel=1e-6)
-    info = parts.part("lens_info").of_camera(scene.camera, scene)
+    info = parts.part("queries.lens_info").of_camera(scene.camera, scene)
     half = np.degrees(info["fov_diagonal_rad"]) / 2.0
     assert [field["angle_deg"] for field in after["fields"]] == pytest.approx([0.0, 0.7 * half, half])
 
@@ -204,9 +204,9 @@ def test_rays_and_film_meet_where_the_film_stands(parts, scene, focus):
     """The axis' rays meet at the film when the lens is focused; turned and shifted, all of them end on its plane."""
     own = scene.camera.data.petzval
     scene.camera.data.dof.focus_distance = 0.8
-    own.film_distance = parts.part("lens_info").of_camera(scene.camera, scene)["film_distance_mm"] * 1.02
+    own.film_distance = parts.part("queries.lens_info").of_camera(scene.camera, scene)["film_distance_mm"] * 1.02
     own.focus_mode = {"DISTANCE": "CAMERA"}.get(focus, focus)
-    info = parts.part("lens_info").of_camera(scene.camera, scene)
+    info = parts.part("queries.lens_info").of_camera(scene.camera, scene)
     found = drawing(parts, scene)
     ends = np.array([ray[-1] for ray in found["fields"][0]["rays"]])
     assert ends[:, 0] == pytest.approx(info["film_z_mm"], abs=1e-9)
@@ -226,7 +226,7 @@ def test_rays_and_film_meet_where_the_film_stands(parts, scene, focus):
 
 
 def test_glass_stop_and_film_are_where_they_are(parts, scene):
-    lens_drawing = parts.part("lens_drawing")
+    lens_drawing = parts.part("drawing.lens_drawing")
     found = drawing(parts, scene)
     for field in found["fields"]:
         field["rays"] = []
@@ -248,7 +248,7 @@ def test_glass_stop_and_film_are_where_they_are(parts, scene):
 def test_the_timer_draws_once_for_each_setting(blender, parts, scene, monkeypatch):
     import time
 
-    live = parts.part("live_drawing")
+    live = parts.part("drawing.live_drawing")
     live.forget()
     place = scene.camera, scene, blender.context.view_layer, 200
     assert live.for_panel(*place) is None and blender.app.timers.is_registered(live._draw)
@@ -304,7 +304,7 @@ def test_without_the_lens_the_framing_stays(blender, parts, scene, model, shift)
     scene.render.resolution_x, scene.render.resolution_y = 960, 540
     own = scene.camera.data.petzval
     own.model, own.shift_x, own.film_mode = model, shift, "SIZE"
-    info = parts.part("lens_info").of_camera(scene.camera, scene)
+    info = parts.part("queries.lens_info").of_camera(scene.camera, scene)
     # As someone has set it by hand meanwhile.
     scene.camera.data.lens, scene.camera.data.shift_x = 17.0, 0.3
     own.through_lens = False
@@ -320,7 +320,7 @@ def test_without_the_lens_the_framing_stays(blender, parts, scene, model, shift)
     assert sorted([seen[:, 0].max(), seen[:, 0].min()]) == pytest.approx(sorted(wanted), abs=pixel)
     own.through_lens = True
     assert own.model == model
-    again = parts.part("lens_info").of_camera(scene.camera, scene)
+    again = parts.part("queries.lens_info").of_camera(scene.camera, scene)
     assert again == info
 
 

@@ -148,7 +148,7 @@ def test_as_cycles_has_them(stage, blender, tmp_path, kind, transparent):
         return {"rest": pictures["Combined"] - grouped(pictures)}
 
     ours, theirs = as_in_cycles(stage, blender, tmp_path, 2048, rest)
-    warnings = stage.part("statistics").last("Scene").warnings
+    warnings = stage.part("render.statistics").last("Scene").warnings
     assert not warnings, warnings
     assert ours.keys() == theirs.keys() == {"Combined", "Combined_Nobody's", *(f"Combined_{name}" for name in NAMES)}
     # The camera sees the sky above the wall.
@@ -244,4 +244,4 @@ def test_bidirectional_paths_say_that_they_cannot(stage, blender, tmp_path):
     scene.petzval.integrator, scene.petzval.samples = "BIDIRECTIONAL", 4
     pictures = photograph(stage, blender, tmp_path / "picture.exr")
     assert pictures["Combined"].any() and not grouped(pictures).any()
-    assert any("light groups" in one for one in stage.part("statistics").last("Scene").warnings)
+    assert any("light groups" in one for one in stage.part("render.statistics").last("Scene").warnings)

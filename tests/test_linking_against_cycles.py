@@ -78,5 +78,5 @@ def test_more_sets_than_there_are_bits(studio, blender, tmp_path):  # noqa: F811
         holder.data.energy = 1.0
         holder.light_linking.receiver_collection = collection(blender, blender.data.objects["Floor"])
     studio.render(tmp_path)
-    warnings = studio.part("statistics").last("Scene").warnings
+    warnings = studio.part("render.statistics").last("Scene").warnings
     assert len(warnings) == 7 and all("receiver collections" in one for one in warnings)

@@ -61,11 +61,11 @@ def opened(scene, shutter: float = 1.0) -> None:
 
 
 def warnings(parts, scene) -> list[str]:
-    return parts.part("statistics").last(scene.name).warnings
+    return parts.part("render.statistics").last(scene.name).warnings
 
 
 def decision(parts, scene) -> dict:
-    plan = parts.part("statistics").last(scene.name).stats["plan"]
+    plan = parts.part("render.statistics").last(scene.name).stats["plan"]
     return next(row for row in plan if row["effect"] == "motion_blur")
 
 
@@ -215,7 +215,7 @@ def test_frames_of_an_animation(parts, blender, tmp_path):
 def test_a_checkpoint_is_of_one_motion(parts, blender, tmp_path):
     """A render that moves otherwise does not take up what another has left."""
     scene, _, slides, _ = stage(parts)
-    watch = parts.part("loop").WATCH
+    watch = parts.part("render.loop").WATCH
     opened(scene)
     # Kept at the end, for one that asks for it by name.
     watch.checkpoint, watch.checkpoint_every_s = str(tmp_path / "kept"), 0.0
@@ -224,7 +224,7 @@ def test_a_checkpoint_is_of_one_motion(parts, blender, tmp_path):
         for shutter in (1.0, 1.0, 0.7):
             scene.render.motion_blur_shutter = shutter
             photograph(parts, scene, tmp_path / "kept.exr", samples=4)
-            kept = parts.part("statistics").last(scene.name).stats["checkpoint"]
+            kept = parts.part("render.statistics").last(scene.name).stats["checkpoint"]
             resumed.append(kept["resumed_samples"])
     finally:
         watch.checkpoint = watch.checkpoint_every_s = None

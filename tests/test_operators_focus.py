@@ -29,7 +29,7 @@ def scene(blender):
 def film_mm(scene) -> float:
     import scene_parts
 
-    return scene_parts.part("lens_info").of_camera(scene.camera, scene)["film_distance_mm"]
+    return scene_parts.part("queries.lens_info").of_camera(scene.camera, scene)["film_distance_mm"]
 
 
 def sharpest_film_mm(scene, point, depth) -> float:
@@ -94,7 +94,7 @@ def test_a_pixel_of_the_camera_view_is_a_point_of_the_picture(blender, scene, mo
     """Without a window: a view that shows the camera's frame over a known rectangle."""
     import scene_parts
 
-    picking = scene_parts.part("focus_picking")
+    picking = scene_parts.part("operators.common.focus_picking")
     frame = scene.camera.data.view_frame(scene=scene)
     right, top, depth = max(c.x for c in frame), max(c.y for c in frame), -frame[0].z
 
@@ -117,7 +117,7 @@ def test_a_pixel_of_the_camera_view_is_a_point_of_the_picture(blender, scene, mo
 def angle_of(scene) -> float:
     import scene_parts
 
-    return scene_parts.part("lens_info").of_camera(scene.camera, scene)["fov_horizontal_rad"]
+    return scene_parts.part("queries.lens_info").of_camera(scene.camera, scene)["fov_horizontal_rad"]
 
 
 @pytest.mark.parametrize("by", ["FOCAL_LENGTH", "FILM"])
@@ -163,7 +163,7 @@ def test_costs_are_measured_and_drawn(blender, scene):
 
     scene.petzval.samples = 4
     assert blender.ops.petzval.measure_costs(width=24, seconds=2.0) == {"FINISHED"}
-    found = scene_parts.part("cost_operator").last(scene.name)
+    found = scene_parts.part("operators.common.cost").last(scene.name)
     names = [row["key"] for row in found["rungs"] if row["is_measured"]]
     assert {"pinhole", "thin", "auto", "hero"} <= set(names)
     assert found["size"] == [24, 16]

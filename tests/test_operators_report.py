@@ -78,7 +78,7 @@ def test_the_report_is_of_the_camera_as_it_is_set(blender, scene, monkeypatch):
     assert name == "spots"
     assert (setting.focal_length, setting.f_number, setting.blades) == ({"MILLIMETRES": 75.0}, 8.0, 5)
     assert look.wavelengths_nm == pytest.approx((632.8,), rel=1e-6)
-    info = scene_parts.part("lens_info").of_camera(scene.camera, scene)
+    info = scene_parts.part("queries.lens_info").of_camera(scene.camera, scene)
     # To the corner of the film, focused where the camera is.
     assert look.fields_deg[-1] == pytest.approx(math.degrees(info["fov_diagonal_rad"]) / 2.0)
     assert look.focus_distance_mm == pytest.approx(4000.0)
@@ -96,7 +96,7 @@ def test_another_camera_model_has_no_report_and_a_bad_lens_is_said(blender, scen
 def test_letters_are_as_wide_as_they_look(blender):
     import scene_parts
 
-    with scene_parts.part("lettering").Letters() as letters:
+    with scene_parts.part("drawing.lettering").Letters() as letters:
         shapes, width = letters.outline("H")
         assert max(shape[:, 1].max() for shape in shapes) == pytest.approx(1.0, abs=1e-6)
         assert letters.outline("HH")[1] == pytest.approx(2.0 * width, rel=0.1)

@@ -350,5 +350,5 @@ def test_animated_numbers_reach_the_engine(blender, parts):
         own.keyframe_insert("f_number", frame=frame)
     for frame, number in ((1, 4.0), (2, 11.0)):
         scene.frame_set(frame)
-        info = parts.part("lens_info").of_camera(scene.camera, scene)
+        info = parts.part("queries.lens_info").of_camera(scene.camera, scene)
         assert info["f_number"] == pytest.approx(number, rel=1e-6), json.dumps(info["f_number"])

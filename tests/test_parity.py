@@ -65,7 +65,7 @@ def test_parity(blender, tmp_path, name):
         return photograph.looks(engine, tmp_path, one.passes, one.frames)
 
     for done, share, ours, theirs in beside_cycles.looks(SAMPLES, take, theirs_at_once=name in AT_ONCE, blocks=(3, 4)):
-        told = sys.modules["petzval_addon"].statistics.last(blender.context.scene.name)
+        told = sys.modules["petzval_addon"].render.statistics.last(blender.context.scene.name)
         assert all(np.isfinite(look).all() for look in ours.values())
         left = [line for line in told.warnings if not any(word in line for word in one.warns)]
         assert not left, left

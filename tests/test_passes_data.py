@@ -88,4 +88,4 @@ def test_mist_places_and_indices(room, tmp_path, falloff):
 def scene_warnings():
     import scene_parts
 
-    return scene_parts.part("statistics").last("Scene").warnings
+    return scene_parts.part("render.statistics").last("Scene").warnings

@@ -98,7 +98,7 @@ def test_holes_are_as_cycles_has_them(room, tmp_path, hold_out):
     # 128 samples: 1 per cent of a block's light, less of its alpha.
     assert apart[..., :3].max() < 0.03 and apart[..., 3].max() < 0.005
     assert np.abs(a.mean((0, 1)) / b.mean((0, 1)) - 1.0).max() < 0.01
-    assert not scene_parts.part("statistics").last("Scene").warnings
+    assert not scene_parts.part("render.statistics").last("Scene").warnings
 
 
 def test_without_a_transparent_film_holes_are_there_all_the_same(room, tmp_path):

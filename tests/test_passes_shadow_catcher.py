@@ -37,7 +37,7 @@ def test_shadows_are_as_cycles_has_them(room, blender, tmp_path, transparent, ha
         print(name, off.max((0, 1)), a.mean((0, 1)), b.mean((0, 1)))
         # Their quotients have more noise than pictures have.
         assert off.max() < 0.03 and np.abs(a.mean((0, 1)) - b.mean((0, 1))).max() < 0.008, name
-    assert not scene_parts.part("statistics").last("Scene").warnings
+    assert not scene_parts.part("render.statistics").last("Scene").warnings
 
 
 def test_an_opaque_film_is_the_transparent_one_over_the_sky(room, blender, tmp_path):

@@ -108,7 +108,7 @@ def test_view_layers_have_their_own(room, blender, tmp_path):
     assert abs(ours[color].mean() - theirs[color].mean()) < 0.002
     first = exr_channels(tmp_path / "PETZVAL.exr")
     assert any(name.startswith(scene.view_layers[0].name) and "Gloss" in name for name in first)
-    assert not scene_parts.part("statistics").last("Scene").warnings
+    assert not scene_parts.part("render.statistics").last("Scene").warnings
 
 
 @pytest.mark.parametrize("sent", ["use_solid", "use_sky", "samples"])

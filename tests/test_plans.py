@@ -233,7 +233,7 @@ def subject_of(blender, name: str, size: tuple[int, int]):
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *size, 100
     scene.petzval.max_bounces, scene.petzval.use_blue_noise = 3, False
     found = []
-    watch = sys.modules["petzval_addon"].loop.WATCH
+    watch = sys.modules["petzval_addon"].render.loop.WATCH
     watch.study = found.append
     try:
         blender.ops.render.render(scene=scene.name)

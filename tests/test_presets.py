@@ -31,7 +31,7 @@ def load(blender, file):
 @pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parent.name}-{file.stem}")
 def test_a_shipped_preset_says_all_and_makes_sense(blender, parts, scene, file):
     """Each setting that its kind has is in it, and the engine takes the lens, which covers the film."""
-    operators = parts.part("preset_operators")
+    operators = parts.part("operators.common.presets")
     names = {
         "camera": (*operators.OF_LENS, *operators.OF_BODY),
         "lens": operators.OF_LENS,
@@ -51,16 +51,16 @@ def test_a_shipped_preset_says_all_and_makes_sense(blender, parts, scene, file):
             assert getattr(holder, name) == pytest.approx(eval(value)), name
     if file.parent.name == "sampling":
         return
-    info = parts.part("lens_info").of_camera(scene.camera, scene)
+    info = parts.part("queries.lens_info").of_camera(scene.camera, scene)
     assert "error" not in info, info
     if file.parent.name == "camera":
-        assert parts.part("film_formats").of_size(own.film_width, own.film_height) or file.stem in ("Phone", "Eye")
+        assert parts.part("data.film_formats").of_size(own.film_width, own.film_height) or file.stem in ("Phone", "Eye")
         assert info["fov_diagonal_rad"] is not None, "the lens lights the film's corners"
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_those_that_come_along_are_found(blender, parts, scene, kind):
-    operators = parts.part("preset_operators")
+    operators = parts.part("operators.common.presets")
     names = {file.name for file in operators.shipped(kind)}
     assert len(names) >= 4
     if operators.CAN_REGISTER:
@@ -112,7 +112,7 @@ def test_blender_4_2_is_shown_them_by_the_panel(blender, parts, scene, monkeypat
 
     import panel_layout
 
-    monkeypatch.setattr(parts.part("preset_operators"), "CAN_REGISTER", False)
+    monkeypatch.setattr(parts.part("operators.common.presets"), "CAN_REGISTER", False)
     asked = []
     for cls in parts.part("ui.preset_panels").CLASSES:
         whole = panel_layout.Layout()

@@ -27,7 +27,7 @@ def test_a_render_ends_when_its_time_is_up(parts, blender, tmp_path):
     began = time.monotonic()
     picture = parts.render(tmp_path)
     took = time.monotonic() - began
-    last = parts.part("statistics").last(scene.name)
+    last = parts.part("render.statistics").last(scene.name)
     # Reading, planning and writing come on top, and a busy machine takes its time.
     assert 1.0 <= took < 8.0 and 1.0 <= last.stats["seconds"]["render"] < 4.0
     assert not last.stopped and last.was_late() and 1 <= last.stats["samples"] < 1 << 20
@@ -40,7 +40,7 @@ def test_a_render_that_is_quick_enough_is_the_same_with_a_limit(parts, blender, 
     without = parts.render(tmp_path)
     scene.petzval.time_limit = 300.0
     assert (parts.render(tmp_path) == without).all()
-    assert not parts.part("statistics").last(scene.name).was_late()
+    assert not parts.part("render.statistics").last(scene.name).was_late()
 
 
 @pytest.mark.once
@@ -59,7 +59,7 @@ def test_the_command_has_the_limit(petzval_cli, parts, blender, tmp_path):
 
 
 def test_no_limit_ends_before_every_pixel_has_a_sample(parts):
-    loop = parts.part("loop")
+    loop = parts.part("render.loop")
 
     class Job:
         def __init__(self):
@@ -102,7 +102,7 @@ class _Job:
 
 
 def test_time_left_and_rays_a_second(parts):
-    progress = parts.part("progress")
+    progress = parts.part("render.progress")
     now = [100.0]
     # Taken up half way.
     job = _Job(0.5, 1_000_000)
@@ -124,13 +124,13 @@ def test_time_left_and_rays_a_second(parts):
     [(0.0, "00:00.00"), (-1.0, "00:00.00"), (59.994, "00:59.99"), (61.5, "01:01.50"), (7322.9, "2:02:02")],
 )
 def test_times_are_written_as_blender_writes_them(parts, seconds, text):
-    assert parts.part("progress").clock_time(seconds) == text
+    assert parts.part("render.progress").clock_time(seconds) == text
 
 
 def test_what_is_said_while_rendering(parts, blender):
     scene = parts.set_up(width=96, height=64, samples=2000, model="LENS")
     scene.petzval.time_limit = 2.5
-    watch, said = parts.part("loop").WATCH, []
+    watch, said = parts.part("render.loop").WATCH, []
     watch.on_progress = lambda _, text: said.append(text)
     try:
         blender.ops.render.render()
@@ -139,12 +139,12 @@ def test_what_is_said_while_rendering(parts, blender):
     during = [text for text in said if text.startswith("Sample ")]
     assert any("rays/s" in text for text in during), during[-3:]
     assert all("/2000" in text for text in during)
-    lines = parts.part("statistics").last(scene.name).lines()
+    lines = parts.part("render.statistics").last(scene.name).lines()
     assert any("rays a second" in line and "GB of memory" in line for line in lines), lines
 
 
 def test_memory_is_what_the_system_says(parts):
-    memory = parts.part("process_memory")
+    memory = parts.part("data.process_memory")
     before = memory.used_bytes()
     kept = np.ones(1 << 25)
     assert memory.used_bytes() - before == pytest.approx(kept.nbytes, rel=0.1)
@@ -165,7 +165,7 @@ def test_memory_is_what_the_system_says(parts):
     ],
 )
 def test_a_message_says_what_it_is_about(parts, text, kind, name):
-    assert parts.part("messages").of_text(text) == (text, kind, name)
+    assert parts.part("render.messages").of_text(text) == (text, kind, name)
 
 
 def test_messages_are_listed_once_and_select_what_they_are_about(parts, blender):
@@ -178,7 +178,7 @@ def test_messages_are_listed_once_and_select_what_they_are_about(parts, blender)
         one.data.materials.append(made)
     other.scale = (0.0, 0.0, 0.0)
     blender.ops.render.render()
-    messages = parts.part("messages")
+    messages = parts.part("render.messages")
     found = messages.all_of(scene.name)
     assert len({one.text for one in found}) == len(found)
     assert ("object", "Other") in {(one.kind, one.name) for one in found}, found

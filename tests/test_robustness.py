@@ -285,7 +285,7 @@ def test_what_a_killed_render_leaves_goes_with_the_next(scene, tmp_path):
 def test_old_checkpoints_of_blender_are_removed(blender, tmp_path):
     import petzval
 
-    checkpoints = petzval.load_addon().checkpoints
+    checkpoints = petzval.load_addon().render.checkpoints
     names = {"old.checkpoint": 31.0, "young.checkpoint": 29.0, "own.checkpoint": 100.0, "notes.txt": 100.0}
     for name, days in names.items():
         (tmp_path / name).write_text("")

@@ -27,7 +27,7 @@ def scene(blender, parts):
 
 def measured(blender, parts, scene):
     blender.context.view_layer.update()
-    return parts.part("scene_size").measure(scene.camera, scene, blender.context.evaluated_depsgraph_get())
+    return parts.part("queries.scene_size").measure(scene.camera, scene, blender.context.evaluated_depsgraph_get())
 
 
 def test_span_and_nearest(blender, parts, scene):
@@ -78,7 +78,7 @@ def test_nothing_at_all(blender, parts):
 
 
 def test_it_is_measured_by_the_timer_once_nothing_changes(blender, parts, scene, monkeypatch):
-    size = parts.part("scene_size")
+    size = parts.part("queries.scene_size")
     size.forget()
     place = scene.camera, scene, blender.context.view_layer
     assert size.for_panel(*place) is None and blender.app.timers.is_registered(size.LOOKOUT.timer)

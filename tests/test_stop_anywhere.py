@@ -53,7 +53,7 @@ def seconds_to_stop(bpy, loop, phase: str, after_s: float) -> float:
 def test_a_render_stops_soon_wherever_it_is(blender):
     import petzval
 
-    bpy, loop = blender, import_module(f"{petzval.load_addon().__name__}.loop")
+    bpy, loop = blender, import_module(f"{petzval.load_addon().__name__}.render.loop")
     scene = bpy.context.scene
     scene.render.engine = "PETZVAL"
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 480, 270, 100

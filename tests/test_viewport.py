@@ -31,7 +31,7 @@ class Viewer:
         self.sync_of, self.session_of = part("viewport.sync").SceneSync, part("viewport.session").Session
         self.changes_of = part("export.kept").Changes.of
         self.wanted_of = part("viewport.session").Wanted
-        self.staging, self.settings = part("staging"), part("render_settings")
+        self.staging, self.settings = part("render.staging"), part("export.settings")
         self.report_of = part("export.report").Report
         self.sync, self.session = self.sync_of(self.native), self.session_of(self.native)
         self.drafts = 0

@@ -201,7 +201,7 @@ def failing_render(info):
 
 def focus_panel(own):
     """The timer finds what autofocus would; three points turn the film, and undo turns it back."""
-    autofocus = part("autofocus")
+    autofocus = part("queries.autofocus")
     autofocus.forget()
     drawn_s.clear()
     own.focus_mode = "AUTO"
@@ -235,7 +235,7 @@ def focus_panel(own):
 
 def lens_pictures():
     """The drawing of the lens follows its settings, and the gallery has a picture of each lens."""
-    live, thumbnails = part("live_drawing"), part("thumbnails")
+    live, thumbnails = part("drawing.live_drawing"), part("drawing.thumbnails")
 
     def drawn():
         return [one.drawn for one in live._kept.values() if one.drawn.icon]
@@ -280,7 +280,7 @@ def other_tabs():
 def steps():
     """Yields after each step the seconds to wait, or a condition with the seconds that it may take."""
     make_scene()
-    part("loop").WATCH.on_progress = lambda done, text: progress.append((done, text, time.monotonic()))
+    part("render.loop").WATCH.on_progress = lambda done, text: progress.append((done, text, time.monotonic()))
     open_panels()
     yield 1.0
     split_view()
@@ -325,7 +325,7 @@ def steps():
     yield 1.0
     picture("rendered")
     save_result("rendered")
-    seen["rendered"] = part("statistics").last(scene.name).stats
+    seen["rendered"] = part("render.statistics").last(scene.name).stats
     seen["progress"] = list(progress)
 
     # Broken off, soon and late.
@@ -335,8 +335,8 @@ def steps():
         yield 0.5
     picture("stopped")
     save_result("stopped")
-    seen["stopped"] = part("statistics").last(scene.name).stopped
-    seen["stopped_samples"] = part("statistics").last(scene.name).stats["samples"]
+    seen["stopped"] = part("render.statistics").last(scene.name).stopped
+    seen["stopped_samples"] = part("render.statistics").last(scene.name).stats["samples"]
 
     # What goes wrong is said. Blender itself loses a report that comes just when its operator ends: then once more.
     info = areas("OUTLINER")[0]

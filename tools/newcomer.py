@@ -28,7 +28,7 @@ def path():
     with bpy.context.temp_override(window=window, area=area, region=area.regions[-1]):
         bpy.ops.petzval.choose_lens("EXEC_DEFAULT", lens=LENS)
         told(f"F12, through {scene.camera.data.petzval.lens_file}")
-        loop = importlib.import_module(f"{ADDON}.loop")
+        loop = importlib.import_module(f"{ADDON}.render.loop")
         first = []
 
         def on_progress(_part, text):

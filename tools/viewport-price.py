@@ -60,8 +60,8 @@ class Clock:
 
     def look(self) -> None:
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        camera = part("staging").camera(depsgraph.scene_eval, *self.size, part("export.report").Report())
-        settings = part("render_settings").describe(bpy.context.scene, *self.size)
+        camera = part("render.staging").camera(depsgraph.scene_eval, *self.size, part("export.report").Report())
+        settings = part("export.settings").describe(bpy.context.scene, *self.size)
         settings = dataclasses.replace(settings, samples=1, noise_threshold=0.0, blue_noise=False)
         self.session.look(part("viewport.session").Wanted(camera, settings))
 

@@ -13,7 +13,7 @@ import bpy
 
 from petzval.description import WorldDescription
 
-from .. import passes
+from ..data import passes
 from . import world
 from .aovs import Aovs
 from .image import Images

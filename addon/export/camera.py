@@ -22,7 +22,7 @@ from petzval.description import (
     Scattering,
 )
 
-from ..lens_files import LensMissing, resolve
+from ..data.lens_files import LensMissing, resolve
 from .errors import ExportError
 from .report import Report
 

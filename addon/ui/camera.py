@@ -7,7 +7,7 @@ import bpy
 
 from petzval.description import OF_LENS_FILE
 
-from .. import favourites, film_formats
+from ..data import favourites, film_formats
 from .camera_parts import AperturePart, CameraPanel, LensPart
 from .focus import PETZVAL_CAMERA_PT_focus, PETZVAL_CAMERA_PT_sharp
 from .lens_data import PETZVAL_CAMERA_PT_info

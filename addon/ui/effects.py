@@ -7,8 +7,8 @@ import bpy
 
 from petzval.description import OF_LENS_FILE
 
-from .. import planning
-from ..effects import EFFECTS, LABELS, camera, cost, size
+from ..data.effects import EFFECTS, LABELS, camera, cost, size
+from ..render import planning
 from .camera_parts import lines_of
 from .mixin import PetzvalPanel, columns
 

@@ -7,8 +7,8 @@ import bpy
 
 from petzval.description import OF_LENS_FILE
 
-from .. import autofocus, viewport_camera
-from ..focus_operators import SHARP_OBJECTS
+from ..operators.focus import SHARP_OBJECTS
+from ..queries import autofocus, viewport_camera
 from .camera_parts import AperturePart, LensPart, complain, fact, focus_text
 from .mixin import columns
 

@@ -7,7 +7,7 @@ from math import degrees
 
 import bpy
 
-from .. import autofocus, lens_info, viewport_camera
+from ..queries import autofocus, lens_info, viewport_camera
 from .camera_parts import LensPart, complain, fact, focus_text, lines_of
 
 #: Rows that the focus decides.

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from .. import live_drawing, viewport_camera
+from ..drawing import live_drawing
+from ..queries import viewport_camera
 from .camera_parts import LensPart
 
 #: The colours of the fields' rays, as Blender has them in its icons.

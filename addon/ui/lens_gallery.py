@@ -8,7 +8,8 @@ from typing import Any
 import bpy
 from bpy.props import EnumProperty, PointerProperty, StringProperty
 
-from .. import favourites, lens_files, thumbnails
+from ..data import favourites, lens_files
+from ..drawing import thumbnails
 from ..native import EngineMissing
 from .mixin import ENGINES
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from .. import lens_files
+from ..data import lens_files
 from ..native import EngineMissing
 from .lens_gallery import favourite_entries, key_of
 

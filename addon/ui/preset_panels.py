@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 from bl_ui.utils import PresetPanel
 
-from .. import preset_operators
+from ..operators import presets as preset_operators
 from .mixin import ENGINES
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import render_settings
+from ..export import settings as render_settings
 from .mixin import PetzvalPanel, columns
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import messages, statistics
+from ..render import messages, statistics
 from .camera_parts import lines_of
 from .mixin import PetzvalPanel
 

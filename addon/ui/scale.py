@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import scene_size, viewport_camera
+from ..queries import scene_size, viewport_camera
 from .camera_parts import AperturePart, fact, lines_of
 from .mixin import columns
 

@@ -7,8 +7,9 @@ import bpy
 
 from petzval.description import OF_LENS_FILE
 
-from .. import cost_operator, lens_report
+from ..drawing import lens_report
 from ..engine import ENGINE
+from ..operators import cost as cost_operator
 from .camera_parts import LensPart
 
 

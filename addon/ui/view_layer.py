@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import passes
+from ..data import passes
 from .mixin import PetzvalPanel, columns
 
 

@@ -12,11 +12,14 @@ from typing import Any
 
 import bpy
 
-from .. import effects, messages, redraw, render_settings, staging
+from .. import redraw
+from ..data import effects
+from ..export import settings as render_settings
 from ..export.errors import ExportError
 from ..export.kept import Changes
 from ..export.report import Report
 from ..native import EngineMissing, engine
+from ..render import messages, staging
 from . import view
 from .screen import Screen
 from .session import Session, Wanted

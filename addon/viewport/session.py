@@ -14,7 +14,7 @@ import numpy as np
 
 from petzval.description import CameraDescription, SettingsDescription, focused
 
-from ..tiles import Window
+from ..data.tiles import Window
 
 #: How long a first picture may take, s; it has as many fewer pixels as that needs.
 FIRST_S = 0.05

@@ -9,9 +9,9 @@ from typing import Any
 import bpy
 
 from .. import export
+from ..data.fingerprint import Watched
 from ..export.kept import Changes, Kept
 from ..export.report import Report
-from ..fingerprint import Watched
 
 #: Calls of the builder that `Kept` counts itself.
 _PIECES = frozenset(

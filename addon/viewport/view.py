@@ -11,10 +11,10 @@ from mathutils import Matrix, Vector
 
 from petzval.description import CameraDescription, Perspective
 
+from ..data.tiles import Window
 from ..export import aperture_mask
 from ..export import camera as camera_export
 from ..export.report import Report
-from ..tiles import Window
 
 #: Of a view along parallel lines, which shows what lies behind its middle too: how far before that it begins, of its depth.
 _BEFORE = 0.5

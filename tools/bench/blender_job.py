@@ -64,7 +64,7 @@ def _petzval(scene: Any, job: dict) -> Any:
     scene.petzval.filter_width = 0.0
     scene.petzval.clamp_indirect = 0.0
     scene.petzval.max_bounces = scene.cycles.max_bounces
-    return lambda: addon.statistics.last(scene.name).stats
+    return lambda: addon.render.statistics.last(scene.name).stats
 
 
 def _cycles(scene: Any, job: dict) -> None:

@@ -29,8 +29,7 @@ _OPTICS = ("engine/fourier/src", "engine/optics/src")
 _ENGINE = (*_OPTICS, "engine/nodes/data", "engine/nodes/src", "engine/render/src", "engine/python/src")
 #: From a .blend to the engine.
 _SCENE = ("addon/export", "engine/python/petzval/description.py",
-          *(f"addon/{name}.py" for name in ("camera_properties", "engine", "loop", "photograph", "properties", "render_settings",
-                                            "staging")))  # fmt: skip
+          "addon/engine.py", "addon/render/loop.py", "addon/render/photograph.py", "addon/render/staging.py", "addon/settings")  # fmt: skip
 #: From a .blend to a picture by the command line.
 _RENDER = (*_ENGINE, *_SCENE, "engine/python/petzval/render_in_blender.py")
 #: The time of a render, and not its picture alone: the shipped build counts too.

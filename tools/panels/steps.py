@@ -105,7 +105,7 @@ def steps():
     editor.type = "PROPERTIES"
     # A new editor has no tabs before it was drawn.
     yield 1.0
-    planning, scene = part("planning"), bpy.context.scene
+    planning, scene = part("render.planning"), bpy.context.scene
     with in_area(editor):
         bpy.ops.petzval.plan_effects()
     yield (lambda: planning.last(scene.name) is not None), LONGEST_PLAN_S

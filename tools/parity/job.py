@@ -76,7 +76,7 @@ def photographed(addon, name: str, folder: Path, width: int, height: int, sample
         for halves in (ours, theirs):
             halves.add(halves.samples or samples // 2)
             if halves is ours:
-                told = list(addon.statistics.last(scene.name).warnings)
+                told = list(addon.render.statistics.last(scene.name).warnings)
         noise = max(block_noise(ours.of(look), theirs.of(look), floor_of(look)) for look in ours.looks[0])
         apart = max(
             np.abs(block_ratios(ours.mean(look), theirs.mean(look), floor_of(look)) - 1.0).max()

@@ -122,7 +122,7 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
     wrong = _apply(scene, options, addon, found)
     if wrong:
         return wrong, False
-    watch = addon.loop.WATCH
+    watch = addon.render.loop.WATCH
     watch.study = study = _study(options.get("study"), scene, watch)
     watch.checkpoint, watch.checkpoint_every_s = options["checkpoint"] or "", options["checkpoint_every"]
     watch.written_checkpoints.clear()
@@ -133,7 +133,7 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
         problem = _take(scene, watch, writes=False)
         return problem or _save(study, options["answer"], watch.stop.is_set()), watch.stop.is_set()
     problem = _render_into(options["output"], scene, addon, options, voice)
-    last = addon.statistics.last(scene.name)
+    last = addon.render.statistics.last(scene.name)
     if problem is None and options["stats"] and last is not None:
         try:
             _write_stats(Path(options["stats"]), last, found)
@@ -165,12 +165,12 @@ def _render_into(output: str, scene: Any, addon: Any, options: dict[str, Any], v
     """Renders into a file that is replaced only by a whole picture; the error, if any."""
     from petzval import atomic_files
 
-    watch, problem = addon.loop.WATCH, None
+    watch, problem = addon.render.loop.WATCH, None
     try:
         with atomic_files.replacing(Path(output), lambda part: _check_picture(part, output)) as part:
             _apply_output(scene.render, str(part), output, options["mergeable"] or options["passes"])
             problem = _take(scene, watch, writes=True)
-            last = addon.statistics.last(scene.name)
+            last = addon.render.statistics.last(scene.name)
             if problem is None and last is None and not watch.stop.is_set():
                 problem = f"nothing was rendered: {options['scene']}: look at what Blender said"
             if problem is not None and part.name in problem:
@@ -295,11 +295,11 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
 def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict[str, Any]) -> str | None:
     """Turns the film so that three points of the world are sharp; the error, if any."""
     try:
-        film = addon.sharp_points.solve(scene.camera, scene, points)
+        film = addon.queries.sharp_points.solve(scene.camera, scene, points)
     except (addon.export.errors.ExportError, addon.native.engine().PetzvalError) as error:
         return str(error)
     found["sharp"] = film
-    addon.sharp_points.apply(scene.camera.data, film)
+    addon.queries.sharp_points.apply(scene.camera.data, film)
     tilt, swing = math.degrees(film["tilt_rad"]), math.degrees(film["swing_rad"])
     print(f"Petzval: film turned by {tilt:.3f} (tilt) and {swing:.3f} degrees (swing) for the three sharp points")
     return None

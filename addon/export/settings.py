@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a scene says of how it is to be rendered."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import bpy
+
+from petzval.description import Approximations, SettingsDescription
+
+from . import visibility
+
+
+def describe(
+    scene: bpy.types.Scene, width: int, height: int, with_data: bool = False, is_viewport: bool = False
+) -> SettingsDescription:
+    """The settings of a scene for a picture of that many pixels."""
+    own, render = scene.petzval, scene.render
+    return SettingsDescription(
+        width=width,
+        height=height,
+        samples=own.samples,
+        noise_threshold=own.noise_threshold if own.use_noise_threshold else 0.0,
+        min_samples=own.min_samples,
+        seed=own.seed,
+        blue_noise=own.use_blue_noise,
+        # Cycles keeps the film's exposure; a picture must not change with the engine.
+        film_exposure=getattr(getattr(scene, "cycles", None), "film_exposure", 1.0),
+        sample_offset=own.sample_offset,
+        threads=render.threads if render.threads_mode == "FIXED" else 0,
+        max_bounces=visibility.most_bounces(scene),
+        kinds=visibility.bounces(scene),
+        clamp_direct=getattr(getattr(scene, "cycles", None), "sample_clamp_direct", 0.0),
+        clamp_indirect=own.clamp_indirect,
+        filter=_filter(scene),
+        approximations=Approximations(
+            # Cycles keeps the filter of glossy light, as it keeps the kinds of bounces.
+            filter_glossy=getattr(getattr(scene, "cycles", None), "blur_glossy", 0.0),
+            fast_gi=_fast_gi(scene, is_viewport),
+        ),
+        pipeline=own.pipeline,
+        with_data=with_data,
+        integrator=own.integrator,
+        transparent_film=render.film_transparent,
+    )
+
+
+def overrules_filter(scene: bpy.types.Scene) -> bool:
+    """Whether Petzval's own filter width counts, and not Cycles's pixel filter: where it was set, or Cycles is absent."""
+    return scene.petzval.is_property_set("filter_width") or not hasattr(scene, "cycles")
+
+
+def _filter(scene: bpy.types.Scene) -> str | dict[str, float]:
+    """The pixel filter, as the engine takes it."""
+    if overrules_filter(scene):
+        width = scene.petzval.filter_width
+        return {"BLACKMAN_HARRIS": width} if width > 0.0 else "BOX"
+    kind = scene.cycles.pixel_filter_type
+    return kind if kind == "BOX" else {kind: scene.cycles.filter_width}
+
+
+def _fast_gi(scene: bpy.types.Scene, is_viewport: bool) -> str | dict[str, dict[str, float]]:
+    """Cycles's Fast GI Approximation, as the engine takes it. Without a world there is none, as in Cycles."""
+    cycles, world = getattr(scene, "cycles", None), scene.world
+    if cycles is None or world is None or not cycles.use_fast_gi:
+        return "OFF"
+    light = {"distance": world.light_settings.distance, "factor": world.light_settings.ao_factor}
+    if cycles.fast_gi_method == "REPLACE":
+        light["bounces"] = cycles.ao_bounces if is_viewport else cycles.ao_bounces_render
+    return {cycles.fast_gi_method: light}
+
+
+def of_layer(
+    settings: SettingsDescription, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
+) -> SettingsDescription:
+    """The same with a view layer's own number of samples, as Cycles's setting for that has it."""
+    use = getattr(getattr(scene, "cycles", None), "use_layer_samples", "IGNORE")
+    if use == "IGNORE" or view_layer.samples <= 0:
+        return settings
+    own = min(settings.samples, view_layer.samples) if use == "BOUNDED" else view_layer.samples
+    return dataclasses.replace(settings, samples=own)

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a render is kept while it goes on, and how it is known that a later one is of the same picture."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import hashlib
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from petzval.description import flat
+
+from ..data.fingerprint import Watched, feed
+from ..native import engine
+from . import loop
+
+#: From the end of one writing to the next: with the time of writing, less than ten seconds of work are lost.
+EVERY_S = 8.0
+#: After so many days a stopped render in the user's own folder is not gone on with any more.
+KEPT_DAYS = 30.0
+
+
+def of(depsgraph: bpy.types.Depsgraph, *, is_part: bool) -> Checkpoint | None:
+    """That of a view layer; None where nothing is to be kept, and the picture is no part of another one."""
+    file = _file(depsgraph)
+    return None if file is None and not is_part else Checkpoint(file)
+
+
+def _file(depsgraph: bpy.types.Depsgraph) -> str | None:
+    """The file in which the render of a view layer is kept; None where it is not."""
+    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+    asked = loop.WATCH.checkpoint
+    if asked is None:
+        if not scene.petzval.use_checkpoints:
+            return None
+        asked = str(_own_file(scene))
+    if not asked:
+        return None
+    # Each layer has its own, and the only one has the name as it is.
+    is_alone = sum(one.use for one in scene.view_layers) < 2
+    return asked if is_alone else f"{asked}.{_short(layer.name)}"
+
+
+def _own_file(scene: bpy.types.Scene) -> Path:
+    """A file for each scene of each .blend, among the user's own."""
+    folder = Path(bpy.utils.user_resource("DATAFILES", path=os.path.join("petzval", "checkpoints"), create=True))
+    stem = Path(bpy.data.filepath).stem or "untitled"
+    own = folder / f"{stem}-{_short(bpy.data.filepath + scene.name)}.checkpoint"
+    _remove_old(folder, own)
+    return own
+
+
+def _remove_old(folder: Path, own: Path) -> None:
+    """Removes checkpoints in the user's own folder that no render has touched for `KEPT_DAYS`, but for this render's."""
+    for file in folder.glob("*.checkpoint"):
+        with contextlib.suppress(OSError):
+            if file != own and time.time() - file.stat().st_mtime > KEPT_DAYS * 86_400.0:
+                file.unlink()
+
+
+def _short(text: str) -> str:
+    return hashlib.blake2b(text.encode(), digest_size=6).hexdigest()
+
+
+#: Settings that differ between parts of one picture.
+_OF_A_PART = ("samples", "sample_offset", "seed", "threads")
+#: What says where a camera's lens is, and not which it is.
+_PLACES = ("object_name", "lens_path", "lens.aperture_mask")
+#: Characters of a value that is told as it is; of a longer one a short digest.
+_LONGEST_VALUE = 40
+
+
+class Checkpoint:
+    """The fingerprint of all that the engine is told of one render, and the file in which it is kept, if it is."""
+
+    def __init__(self, file: str | None) -> None:
+        self.file = file
+        self._scene = hashlib.blake2b(digest_size=32)
+
+    def watched(self, builder: Any) -> Watched:
+        """The engine's `SceneBuilder`, all of whose calls leave their mark in the fingerprint."""
+        return Watched(builder, self._scene)
+
+    def arguments(self, settings: Any, camera: Any, *others: Any) -> tuple[str, str, float] | None:
+        """The engine's `checkpoint` for a job of these settings, camera, and whatever else decides its picture; None where the render
+        is not kept."""
+        if self.file is None:
+            return None
+        digest = self._scene.copy()
+        # The number of threads does not; the lens does, with the glasses of other files that it names.
+        feed(digest, dataclasses.replace(settings, threads=0))
+        feed(digest, (camera, _lens(camera)))
+        feed(digest, others)
+        every = EVERY_S if loop.WATCH.checkpoint_every_s is None else loop.WATCH.checkpoint_every_s
+        return self.file, digest.hexdigest(), every
+
+    def picture(self, settings: Any, camera: Any, **others: Any) -> dict[str, str]:
+        """What decides the picture, whichever of its samples are taken: names with short values or digests. Parts of one picture
+        have the same."""
+        told = {}
+        for kind, whole, left_out in (("camera", camera, _PLACES), ("settings", settings, _OF_A_PART)):
+            told |= {
+                f"{kind}.{name}": _short_value(value) for name, value in flat(whole).items() if name not in left_out
+            }
+        digests = {"lens": _lens(camera), "aperture mask": camera.lens.aperture_mask, **others}
+        return (
+            {"scene": self._scene.hexdigest()[:16]} | {name: _digest(value) for name, value in digests.items()} | told
+        )
+
+
+def _lens(camera: Any) -> str | None:
+    """All numbers of a camera's lens and its glasses, as text; None without a lens."""
+    return engine().Lens(camera.lens_path).identity() if camera.lens_path else None
+
+
+def _digest(value: Any) -> str:
+    digest = hashlib.blake2b(digest_size=8)
+    feed(digest, value)
+    return digest.hexdigest()
+
+
+def _short_value(value: Any) -> str:
+    text = value if isinstance(value, str) else repr(value)
+    return text if len(text) <= _LONGEST_VALUE and not {";", "="} & set(text) else _digest(value)

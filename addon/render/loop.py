@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Next tile, progress, stop: watches a render while it runs. No bpy."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from ..data.tiles import Tile
+
+# Long enough to cost nothing, short enough that Esc feels immediate.
+POLL_SECONDS = 0.02
+# Showing tiles takes at most this part of the time; they wait and go together when Blender is slow to take them.
+SHOWING_SHARE = 0.2
+
+Result = TypeVar("Result")
+
+
+class Stopped(Exception):
+    """The user asked to stop before there was anything to keep."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """Everything that a render is made of, ready to be rendered, in the words of the engine's `Job`."""
+
+    scene: Any
+    camera: Any
+    settings: Any
+    over_the_shutter: list
+    wishes: dict[str, Any]
+    #: How the shutter opens; None where nothing moves.
+    shutter: Any
+    #: That reading the scene took.
+    sync_seconds: float
+
+
+class Watch:
+    """For a program that drives Blender from outside: it may ask to stop, and be told of the progress."""
+
+    def __init__(self) -> None:
+        self.stop = threading.Event()
+        self.on_progress: Callable[[float, str], None] | None = None
+        #: The file in which renders are kept while they go on, and taken up again; empty: none; None: as the scene has it.
+        #: It stays at the end.
+        self.checkpoint: str | None = None
+        self.checkpoint_every_s: float | None = None
+        #: The checkpoints of the renders of such a file: whoever writes the picture deletes them.
+        self.written_checkpoints: list[Any] = []
+        #: Instead of a render: is handed what would be rendered, once for each view layer.
+        self.study: Callable[[Subject], None] | None = None
+
+
+#: Read by every render of this process.
+WATCH = Watch()
+
+
+def stoppable(work: Callable[[], Result], stop_asked: Callable[[], bool]) -> Result:
+    """The result of a long call that cannot be stopped itself; raises `Stopped` and leaves it behind when asked to."""
+    outcome: list[tuple[bool, Any]] = []
+
+    def run() -> None:
+        try:
+            outcome.append((True, work()))
+        except BaseException as error:  # handed on to the caller's thread
+            outcome.append((False, error))
+
+    thread = threading.Thread(target=run, name="petzval", daemon=True)
+    thread.start()
+    thread.join(POLL_SECONDS)
+    while thread.is_alive():
+        if stop_asked():
+            raise Stopped
+        thread.join(POLL_SECONDS)
+    good, value = outcome[0]
+    if not good:
+        raise value
+    return value
+
+
+def follow(
+    job: Any,
+    *,
+    stop_asked: Callable[[], bool],
+    show: Callable[[list[Tile]], None],
+    tell: Callable[[float, int], None],
+    limit_s: float = 0.0,
+) -> bool:
+    """Follows a job to its end, or to its stop when asked; True where it was stopped. After `limit_s` seconds, where that is not
+    0, it ends with what it has, but with no less than a sample everywhere; that is no stop.
+
+    `show` gets the tiles that changed, `tell` the progress and the samples done. What is there at the end is for the
+    caller to take: `Job.image`.
+    """
+    stopped, is_late = False, False
+    next_show, began_all = 0.0, time.monotonic()
+    try:
+        while not job.wait(POLL_SECONDS):
+            if stop_asked():
+                stopped = True
+                break
+            if limit_s > 0.0 and time.monotonic() - began_all >= limit_s and job.samples_done() > 0:
+                is_late = True
+                break
+            tell(job.progress(), job.samples_done())
+            began = time.monotonic()
+            if began >= next_show:
+                show([Tile(x, y, pixels) for x, y, _width, _height, pixels in job.take_tiles()])
+                ended = time.monotonic()
+                next_show = ended + (ended - began) / SHOWING_SHARE
+    except KeyboardInterrupt:
+        # The bpy module raises it here on Ctrl-C; the program around it decides what comes next.
+        WATCH.stop.set()
+        stopped = True
+    if stopped or is_late:
+        job.stop()
+        while not job.wait(POLL_SECONDS):
+            pass
+    return stopped

@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One render of one view layer: what is read when, what the engine is given, and what is said meanwhile."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import time
+
+import bpy
+
+from petzval.description import CameraDescription, ShutterDescription, changed, focused
+
+from ..data import effects, process_memory
+from ..export import camera as camera_export
+from ..export import settings as render_settings
+from ..export import shutter as shutters
+from ..export import velocity
+from ..export import world as world_export
+from ..export.motion import Frame, Motion
+from ..export.report import Report
+from ..native import engine
+from . import checkpoints, loop, persistent, planning, progress, staging, statistics
+from .results import Results, deliver_black
+
+# Samples: with fewer, the time that a forecast takes would be seen.
+_WORTH_A_FORECAST = 1 << 21
+# Pictures of a lens that changes while the shutter is open: enough for changes of a few f-stops, or of a focus pull
+# across a scene, to look smooth.
+_SHUTTER_STEPS = 16
+
+
+class Photograph:
+    """One render of one view layer, from the dependency graph to the last tile."""
+
+    def __init__(self, host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
+        self.host = host
+        self.depsgraph = depsgraph
+        self.scene = depsgraph.scene_eval
+        self.report = Report()
+        self.results = Results(host, depsgraph)
+        self.focus: dict | None = None
+        self.plan = None
+        # What the plan tells, and the same in a line for the status.
+        self.told: dict = {}
+        self.samples = 0
+        self.planned = ""
+
+    def take(self) -> None:
+        """Takes it; `loop.Stopped` if the user stops it first."""
+        shutter = shutters.of(self.scene)
+        now = self.scene.frame_current + self.scene.frame_subframe
+        if shutter is None or shutter.middle == now:
+            return self._take(shutter)
+        # As in Cycles, everything is taken as it is in the middle of the exposure.
+        try:
+            self._frame_set(*shutters.split(shutter.middle))
+            self._take(shutter)
+        finally:
+            self._frame_set(*shutters.split(now))
+
+    def _take(self, shutter: shutters.Shutter | None) -> None:
+        native = engine()
+        self._tell("Reading the scene", 0.0)
+        began = time.perf_counter()
+        width, height = camera_export.resolution(self.scene.render)
+        camera = staging.camera(self.scene, width, height, self.report)
+        staging.tell_of_lens(native, camera, width, height, self.report)
+        settings = render_settings.describe(self.scene, width, height, self.results.has_data)
+        settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
+        self.samples = settings.samples
+        checkpoint = checkpoints.of(self.depsgraph, is_part=self.results.is_mergeable)
+        is_kept = checkpoint is not None and checkpoint.file is not None
+        self.results.check_memory(width, height, halves=settings.noise_threshold > 0.0, is_kept=is_kept)
+        blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
+        neighbours, motion = self._beside(camera, width, height)
+        builder, size = native.SceneBuilder(), (width, height)
+        told = checkpoint.watched(builder) if checkpoint else builder
+        catches = staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion, blur)
+        self.report.warnings += builder.warnings()
+        sync_seconds = time.perf_counter() - began
+
+        self._tell("Building BVH", 0.0)
+        place, previous = staging.place(camera), persistent.previous(self.depsgraph)
+        scene = loop.stoppable(lambda: builder.build(place, settings.threads, previous), self._stop_asked)
+        persistent.keep(self.depsgraph, scene)
+        self.report.warnings += scene.warnings()
+        for warning in self.report.warnings:
+            self.host.report({"WARNING"}, warning)
+        self._tell("Preparing the lens", 0.0)
+        if camera.focus.autofocus is not None:
+            unfocused = camera
+            camera, self.focus = loop.stoppable(
+                lambda: staging.focus(native, scene, unfocused, width, height), self._stop_asked
+            )
+            moving = [focused(then, self.focus) for then in moving]
+            neighbours = neighbours and tuple(focused(then, self.focus) for then in neighbours)
+        if not (scene.moving_count or moving or (opened and opened.camera_keys)):
+            # Nothing moves: samples need no time.
+            opened = None
+        if loop.WATCH.study is not None:
+            wishes = effects.wishes(self.scene.petzval)
+            loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
+            deliver_black(self.host, self.depsgraph)
+            return
+        self._tell_of_denoising()
+        self._plan(native, scene, camera, settings, moving, opened)
+        beside = self.results.for_job() | {
+            "plan": self.plan,
+            "neighbours": neighbours,
+            "catches": catches,
+            "shutter": opened,
+            "mist": world_export.mist(self.scene.world),
+        }
+        picture_of: dict[str, str] = {}
+        if checkpoint:
+            decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
+            others = {name: value for name, value in beside.items() if name != "plan"}
+            beside["checkpoint"] = checkpoint.arguments(settings, camera, moving, decided, others)
+            picture_of = checkpoint.picture(settings, camera, effects=decided, shutter=(moving, opened))
+        job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
+        limit_s = self.scene.petzval.time_limit
+        self.progress = progress.Progress(job, limit_s)
+        stopped = loop.follow(
+            job, stop_asked=self._stop_asked, show=self.results.show, tell=self._progress, limit_s=limit_s
+        )
+        self._progress(job.progress() if stopped else 1.0, job.samples_done())
+        strays = [name for name in effects.STRAYS if self._is_on(name)]
+        if strays and self.results.is_mergeable:
+            self.host.report(
+                {"WARNING"},
+                f"Mergeable parts hold no {', '.join(strays)}: these are found in a whole picture; render it without Mergeable for them",
+            )
+        elif strays and not stopped:
+            self._develop(job)
+        picture, shadow = job.image(), None
+        if catches and not stopped:
+            others = functools.partial(self._beside_all, native, camera, settings, moving, size, place, blur, opened)
+            is_opaque, is_apart = not self.scene.render.film_transparent, self.results.has_shadow
+            alone, sky = others(is_sky=False), others(is_sky=True) if is_opaque and not is_apart else None
+            picture = job.over_photograph(alone, sky, is_opaque=is_opaque, is_apart=is_apart)
+            shadow = job.shadow(alone)
+        self.results.show_all(job, picture, shadow, self.told, picture_of)
+        for warning in scene.warnings():
+            if warning not in self.report.warnings:
+                self.report.warn(warning)
+                self.host.report({"WARNING"}, warning)
+        self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
+        if checkpoint:
+            self._tell("Keeping the render", 1.0)
+            written = loop.stoppable(job.end_checkpoints, lambda: False)
+            if written is not None and loop.WATCH.checkpoint is not None:
+                loop.WATCH.written_checkpoints.append(written)
+            elif written is not None and not stopped:
+                written.delete()
+
+    def _is_on(self, effect: str) -> bool:
+        return any(row["effect"] == effect and row["decision"] == "on" for row in self.told["effects"])
+
+    def _develop(self, job) -> None:
+        """Lays over the picture what of the light strays."""
+        self._tell("Ghosts, glare and diffraction", 1.0)
+        try:
+            loop.stoppable(job.develop, self._stop_asked)
+        except loop.Stopped:
+            # What is there of the picture stays.
+            job.stop_developing()
+
+    def _tell_of_denoising(self) -> None:
+        """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""
+        cycles = getattr(self.scene, "cycles", None)
+        if cycles is not None and cycles.is_property_set("use_denoising") and cycles.use_denoising:
+            self.host.report(
+                {"INFO"},
+                "Petzval does not denoise by itself: turn on View Layer > Passes > Data for Denoise Node, and use the Denoise node "
+                "of the compositor with Denoising Albedo and Denoising Normal",
+            )
+
+    def _beside_all(self, native, camera, settings, moving, size, place, blur, opened, *, is_sky: bool):
+        """The finished render of what catches shadows without anything that throws them, or of the sky alone."""
+        builder = native.SceneBuilder()
+        if is_sky:
+            staging.fill_sky(builder, self.depsgraph, camera, size, Report())
+        else:
+            staging.fill(
+                builder, self.depsgraph, camera, size, Report(), self._check_stop, blur=blur, only_catchers=True
+            )
+        # A sky that the camera sees is none of the light on what catches shadows.
+        settings = dataclasses.replace(settings, transparent_film=not is_sky)
+        scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
+        make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan, shutter=opened)  # noqa: E731
+        job = loop.stoppable(make, self._stop_asked)
+        tell = lambda part, _: self._tell("Shadow catcher background", part)  # noqa: E731
+        loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
+        return job
+
+    def _plan(self, native, scene, camera, settings, moving, opened) -> None:
+        """Decides what is simulated."""
+        self._tell("Planning the effects", 0.0)
+        wishes = effects.wishes(self.scene.petzval)
+        self.plan = loop.stoppable(
+            lambda: native.Plan(scene, camera, settings, moving, shutter=opened, **wishes), self._stop_asked
+        )
+        planned = json.loads(self.plan.json())
+        if settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
+            planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
+        planning.keep(self.scene.name, planned)
+        self.told, self.planned = planned, effects.summary(planned)
+
+    def _over_the_shutter(
+        self, shutter: shutters.Shutter | None, camera: CameraDescription, width: int, height: int
+    ) -> tuple[shutters.Blur | None, ShutterDescription | None, list[CameraDescription]]:
+        """Everything at its keys, how the shutter opens, and the camera at even times while it is open: none of these where the
+        lens does not change meanwhile."""
+        if shutter is None:
+            return None, None, []
+        count = max(shutters.most_keys(self.depsgraph), 3)
+        blur, keys = shutters.Blur(self.report, shutter.length * velocity.frame_s(self.scene)), []
+
+        mask = {"lens.aperture_mask": camera.lens.aperture_mask}
+
+        def describe() -> CameraDescription:
+            then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
+            return changed(then, mask)
+
+        def look(_: int) -> None:
+            self._check_stop()
+            keys.append(describe())
+            blur.read(self.depsgraph)
+
+        def look_at_lens(_: int) -> None:
+            moving.append(dataclasses.replace(describe(), matrix_world=camera.matrix_world))
+
+        moving: list[CameraDescription] = []
+        try:
+            shutters.sweep(shutter, count, self._frame_set, look)
+            if any(dataclasses.replace(key, matrix_world=camera.matrix_world) != camera for key in keys):
+                half = 0.5 * shutter.length / _SHUTTER_STEPS
+                between = shutters.Shutter(shutter.begin + half, shutter.length - 2.0 * half)
+                shutters.sweep(between, _SHUTTER_STEPS, self._frame_set, look_at_lens)
+        finally:
+            self._frame_set(*shutters.split(shutter.middle))
+        return blur, self._opened(keys), moving
+
+    def _opened(self, keys: list[CameraDescription]) -> ShutterDescription:
+        """How the shutter opens, and where the camera is at its keys."""
+        own = shutters.key_count(self.scene.camera)
+        matrices = [key.matrix_world for key in keys[:: (len(keys) - 1) // (own - 1)]] if own else []
+        if matrices.count(matrices[0] if matrices else None) == len(matrices):
+            matrices = []
+        rolling = shutters.rolling(self.scene)
+        if rolling is not None and self.scene.petzval.integrator == "BIDIRECTIONAL":
+            self.report.warn(
+                f"Scene '{self.scene.name}': bidirectional paths know of no rolling shutter, all rows are open at once"
+            )
+            rolling = None
+        return ShutterDescription(shutters.openness(self.scene.render), rolling, matrices)
+
+    def _beside(
+        self, camera: CameraDescription, width: int, height: int
+    ) -> tuple[tuple[CameraDescription, CameraDescription] | None, Motion | None]:
+        """The camera and everything else a frame before and a frame after, where the Vector pass asks for it."""
+        # Blender's rule: with motion blur the pass is all zero.
+        if self.scene.render.use_motion_blur or not self.results.has_vectors:
+            return None, None
+        now, subframe = self.scene.frame_current, self.scene.frame_subframe
+
+        def at(frame: int) -> tuple[CameraDescription, Frame]:
+            self._check_stop()
+            self._frame_set(frame, subframe)
+            then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
+            return changed(then, {"lens.aperture_mask": camera.lens.aperture_mask}), Frame.read(self.depsgraph)
+
+        try:
+            (first, before), (last, after) = at(now - 1), at(now + 1)
+        finally:
+            self._frame_set(now, subframe)
+        return (first, last), Motion(before, after, velocity.frame_s(self.scene), self.report)
+
+    def _frame_set(self, frame: int, subframe: float) -> None:
+        self.host.frame_set(frame, subframe)
+        self.scene = self.depsgraph.scene_eval
+
+    def _progress(self, part: float, samples: int) -> None:
+        left, speed = self.progress.remaining(part), self.progress.speed()
+        used, peak = process_memory.used_bytes(), process_memory.peak_bytes()
+        if used is not None and peak is not None:
+            self.host.update_memory_stats(memory_used=used / 2**20, memory_peak=peak / 2**20)
+            left += f"Mem:{used / 2**20:.0f}M, Peak:{peak / 2**20:.0f}M | "
+        self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", part, left)
+
+    def _tell(self, text: str, part: float, left: str = "") -> None:
+        self.host.update_stats("", left + text)
+        self.host.update_progress(part)
+        if loop.WATCH.on_progress is not None:
+            loop.WATCH.on_progress(part, text)
+
+    def _stop_asked(self) -> bool:
+        return self.host.test_break() or loop.WATCH.stop.is_set()
+
+    def _check_stop(self) -> None:
+        if self._stop_asked():
+            raise loop.Stopped
+
+    def _keep(self, stats: dict, sync_seconds: float, stopped: bool) -> None:
+        stats["seconds"]["sync"] = sync_seconds
+        # With the forecast, if there was one.
+        stats["planned"], stats["plan"] = self.told, self.told["effects"]
+        stats["peak_memory_bytes"], stats["time_limit_s"] = process_memory.peak_bytes(), self.scene.petzval.time_limit
+        if self.focus is not None:
+            stats["autofocus"] = self.focus
+        render = statistics.LastRender(stats, self.report.warnings, stopped)
+        statistics.keep(self.scene.name, render)
+        for line in render.lines():
+            print(f"Petzval: {line}")
+        if problem := (stats["checkpoint"] or {}).get("problem"):
+            self.host.report({"WARNING"}, problem)
+        if stats.get("failure"):
+            self.host.report({"ERROR"}, stats["failure"])

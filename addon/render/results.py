@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender is handed of a render: tiles while it goes on, at its end all passes that the view layer asks for."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..data import passes, tiles
+from ..export import camera as camera_export
+from ..export import memory
+from ..native import engine
+
+
+def region(render: bpy.types.RenderSettings) -> tiles.Window:
+    """The part of the picture that is rendered."""
+    border = None
+    if render.use_border:
+        border = (render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y)
+    return tiles.region(*camera_export.resolution(render), border)
+
+
+def deliver(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph, finished: list[tiles.Tile]) -> None:
+    """Hands tiles, placed in the rendered region, to Blender."""
+    layer = depsgraph.view_layer_eval.name
+    for tile in finished:
+        height, width = tile.pixels.shape[:2]
+        result = host.begin_result(tile.x, tile.y, width, height, layer=layer)
+        for one in result.layers[0].passes:
+            if one.name == passes.COMBINED.name:
+                one.rect.foreach_set(tiles.flat(tile))
+        host.end_result(result)
+
+
+def deliver_black(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
+    """A picture without light: writing one without pixels crashes Blender.
+
+    One pixel is handed over. Blender makes the others, which are black; a picture that does not fit into memory is never filled.
+    """
+    deliver(host, depsgraph, [tiles.Tile(0, 0, np.zeros((1, 1, 4), np.float32))])
+
+
+class Results:
+    """The passes that a view layer asks for."""
+
+    def __init__(self, host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
+        self._host, self._depsgraph = host, depsgraph
+        scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+        self._window = region(scene.render)
+        self._data = passes.wanted(layer)
+        self._merging = passes.for_merging(layer, scene.petzval)
+        self._mattes, self._matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
+        self._light_groups = passes.of_light_groups(layer)
+        self._parts = passes.wanted_parts(layer, bpy.app.version)
+        self._indices = passes.wanted_indices(layer, bpy.app.version)
+        self._strays = passes.wanted_strays(layer)
+        self.has_shadow = passes.wants_shadow(layer)
+
+    @property
+    def has_data(self) -> bool:
+        """Whether the engine is to keep what surfaces the pixels see."""
+        return bool(self._data)
+
+    @property
+    def has_vectors(self) -> bool:
+        """Whether it is to keep how these move."""
+        return any(one.engine_name == "VECTOR" for one in self._data)
+
+    @property
+    def is_mergeable(self) -> bool:
+        """Whether the picture is to be joined with others: what strays belongs to the whole."""
+        return len(self._merging) > 1
+
+    def for_job(self) -> dict[str, Any]:
+        """What the engine is to keep, as `Job` takes it."""
+        return {
+            "mattes": [one.engine_name for one in (*self._mattes, *self._indices)],
+            "matte_levels": self._matte_levels,
+            "light_groups": len(self._light_groups),
+            "parts": [name for one in self._parts for name in passes.engine_names(one)],
+        }
+
+    def check_memory(self, width: int, height: int, *, halves: bool, is_kept: bool) -> None:
+        """Raises `ExportError` where the picture does not fit into memory; `is_kept`: on disk, too, from a copy of the film."""
+        groups = len(self._light_groups) + len(self.for_job()["parts"])
+        mattes = bool(self._mattes or self._indices)
+        film = engine().film_bytes_a_pixel(
+            surfaces=self.has_data, vectors=self.has_vectors, mattes=mattes, halves=halves, groups=groups
+        )
+        every = (*self._data, *self._merging, *self._light_groups, *self._parts, *self._indices, *self._strays)
+        numbers = 4 + sum(one.channels for one in every) + 4 * len(self._mattes) * ((self._matte_levels + 1) // 2)
+        limit = self._depsgraph.scene_eval.petzval.memory_limit
+        memory.check_picture(limit, width, height, film * (2 if is_kept else 1), numbers)
+
+    def show(self, finished: list[tiles.Tile]) -> None:
+        """Tiles, while the render goes on."""
+        inside = (tiles.clipped(tile, self._window) for tile in finished)
+        deliver(self._host, self._depsgraph, [tile for tile in inside if tile is not None])
+
+    def show_all(
+        self, job: Any, picture: np.ndarray, shadow: np.ndarray | None, plan: dict, picture_of: dict[str, str]
+    ) -> None:
+        """The finished picture with its passes of data, at once: a result without a pass would blacken it. `shadow`: what is left
+        of the light on what catches shadows, if anything does; `plan` as the engine tells it; `picture_of`: what decides the picture, whichever of its samples it holds."""
+        pictures = {passes.COMBINED.name: picture}
+        if self.has_shadow:
+            pictures[passes.SHADOW.name] = np.ones_like(picture[..., :3]) if shadow is None else shadow
+        pictures |= {one.name: job.data(one.engine_name) for one in (*self._data, *self._merging)}
+        pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self._light_groups, 1)}
+        pictures |= {one.name: job.index(one.engine_name) for one in self._indices}
+        pictures |= {one.name: passes.channels_of(one, job) for one in self._parts}
+        pictures |= {one.name: job.stray(one.engine_name) for one in self._strays}
+        for layer in self._mattes:
+            channels = job.matte(layer.engine_name)
+            for i, one in enumerate(passes.of_matte(layer, self._matte_levels)):
+                pictures[one.name] = channels[..., 4 * i : 4 * i + 4]
+        layer = self._depsgraph.view_layer_eval.name
+        result = self._host.begin_result(0, 0, self._window.width, self._window.height, layer=layer)
+        for one in result.layers[0].passes:
+            if one.name in pictures:
+                part = tiles.clipped(tiles.Tile(0, 0, pictures[one.name]), self._window)
+                one.rect.foreach_set(tiles.flat(part))
+        self._host.end_result(result)
+        self._name_mattes(job)
+        self._name_effects(plan)
+        self._name_samples(json.loads(job.stats_json()), picture_of)
+
+    def _name_effects(self, plan: dict) -> None:
+        """Says in the picture's metadata what of the lens was simulated."""
+        whole = self._host.get_result()
+        for row in plan["effects"]:
+            whole.stamp_data_add_field(f"petzval/effects/{row['effect']}", f"{row['decision']}: {row['why']}")
+        whole.stamp_data_add_field("petzval/camera", json.dumps(plan["camera"]))
+        whole.stamp_data_add_field("petzval/quality", f"{plan['quality']:g}")
+
+    def _name_samples(self, stats: dict, picture_of: dict[str, str]) -> None:
+        """Says in the picture's metadata which samples of which picture it holds: for joining it with others."""
+        whole = self._host.get_result()
+        first, most = self._depsgraph.scene_eval.petzval.sample_offset, stats["samples_most"]
+        whole.stamp_data_add_field("petzval/ranges", f"{stats['seed']}:{first}+{most}")
+        if stats["samples"] == most:
+            whole.stamp_data_add_field("petzval/samples", str(most))
+        if picture_of:
+            whole.stamp_data_add_field("petzval/picture", "; ".join(f"{k}={v}" for k, v in picture_of.items()))
+
+    def _name_mattes(self, job: Any) -> None:
+        """Says in the picture's metadata what the mattes' numbers stand for."""
+        whole = self._host.get_result()
+        for layer in self._mattes:
+            name = f"{self._depsgraph.view_layer_eval.name}.{layer.name}"
+            for key, value in job.matte_metadata(layer.engine_name, name):
+                whole.stamp_data_add_field(key, value)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a scene of Blender to what the engine renders: the steps that a render and a measurement share."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+
+from petzval.description import CameraDescription, focused
+
+from .. import export
+from ..export import aperture_mask, viewport
+from ..export import camera as camera_export
+from ..export.kept import Kept
+from ..export.motion import Motion
+from ..export.report import Report
+from ..export.shutter import Blur
+
+
+def camera(scene: bpy.types.Scene, width: int, height: int, report: Report) -> CameraDescription:
+    """The scene's camera with the mask of its diaphragm."""
+    found = camera_export.describe(scene.camera, scene, width, height, report)
+    return aperture_mask.added(found, scene.camera.data)
+
+
+def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int, report: Report) -> None:
+    """What of the lens's file could not be used, and glasses that are not known at the camera's own wavelength."""
+    if camera.model == "PINHOLE":
+        return
+    try:
+        info = json.loads(native.camera_info_json(camera, width, height))
+    except native.PetzvalError:
+        return  # said when the camera is made
+    for note in [*info["remarks"], *(info["beyond_range"] if camera.wavelength_nm is not None else [])]:
+        report.warn(note)
+
+
+def fill(
+    builder: Any,
+    depsgraph: bpy.types.Depsgraph,
+    seen_by: CameraDescription,
+    size: tuple[int, int],
+    report: Report,
+    check_stop: Callable[[], None] = lambda: None,
+    motion: Motion | None = None,
+    blur: Blur | None = None,
+    *,
+    only_catchers: bool = False,
+    kept: Kept | None = None,
+    seen_in: bpy.types.SpaceView3D | None = None,
+) -> bool:
+    """Tells the engine's `SceneBuilder` all that the camera may see; whether something catches shadows. `only_catchers`: what
+    does not is a hole for the camera, and nothing to all else. `kept` and `seen_in` as `export.send_scene` has them."""
+    catches = export.send_scene(
+        depsgraph, builder, report, check_stop, motion, blur, only_catchers=only_catchers, kept=kept, seen_in=seen_in
+    )
+    viewport.send(builder, seen_by, *size)
+    return catches
+
+
+def fill_sky(
+    builder: Any, depsgraph: bpy.types.Depsgraph, seen_by: CameraDescription, size: tuple[int, int], report: Report
+) -> None:
+    """Tells a `SceneBuilder` of the sky alone."""
+    export.send_sky(depsgraph, builder, report)
+    viewport.send(builder, seen_by, *size)
+
+
+def place(of: CameraDescription) -> tuple[float, float, float]:
+    """Where a camera stands in the world."""
+    return tuple(row[3] for row in of.matrix_world[:3])
+
+
+def focus(
+    native: Any, scene: Any, of: CameraDescription, width: int, height: int
+) -> tuple[CameraDescription, dict[str, Any]]:
+    """The camera with its film where the subject of its autofocus point is sharpest, and the engine's `autofocus_json`."""
+    found = json.loads(native.autofocus_json(scene, of, width, height, of.focus.autofocus))
+    return focused(of, found), found
