@@ -11,19 +11,12 @@ import math
 
 import pytest
 
-from support.command_line import GOOD_LENS, LENSES, LINES_NM, RELATIVE, answer, assert_complains
+from support.command_line import LENSES, LINES_NM, RELATIVE, answer, assert_complains
 from support.places import REFERENCE, ROOT
 
 pytestmark = pytest.mark.once
 
 RAY = {"origin": [0, 0, -10], "direction": [0, 0, 1], "wavelength_nm": 550}
-
-
-@pytest.fixture
-def good_lens(tmp_path):
-    path = tmp_path / "good.lens"
-    path.write_text(GOOD_LENS)
-    return path
 
 
 # Right answers ---------------------------------------------------------------------------------------------------

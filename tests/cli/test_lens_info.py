@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from support.command_line import GOOD_LENS, LENSES, LINES_NM, RELATIVE, answer, assert_complains
+from support.command_line import LENSES, LINES_NM, RELATIVE, answer, assert_complains
 from support.places import REFERENCE
 from support.render_commands import many
 
@@ -23,13 +23,6 @@ pytestmark = pytest.mark.once
 EACH_LENS = [
     pytest.param(path, id=path.stem, marks=[pytest.mark.recipe] * (i % 6 != 0)) for i, path in enumerate(LENSES)
 ]
-
-
-@pytest.fixture
-def good_lens(tmp_path):
-    path = tmp_path / "good.lens"
-    path.write_text(GOOD_LENS)
-    return path
 
 
 def near_mm(path: Path) -> float:

@@ -59,14 +59,14 @@ def imported(trees: Iterable[ast.AST]) -> list[Path]:
                 names |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    # With the packages that they lie in: modules of one import each other by dots.
+    names = {name.rsplit(".", i)[0] for name in names for i in range(name.count(".") + 1)} - {SUPPORT.name}
     found = []
-    for folder in _FOLDERS:
-        for name in sorted(names - {SUPPORT.name}):
-            place = folder.joinpath(*name.split("."))
-            if place.with_suffix(".py").exists():
-                found.append(place.with_suffix(".py"))
-            if (place / "__init__.py").exists():
-                found += sorted(place.rglob("*.py"))
+    for place in (folder.joinpath(*name.split(".")) for folder in _FOLDERS for name in sorted(names)):
+        if place.with_suffix(".py").exists():
+            found.append(place.with_suffix(".py"))
+        if (place / "__init__.py").exists():
+            found += sorted(place.rglob("*.py"))
     return found
 
 
