@@ -44,7 +44,7 @@ lint: .venv-tools setup build ## formatting and lints of Rust and Python, and ty
 	PYO3_PYTHON=$(CURDIR)/.venv-tools/bin/python cargo clippy --all-targets --workspace --locked -- -D warnings
 	.venv-tools/bin/ruff check
 	.venv-tools/bin/ruff format --check
-	$(dir $(PETZVAL))python -m pytest -q tests/test_types.py
+	$(dir $(PETZVAL))python -m pytest -q tests/project/test_types.py
 
 wheels: setup ## the wheel that is shipped, dist/petzval-*.whl, with every optimisation; docs/packaging.md has other machines
 	@tools/build-wheel.sh --release

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every test may ask for: a fresh Blender, the command line, the real program; and an orderly end.
+"""What every test may ask for: a fresh Blender, scenes, the command line, the real program; and an orderly end.
 
 The bpy module keeps one Blender for the whole process: `blender` resets it before each test. At exit, bpy with a
 render engine registered hangs (4.5) or crashes (4.2), so the process ends by `os._exit` once pytest has said all.
@@ -7,6 +7,7 @@ render engine registered hangs (4.5) or crashes (4.2), so the process ends by `o
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 import shutil
@@ -18,9 +19,10 @@ from pathlib import Path
 
 import pytest
 
-from cli_render_parts import cli_render, cli_renders, cli_scenes  # noqa: F401 fixtures
+# A failed assertion of a helper says as much as one of a test.
+pytest.register_assert_rewrite("support")
 
-ROOT = Path(__file__).resolve().parent.parent
+from support.places import ROOT  # noqa: E402
 
 # Set before bpy is imported: nothing of the user's Blender is read, and what bpy leaves behind lies in one folder.
 # pytest's own folders stay where they are, so that a failed test's files can be looked at.
@@ -89,6 +91,14 @@ def blender():
     return bpy
 
 
+@pytest.fixture
+def parts(blender):
+    """The helpers of scenes; the file is empty."""
+    from support import scenes
+
+    return scenes
+
+
 @pytest.fixture(scope="session")
 def petzval_cli():
     """Runs `petzval ARGUMENTS...` in a process of its own: `petzval_cli("lens", "info", path, "--json")`.
@@ -106,6 +116,41 @@ def petzval_cli():
             timeout=timeout_s,
             check=False,
         )
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def cli_scenes(tmp_path_factory):
+    """The folder with scene.blend and no-camera.blend; a script in it would write `ran`."""
+    from support import render_commands
+
+    pytest.importorskip("bpy")
+    folder = tmp_path_factory.mktemp("cli-render")
+    render_commands.save_scenes(folder)
+    return folder
+
+
+@pytest.fixture
+def cli_render(petzval_cli, cli_scenes, tmp_path):
+    """`render(options...)` into out.exr: (finished process, picture, statistics)."""
+
+    def run(*options, name: str = "out.exr", scene: str = "scene.blend"):
+        out, stats = tmp_path / name, tmp_path / f"{name}.json"
+        done = petzval_cli("render", cli_scenes / scene, *options, "-o", out, "--stats", stats)
+        return done, out, json.loads(stats.read_text()) if stats.exists() else None
+
+    return run
+
+
+@pytest.fixture
+def cli_renders(cli_scenes, tmp_path):
+    """`renders([options...], ...)`: each as `cli_render` does it, all in one process."""
+    from support import render_commands
+
+    def run(*several) -> list[render_commands.Render]:
+        folder = Path(tempfile.mkdtemp(dir=tmp_path))
+        return render_commands.render_all(cli_scenes / "scene.blend", list(several), folder)
 
     return run
 

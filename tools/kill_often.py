@@ -32,7 +32,7 @@ import bpy
 import petzval
 bpy.ops.wm.read_factory_settings(use_empty=True)
 petzval.load_addon().register()
-import checkpoint_scene
+from support import checkpoint_scene
 checkpoint_scene.build({width}, {height}, {samples})
 bpy.ops.wm.save_as_mainfile(filepath={path!r})
 sys.stdout.flush()

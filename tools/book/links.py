@@ -1,4 +1,4 @@
-"""Links in pages of the repository, as a reader of the files has them. Used by the book's builder and by tests/test_docs.py."""
+"""Links in pages of the repository, as a reader of the files has them. Used by the book's builder and by tests/project/test_docs.py."""
 
 import re
 from pathlib import PurePosixPath

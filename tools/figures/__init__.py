@@ -3,5 +3,5 @@
 
 A module `figNN_SUBJECT.py` has `FIGURE`, a `figure.Figure`: the pictures to take, and a function that reads its caption from
 numbers that are computed, and raises `Contradiction` where a picture does not show what they say. `make figures` writes
-docs/figures.md; the same at a low resolution is a test (tests/test_figures.py).
+docs/figures.md; the same at a low resolution is a test (tests/project/test_figures.py).
 """

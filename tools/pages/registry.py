@@ -176,7 +176,7 @@ _ALL = (
         "ui-pictures",
         "addon",
         "engine/python/src",
-        "tests/window*.py",
+        "tests/support/window*.py",
         "tools/ui-pictures.py",
     ),
 )

@@ -16,8 +16,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-import beside_cycles
 from parity_scenes import SCENES, photograph
+from support import beside_cycles
 
 from . import MARK, in_blender
 from .blocks import block_noise, block_ratios, floor_of

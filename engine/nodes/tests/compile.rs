@@ -1,6 +1,6 @@
 //! Compilation of a graph: folding, dropped nodes, conversions, weights, and graphs that are wrong.
 //!
-//! Values of single nodes are held against Cycles, in tests/test_nodes_against_cycles.py.
+//! Values of single nodes are held against Cycles, in tests/parity/test_nodes.py.
 
 use glam::Vec3A;
 use petzval_nodes::{Column, Graph, Layer, LayerKind, Pixels, Points, Program, Registers, Report, compile};

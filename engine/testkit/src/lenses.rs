@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 const SLOW: &str = "eye-liou-brennan.lens";
 
 /// The paths of the `.lens` files in `folder`, sorted. The slow gradient-index eye is left out unless [`is_thorough`](crate::is_thorough);
-/// `tests/test_white_world.py` has it in every run.
+/// `tests/lens/test_white_world.py` has it in every run.
 ///
 /// # Panics
 /// If the folder cannot be read.

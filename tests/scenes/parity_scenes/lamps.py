@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scene_parts import image
+from support.scenes import image
 
 from . import scene
 from .studio import (

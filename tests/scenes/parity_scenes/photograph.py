@@ -9,9 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-import beside_cycles
-import pass_parts
-import scene_parts
+from support import beside_cycles, render_passes, scenes
 
 BOUNCES = 16
 
@@ -22,7 +20,7 @@ def prepare(width: int, height: int, samples: int, bounces: int = BOUNCES) -> No
     render = scene.render
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
     render.use_compositing = render.use_sequencer = render.use_border = False
-    scene_parts.exr(scene)
+    scenes.exr(scene)
     scene.camera.data.petzval.model = "PINHOLE"
     beside_cycles.without_tricks(samples)
     own, cycles = scene.petzval, scene.cycles
@@ -37,7 +35,7 @@ def prepare(width: int, height: int, samples: int, bounces: int = BOUNCES) -> No
 def take(engine: str, folder: Path) -> np.ndarray:
     """The picture of `PETZVAL` or `CYCLES`: linear, (height, width, 4), first row at the bottom."""
     bpy.context.scene.render.engine = engine
-    return scene_parts.render(folder, f"{engine.lower()}.exr")
+    return scenes.render(folder, f"{engine.lower()}.exr")
 
 
 def looks(
@@ -48,7 +46,7 @@ def looks(
     if frames:
         return _animation(engine, folder, frames)
     if passes:
-        found = pass_parts.photograph(folder / f"{engine.lower()}.exr", engine, samples=None)
+        found = render_passes.photograph(folder / f"{engine.lower()}.exr", engine, samples=None)
         return {name: _of_pass(found, name) for name in passes}
     return {"picture": take(engine, folder)[..., :3]}
 
@@ -68,13 +66,13 @@ def _animation(engine: str, folder: Path, frames: tuple[int, ...]) -> dict[str, 
     scene.frame_start, scene.frame_end, scene.frame_step = frames[0], frames[-1], steps.pop()
     scene.render.filepath = str(folder / "petzval-####.exr")
     bpy.ops.render.render(animation=True)
-    return {f"frame {frame}": scene_parts.read(folder / f"petzval-{frame:04}.exr")[..., :3] for frame in frames}
+    return {f"frame {frame}": scenes.read(folder / f"petzval-{frame:04}.exr")[..., :3] for frame in frames}
 
 
 def _of_pass(found: dict[str, np.ndarray], name: str) -> np.ndarray:
     if name.startswith("Crypto"):
         return _matte(found, name)
-    pixels = pass_parts.lit_by(found, name)
+    pixels = render_passes.lit_by(found, name)
     return np.repeat(pixels, 3, axis=2) if pixels.shape[2] == 1 else pixels
 
 

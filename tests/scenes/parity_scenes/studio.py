@@ -8,8 +8,8 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 
-import node_tree
-from scene_parts import with_nodes
+from support import node_tree
+from support.scenes import with_nodes
 
 RED, GREEN, BLUE = (0.7, 0.12, 0.08, 1.0), (0.15, 0.5, 0.2, 1.0), (0.1, 0.2, 0.7, 1.0)
 GOLD, CREAM, DARK = (0.9, 0.6, 0.2, 1.0), (0.8, 0.75, 0.6, 1.0), (0.05, 0.05, 0.06, 1.0)

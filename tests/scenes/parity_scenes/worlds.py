@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from scene_parts import image
+from support.scenes import image
 
 from . import scene
 from .studio import CREAM, GOLD, RED, WHITE, Tree, ball, empty_studio, monkey, plain, world

@@ -20,7 +20,7 @@ from parity_scenes.studio import (
     plain,
     plane,
 )
-from scene_parts import image
+from support.scenes import image
 
 from . import scene
 from .outdoors import camera_at, glowing

@@ -122,7 +122,7 @@ fn a_mask_shapes_the_beam_of_every_model() {
 }
 
 /// A uniform white world is 1 in the middle of the film, for every third shipped lens, open and with curved blades; `make test-all` has all
-/// lenses and other openings, and `tests/test_white_world.py` has all lenses in every run. This tests the pupil map, its densities, and the
+/// lenses and other openings, and `tests/lens/test_white_world.py` has all lenses in every run. This tests the pupil map, its densities, and the
 /// measure of the axis together.
 #[test]
 fn a_white_world_is_one_on_axis() {

@@ -1,5 +1,5 @@
 //! Tests of the text that is written, and of what is refused. The script itself is run by Cycles in
-//! `tests/test_osl_camera.py`.
+//! `tests/cli/test_osl_camera.py`.
 
 use super::*;
 use crate::camera::tests::with_lens;

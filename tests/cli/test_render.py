@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`petzval render`, driven as a user would: statistics, formats, frame, seed, output."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from support.render_commands import picture
+
+
+@pytest.mark.once
+def test_statistics_as_promised(cli_render):
+    done, out, stats = cli_render("--camera", "pinhole", "--samples", 3, "--seed", 5, "--threads", 1)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert out.exists()
+    number = (int, float)
+    wanted = {
+        "samples": int, "camera_rays": int, "camera_rays_lost": int, "rays": int, "peak_memory_mb": number,
+        "plan": list, "seed": int, "threads": int, "non_finite_samples": int,
+        "processor": str,
+    }  # fmt: skip
+    for key, kind in wanted.items():
+        assert isinstance(stats[key], kind) and not isinstance(stats[key], bool), key
+    assert set(stats["seconds"]) >= {"sync", "bvh", "plan", "render"}
+    assert all(isinstance(value, number) and value >= 0.0 for value in stats["seconds"].values())
+    assert (stats["samples"], stats["seed"], stats["threads"]) == (3, 5, 1)
+    assert stats["camera_rays"] == 3 * 48 * 32 and stats["camera_rays_lost"] == 0
+    assert stats["rays"] >= stats["camera_rays"]
+    assert stats["non_finite_samples"] == 0
+    assert 50.0 < stats["peak_memory_mb"] < 5000.0
+
+
+def test_scripts_in_a_file_never_run(cli_render, cli_scenes):
+    done, _, _ = cli_render("--camera", "pinhole", "--samples", 1)
+    assert done.returncode == 0, done.stderr
+    assert not (cli_scenes / "ran").exists()
+
+
+def test_formats(blender, cli_render):
+    for name in ("a.exr", "a.png", "A.PNG"):
+        done, out, _ = cli_render("--camera", "pinhole", "--resolution", "40x20", name=name)
+        assert done.returncode == 0, done.stderr
+        assert picture(out).shape[:2] == (20, 40)
+    assert out.read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.once
+def test_the_frame(blender, cli_render):
+    first, second = (picture(cli_render("--camera", "pinhole", "--frame", frame)[1]) for frame in (1, 2))
+    assert first[..., 0].argmax(axis=1).max() < second[..., 0].argmax(axis=1).max()
+
+
+@pytest.mark.once
+def test_seed_and_offset(blender, cli_render, cli_renders):
+    options = ("--lens", "cooke-triplet-50mm", "--samples", 2)
+    # Two halves make the whole.
+    halves = [(*options, "--seed", 3, "--sample-offset", offset) for offset in (0, 2)]
+    several = cli_renders(
+        (*options, "--seed", 3), (*options, "--seed", 4), *halves, (*options[:2], "--samples", 4, "--seed", 3)
+    )
+    assert all(one.returncode == 0 for one in several), several
+    three, four, *halves, whole = (picture(one.out) for one in several)
+    # In a process of its own.
+    assert (three == picture(cli_render(*options, "--seed", 3)[1])).all()
+    assert (three != four).any()
+    assert abs((halves[0] + halves[1]) / 2 - whole).max() < 1e-4 * max(whole.max(), 1.0)
+
+
+@pytest.mark.once
+def test_as_many_samples_as_the_noise_asks_for(blender, cli_renders):
+    options = ("--lens", "cooke-triplet-50mm", "--samples", 64, "--seed", 3)
+    asked = (*options, "--noise-threshold", 0.1, "--min-samples", 4)
+    done = cli_renders(asked, asked, (*options, "--noise-threshold", 0), options)
+    assert all(one.returncode == 0 for one in done), done
+    adaptive, again, whole, unasked = (picture(one.out) for one in done)
+    stats = done[0].stats
+    least, mean, most = stats["samples"], stats["samples_mean"], stats["samples_most"]
+    assert 4 <= least < mean < most <= 64
+    # Some samples serve the error alone.
+    assert mean * 48 * 32 - 1 <= stats["camera_rays"] < 64 * 48 * 32
+    assert (adaptive == again).all()
+    # None: as many everywhere, and the same picture to the last bit as if nothing were said.
+    stats = done[2].stats
+    assert stats["samples"] == stats["samples_mean"] == stats["samples_most"] == 64
+    assert (whole == unasked).all()
+    # The same light, to what the threshold leaves of noise: a mean over 1536 pixels.
+    assert abs(adaptive[..., :3].mean() / whole[..., :3].mean() - 1.0) < 0.02
+
+
+@pytest.mark.once
+def test_blue_noise_is_another_picture_of_the_same_light(blender, cli_renders):
+    options = ("--camera", "pinhole", "--samples", 4)
+    done = cli_renders(options, (*options, "--blue-noise", "on"), (*options, "--blue-noise", "off"))
+    own, shared, same = (picture(one.out) for one in done)
+    assert (own == same).all() and (own != shared).any()
+    assert abs(shared.mean() / own.mean() - 1.0) < 0.01
+
+
+@pytest.mark.once
+def test_the_default_output(petzval_cli, cli_scenes, tmp_path):
+    command = [sys.executable, "-m", "petzval", "render", str(cli_scenes / "scene.blend"), "--samples", "1"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "scene.png").exists()

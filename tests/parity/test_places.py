@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What materials and worlds ask of the camera, of tangents and of a mesh's edges, against Cycles in the same Blender."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from support.ball_in_sky import SIDE, alike
+from support.node_tree import Tree
+from support.shaders import material_of
+
+
+def _noise(t: Tree, place, scale: float = 3.0):
+    """Colours by a place."""
+    return t.ramp(t.node("TexNoise", Vector=place, Scale=scale).outputs[0])
+
+
+def _diffuse(t: Tree, colour):
+    t.shows(t.node("BsdfDiffuse", Color=colour).outputs[0])
+
+
+def _shift_camera():
+    """So that neither its axes nor its picture's middle are the world's."""
+    import bpy
+
+    camera = bpy.context.scene.camera
+    camera.data.shift_x, camera.data.shift_y = 0.1, -0.05
+    camera.rotation_euler[1] = 0.3
+    # Blender's own rule: neither scale matters.
+    camera.scale = (2.0, 2.0, 2.0)
+    bpy.context.scene.render.resolution_x = SIDE
+    bpy.context.view_layer.update()
+
+
+def camera_coordinates(t: Tree):
+    _shift_camera()
+    _diffuse(t, _noise(t, t.coordinates("Camera")))
+
+
+def window_coordinates(t: Tree):
+    _shift_camera()
+    _diffuse(t, _noise(t, t.coordinates("Window"), 8.0))
+
+
+def view_vector(t: Tree):
+    _shift_camera()
+    _diffuse(t, _noise(t, t.node("CameraData").outputs["View Vector"], 20.0))
+
+
+def view_depth_and_distance(t: Tree):
+    _shift_camera()
+    data = t.node("CameraData")
+    # The ball is 4 to 5 units away.
+    depth = t.node("MapRange", Value=data.outputs["View Z Depth"], From_Min=4.0, From_Max=5.0, To_Min=0.1, To_Max=0.9)
+    far = t.node("MapRange", Value=data.outputs["View Distance"], From_Min=4.0, From_Max=5.0, To_Min=0.1, To_Max=0.9)
+    _diffuse(t, t.node("CombineXYZ", X=depth.outputs[0], Y=far.outputs[0], Z=0.3).outputs[0])
+
+
+def into_the_camera(t: Tree):
+    """A normal and a point of the object in the camera's space."""
+    _shift_camera()
+    normal = t.node(
+        "VectorTransform",
+        {"vector_type": "NORMAL", "convert_from": "WORLD", "convert_to": "CAMERA"},
+        Vector=t.node("NewGeometry").outputs["Normal"],
+    )
+    point = t.node(
+        "VectorTransform",
+        {"vector_type": "POINT", "convert_from": "OBJECT", "convert_to": "CAMERA"},
+        Vector=t.coordinates("Object"),
+    )
+    both_ways = t.node("VectorMath", {"operation": "ADD"}, _0=normal.outputs[0], _1=point.outputs[0])
+    _diffuse(t, _noise(t, both_ways.outputs[0], 2.0))
+
+
+def _waves(t: Tree, strength: float = 0.6):
+    wave = t.node("TexWave", Vector=t.coordinates("Object"), Scale=1.5)
+    return t.node("Bump", Strength=strength, Distance=0.1, Height=wave.outputs["Fac"]).outputs[0]
+
+
+def coat_over_bumps(t: Tree):
+    """The coat is smooth where the rest is not."""
+    t.shows(t.node("BsdfPrincipled", Coat_Weight=1.0, Coat_Roughness=0.1, Normal=_waves(t)).outputs[0])
+
+
+def bumped_coat(t: Tree):
+    coat = t.node("BsdfPrincipled", Coat_Weight=1.0, Coat_Roughness=0.2, Coat_Normal=_waves(t, 0.3))
+    coat.inputs["Base Color"].default_value = (0.05, 0.05, 0.05, 1.0)
+    t.shows(coat.outputs[0])
+
+
+def _turned(t: Tree, settings: dict):
+    return t.node("Tangent", settings).outputs[0]
+
+
+def brushed_by_uv(t: Tree):
+    tangent = _turned(t, {"direction_type": "UV_MAP"})
+    t.shows(t.node("BsdfAnisotropic", Roughness=0.4, Anisotropy=0.8, Tangent=tangent).outputs[0])
+
+
+def brushed_about_x(t: Tree):
+    tangent = _turned(t, {"direction_type": "RADIAL", "axis": "X"})
+    metal = t.node("BsdfPrincipled", Metallic=1.0, Roughness=0.4, Anisotropic=0.9, Tangent=tangent)
+    metal.inputs["Anisotropic Rotation"].default_value = 0.1
+    t.shows(metal.outputs[0])
+
+
+def brushed_metallic(t: Tree):
+    tangent = _turned(t, {"direction_type": "RADIAL", "axis": "Y"})
+    t.shows(t.node("BsdfMetallic", Roughness=0.4, Anisotropy=0.8, Tangent=tangent).outputs[0])
+
+
+def _stretch_space():
+    """Generated coordinates that are not the bounds'."""
+    import bpy
+
+    mesh = bpy.context.object.data
+    mesh.use_auto_texspace = False
+    mesh.texspace_location, mesh.texspace_size = (0.3, 0.0, 0.0), (1.0, 3.0, 1.0)
+
+
+def brushed_in_its_space(t: Tree):
+    """Nothing is linked: around the z axis of generated coordinates."""
+    _stretch_space()
+    t.shows(t.node("BsdfMetallic", Roughness=0.4, Anisotropy=0.9).outputs[0])
+
+
+def brushed_in_its_space_by_nodes(t: Tree):
+    _stretch_space()
+    checker = t.node("TexNoise", Vector=t.coordinates("Object"), Scale=3.0)
+    metal = t.node("BsdfMetallic", Roughness=0.4, Anisotropy=0.9, Base_Color=t.ramp(checker.outputs[0]))
+    t.shows(metal.outputs[0])
+
+
+def _wire(t: Tree, size: float, in_pixels: bool):
+    wire = t.node("Wireframe", {"use_pixel_size": in_pixels}, Size=size)
+    paint = t.node("Mix", {"data_type": "RGBA"}, Factor=wire.outputs[0], _6=(0.8, 0.6, 0.1, 1.0), _7=(0.05,) * 3 + (1,))
+    _diffuse(t, paint.outputs[2])
+
+
+def wires(t: Tree):
+    _wire(t, 0.03, False)
+
+
+def wires_in_pixels(t: Tree):
+    _wire(t, 1.5, True)
+
+
+def islands(t: Tree):
+    """The ball in pieces, cut along circles and meridians."""
+    import bmesh
+    import bpy
+
+    mesh = bpy.context.object.data
+    ball = bmesh.new()
+    ball.from_mesh(mesh)
+
+    def is_cut(edge) -> bool:
+        a, b = (vertex.co for vertex in edge.verts)
+        circles = abs(a.z - b.z) < 1e-4 and any(abs(a.z - height) < 0.05 for height in (-0.5, 0.0, 0.5))
+        return circles or max(abs(a.x), abs(b.x)) < 1e-4 or max(abs(a.x - a.y), abs(b.x - b.y)) < 1e-4
+
+    bmesh.ops.split_edges(ball, edges=[edge for edge in ball.edges if is_cut(edge)])
+    ball.to_mesh(mesh)
+    _diffuse(t, t.ramp(t.node("NewGeometry").outputs["Random Per Island"]))
+
+
+def hollows(t: Tree):
+    """Pointiness of a ball with waves, cut open in places: vertices at one place count as one."""
+    import bpy
+
+    islands(t)
+    mesh = bpy.context.object.data
+    places = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", places.reshape(-1))
+    places *= (1.0 + 0.05 * np.sin(9.0 * places[:, 2]) * np.cos(7.0 * places[:, 0]))[:, None]
+    mesh.vertices.foreach_set("co", places.reshape(-1))
+    mesh.update()
+    pointed = t.node("NewGeometry").outputs["Pointiness"]
+    value = t.node("MapRange", Value=pointed, From_Min=0.45, From_Max=0.6, To_Min=0.05, To_Max=0.95)
+    _diffuse(t, value.outputs[0])
+
+
+def _beside_a_wall(t: Tree):
+    """A floor under the ball and a wall behind it, of the same material."""
+    import bpy
+
+    ball = bpy.context.object
+    for place, turn in (((0.0, 0.0, -1.0), 0.0), ((0.0, 1.3, 0.0), np.pi / 2)):
+        bpy.ops.mesh.primitive_plane_add(size=8.0, location=place, rotation=(turn, 0.0, 0.0))
+        bpy.context.object.data.materials.append(material_of(t))
+    bpy.context.view_layer.objects.active = ball
+
+
+def _occluded(t: Tree, settings: dict | None = None, **inputs):
+    _beside_a_wall(t)
+    return t.node("AmbientOcclusion", {"samples": 8, **(settings or {})}, **inputs)
+
+
+def glowing_where_open(t: Tree):
+    made = _occluded(t, Distance=1.5, Color=(0.9, 0.5, 0.2, 1.0))
+    t.shows(t.node("Emission", Color=made.outputs["Color"]).outputs[0])
+
+
+def dirty_corners(t: Tree):
+    """Under a shader, by a normal that is bent."""
+    made = _occluded(t, Distance=0.8, Normal=_waves(t, 0.3))
+    _diffuse(t, t.ramp(made.outputs["AO"]))
+
+
+def thin_places(t: Tree):
+    made = _occluded(t, {"inside": True}, Distance=2.5)
+    t.shows(t.node("Emission", Color=t.ramp(made.outputs["AO"])).outputs[0])
+
+
+def own_hollows(t: Tree):
+    made = _occluded(t, {"only_local": True, "inside": True}, Distance=1.5)
+    t.shows(t.node("Emission", Color=made.outputs["AO"]).outputs[0])
+
+
+def transparent_corners(t: Tree):
+    """What paths pass and shadows do not depends on how lights are sampled; what glows is only looked at."""
+    made = _occluded(t, Distance=1.0)
+    clear, glow = t.node("BsdfTransparent"), t.node("Emission", Color=(0.3, 0.7, 0.5, 1.0))
+    t.shows(t.node("MixShader", _0=made.outputs["AO"], _1=clear.outputs[0], _2=glow.outputs[0]).outputs[0])
+
+
+MATERIALS = (
+    camera_coordinates, window_coordinates, view_vector, view_depth_and_distance, into_the_camera, coat_over_bumps,
+    bumped_coat, brushed_by_uv, brushed_about_x, brushed_metallic, brushed_in_its_space, brushed_in_its_space_by_nodes,
+    wires, wires_in_pixels, islands, hollows, glowing_where_open, dirty_corners, thin_places, own_hollows,
+    transparent_corners,
+)  # fmt: skip
+
+
+#: Of nodes that are handed over as those of others are.
+ALIKE = {
+    view_vector, into_the_camera, brushed_about_x, brushed_metallic, brushed_in_its_space_by_nodes, wires, dirty_corners, thin_places,
+    own_hollows, transparent_corners,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "graph",
+    [pytest.param(graph, marks=[pytest.mark.once] * (graph in ALIKE)) for graph in MATERIALS],
+    ids=lambda graph: graph.__name__,
+)
+def test_materials(stage, blender, tmp_path, graph):
+    made, tree, surface = stage.material()
+    blender.context.object.data.materials.append(made)
+    graph(Tree(tree, surface))
+    # 512 samples of 144 pixels: noise below 0.3 %. Edges of patterns fall between samples alike.
+    alike(tmp_path, 0.02, floor=0.0)
+
+
+def world_in_the_window(t: Tree):
+    """A gradient that stands still on the picture, whatever the camera looks at."""
+    parts = t.node("SeparateXYZ", Vector=t.coordinates("Window"))
+    t.shows(t.node("Background", Color=t.ramp(parts.outputs["X"])).outputs[0])
+
+
+def world_in_the_camera(t: Tree):
+    t.shows(t.node("Background", Color=_noise(t, t.coordinates("Camera"))).outputs[0])
+
+
+def world_by_camera_data(t: Tree):
+    """Blender takes the direction for a place."""
+    data = t.node("CameraData")
+    far = t.node("MapRange", Value=data.outputs["View Distance"], From_Min=4.0, From_Max=6.0, To_Min=0.1, To_Max=0.9)
+    deep = t.node("MapRange", Value=data.outputs["View Z Depth"], From_Min=4.0, From_Max=6.0, To_Min=0.1, To_Max=0.9)
+    across = _noise(t, data.outputs["View Vector"], 9.0)
+    both_ways = t.node("CombineXYZ", X=far.outputs[0], Y=deep.outputs[0], Z=0.2)
+    t.shows(
+        t.node(
+            "Background",
+            Color=t.node("VectorMath", {"operation": "ADD"}, _0=across, _1=both_ways.outputs[0]).outputs[0],
+        ).outputs[0]
+    )
+
+
+WORLDS = (world_in_the_window, world_in_the_camera, world_by_camera_data)
+
+
+@pytest.mark.first_only("build")
+@pytest.mark.parametrize("build", WORLDS, ids=lambda one: one.__name__)
+def test_worlds(stage, blender, tmp_path, build):
+    _shift_camera()
+    scene = blender.context.scene
+    tree = stage.with_nodes(scene.world)
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    build(Tree(tree, output.inputs["Surface"]))
+    made, nodes, surface = stage.material()
+    shader = nodes.nodes.new("ShaderNodeBsdfPrincipled")
+    nodes.links.new(shader.outputs[0], surface)
+    blender.context.object.data.materials.append(made)
+    alike(tmp_path, 0.02, floor=0.0)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Worlds whose nodes are computed by direction, against Cycles in the same Blender, block by block."""
+
+from __future__ import annotations
+
+import pytest
+
+from support.ball_in_sky import alike
+from support.node_tree import Tree
+
+
+def clouds(t: Tree):
+    noise = t.node("TexNoise", Vector=t.coordinates("Generated"), Scale=2.0)
+    t.shows(t.node("Background", Color=t.ramp(noise.outputs[0]), Strength=1.5).outputs[0])
+
+
+def camera_sees_another(t: Tree):
+    """Lit by one colour before another."""
+    path = t.node("LightPath")
+    light = t.node("Background", Color=(0.9, 0.6, 0.3, 1.0))
+    seen = t.node("Background", Color=(0.1, 0.2, 0.5, 1.0))
+    t.shows(t.node("MixShader", _0=path.outputs["Is Camera Ray"], _1=light.outputs[0], _2=seen.outputs[0]).outputs[0])
+
+
+def gradient(t: Tree):
+    parts = t.node("SeparateXYZ", Vector=t.coordinates("Generated"))
+    t.shows(t.node("Background", Color=t.ramp(parts.outputs["Z"])).outputs[0])
+
+
+def preetham(t: Tree):
+    sky = t.node("TexSky", {"sky_type": "PREETHAM", "turbidity": 3.0})
+    t.shows(t.node("Background", Color=sky.outputs[0], Strength=0.2).outputs[0])
+
+
+def scattered(kind: str, elevation: float, **settings):
+    """A sky with its sun, dimmed like a photographer would."""
+
+    def build(t: Tree):
+        import bpy
+
+        older = bpy.app.version < (5, 0, 0)
+        sky_type = "NISHITA" if older and kind == "SINGLE_SCATTERING" else kind
+        if older and kind == "MULTIPLE_SCATTERING":
+            pytest.skip("this Blender has no such sky")
+        sky = t.node("TexSky", {"sky_type": sky_type, "sun_elevation": elevation, "sun_rotation": 2.6, **settings})
+        t.shows(t.node("Background", Color=sky.outputs[0], Strength=0.1).outputs[0])
+
+    build.__name__ = f"{kind.lower()}_{elevation}_{'_'.join(settings)}"
+    return build
+
+
+def hosek(t: Tree):
+    sky = t.node("TexSky", {"sky_type": "HOSEK_WILKIE", "turbidity": 4.0, "sun_direction": (0.3, -0.4, 0.6)})
+    t.shows(t.node("Background", Color=sky.outputs[0], Strength=1.0).outputs[0])
+
+
+def colour_for_a_shader(t: Tree):
+    """An Environment Texture linked to the output without a Background."""
+    import bpy
+    import numpy as np
+
+    pixels = np.ones((4, 8, 4), np.float32)
+    pixels[..., 0], pixels[..., 2] = np.linspace(0.0, 2.0, 8), np.linspace(0.2, 1.0, 4)[:, None]
+    image = bpy.data.images.new("sky", 8, 4, float_buffer=True)
+    image.pixels.foreach_set(pixels.ravel())
+    t.shows(t.node("TexEnvironment", {"image": image}).outputs[0])
+
+
+def lost_image(t: Tree):
+    """The same, its file missing."""
+    import bpy
+
+    image = bpy.data.images.new("lost", 4, 4)
+    image.source, image.filepath = "FILE", "//lost.hdr"
+    t.shows(t.node("TexEnvironment", {"image": image}).outputs[0])
+
+
+SKIES = [
+    scattered("SINGLE_SCATTERING", 0.6),
+    scattered("MULTIPLE_SCATTERING", 0.6),
+    # The sun half below the horizon.
+    scattered("MULTIPLE_SCATTERING", 0.0, sun_size=0.1),
+    scattered("SINGLE_SCATTERING", 0.2, sun_size=0.05, sun_intensity=0.3, altitude=2000.0),
+    scattered("MULTIPLE_SCATTERING", 0.5, sun_disc=False),
+]
+
+
+@pytest.mark.parametrize(
+    "build",
+    [*SKIES, hosek, clouds, camera_sees_another, gradient, preetham, colour_for_a_shader, lost_image],
+    ids=lambda one: one.__name__,
+)
+def test_worlds(stage, blender, tmp_path, build):
+    scene = blender.context.scene
+    tree = stage.with_nodes(scene.world)
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    build(Tree(tree, output.inputs["Surface"]))
+    made, nodes, surface = stage.material()
+    shader = nodes.nodes.new("ShaderNodeBsdfPrincipled")
+    shader.inputs["Roughness"].default_value = 0.3
+    nodes.links.new(shader.outputs[0], surface)
+    blender.context.object.data.materials.append(made)
+    # 512 samples of 144 pixels; Cycles samples its own table of the sky.
+    is_lost = build is lost_image
+    # Magenta has no green.
+    alike(tmp_path, 0.02, floor=0.1 * is_lost, warns="lost.hdr" * is_lost)
