@@ -3,8 +3,7 @@
 use crate::camera::{CameraDescription, CameraError, t_number};
 use glam::DVec3;
 use petzval_optics::focus::{self, FilmPlane, FocusError, Focusing, GroupsError, Relation};
-use petzval_optics::formats;
-use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM};
+use petzval_optics::glass::{Medium, VISIBLE_NM};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
 use petzval_optics::prescription::moving::MovingParts;
@@ -91,10 +90,10 @@ impl Setup {
         if let Some(nm) = d.wavelength_nm.filter(|nm| !(100.0..=20_000.0).contains(nm)) {
             return Err(d.error(format!("the wavelength is {nm} nm; visible light is 380 to 780 nm")));
         }
-        let reading = formats::read(&d.lens_path, Catalogue::shipped())?;
-        let prescription = reading.prescription;
+        let reading = d.lens_file()?;
+        let prescription = &reading.prescription;
         let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
-        let (system, film_z_mm) = focused(d, &prescription, line)?;
+        let (system, film_z_mm) = focused(d, prescription, line)?;
         let coating_is_assumed = d.lens.coating.is_none() && prescription.assumes_coatings();
         // The lens moved to the right is the film moved to the left.
         let shift_mm = d.film.shift_mm.map(|s| -s);
