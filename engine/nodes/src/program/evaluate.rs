@@ -16,6 +16,7 @@ use glam::{Vec2, Vec3A};
 
 impl Program {
     #[inline]
+    #[expect(clippy::too_many_lines, reason = "an arm for each operation")]
     pub(crate) fn step<C: Context, T: Textures>(
         &self,
         instruction: &Instruction,

@@ -40,6 +40,14 @@ struct Entry {
     transmittance: Vec<[f64; 3]>,
 }
 
+impl Entry {
+    /// A glass of which only the first line is read.
+    fn new(name: &str, place: Place, formula: u32, nd: Option<f64>) -> Self {
+        let (numbers, transmittance) = (Vec::new(), Vec::new());
+        Self { name: name.to_owned(), place, formula, nd, numbers, range_um: None, transmittance }
+    }
+}
+
 /// The glasses of a catalogue, and what of it could not be used: that glass is left out.
 pub fn parse_bytes(bytes: &[u8], file: &str) -> Result<(Vec<Medium>, Vec<Remark>), LensFileError> {
     parse(&text::any_encoding(bytes, file)?, file)
@@ -62,25 +70,13 @@ pub fn parse(text: &str, file: &str) -> Result<(Vec<Medium>, Vec<Remark>), LensF
                 media.extend(entry.take().and_then(|entry| finished(entry, file, &mut remarks)));
                 let [name, formula, ..] = rest else {
                     let expected = "name, formula, number, nd and Vd of the glass".to_owned();
-                    return Err(at(
-                        file,
-                        i + 1,
-                        key.column,
-                        Problem::Malformed { found: line.trim().to_owned(), expected },
-                    ));
+                    let problem = Problem::Malformed { found: line.trim().to_owned(), expected };
+                    return Err(at(file, i + 1, key.column, problem));
                 };
                 // Some programs write the number of the formula as 2.000000.
                 let formula = number(formula, "number of the formula")?.clamp(0.0, 99.0) as u32;
                 let nd = rest.get(3).and_then(|word| finite(word.text)).filter(|nd| *nd > 0.5);
-                entry = Some(Entry {
-                    name: name.text.to_owned(),
-                    place: place(name),
-                    formula,
-                    nd,
-                    numbers: Vec::new(),
-                    range_um: None,
-                    transmittance: Vec::new(),
-                });
+                entry = Some(Entry::new(name.text, place(name), formula, nd));
                 if media.len() > MOST_GLASSES {
                     return Err(at(file, i + 1, 1, Problem::TooLong { largest: bytes_of(text) }));
                 }

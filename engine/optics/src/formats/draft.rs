@@ -173,6 +173,29 @@ impl<'a> Draft<'a> {
         self.open_rims(stop);
         self.note_design();
 
+        let surfaces = self.surfaces()?;
+        let moving = self.moving_parts(&surfaces)?;
+        let prescription = Prescription {
+            name: self.name.take().filter(|name| !name.is_empty()).unwrap_or_else(|| stem(self.file)),
+            surfaces,
+            stop,
+            metadata: std::mem::take(&mut self.metadata),
+            film_radius_mm: self.film_radius_mm,
+            moving,
+            source_file: self.file.to_owned(),
+        };
+        let mut prescription = prescription.in_first_position();
+        if let Some(coating) = &self.coating {
+            prescription.coat(coating);
+        }
+        if let Err(error) = prescription.check() {
+            return self.fail(start, error.into());
+        }
+        Ok(Reading { prescription, remarks: self.remarks.finish(self.file) })
+    }
+
+    /// The surfaces of all rows, checked.
+    fn surfaces(&self) -> Result<Vec<SurfaceRow>, LensFileError> {
         let mut surfaces = Vec::with_capacity(self.rows.len());
         for (i, row) in self.rows.iter().enumerate() {
             let base = Conic { curvature: row.curvature, conic: row.conic };
@@ -191,36 +214,20 @@ impl<'a> Draft<'a> {
             }
             surfaces.push(surface);
         }
-        let moving = match self.moving.take() {
-            None => None,
-            Some((parts, positions, places)) => {
-                let moving = MovingParts::new(parts, &positions, surfaces.len());
-                match moving.and_then(|moving| moving.check(&surfaces, &positions).map(|()| moving)) {
-                    Ok(moving) => Some(moving),
-                    Err((about, error)) => {
-                        let place = about.and_then(|i| places.get(i)).or(places.first()).copied().unwrap_or(start);
-                        return self.fail(place, error.into());
-                    }
-                }
+        Ok(surfaces)
+    }
+
+    /// The moving parts of these surfaces, checked.
+    fn moving_parts(&mut self, surfaces: &[SurfaceRow]) -> Result<Option<MovingParts>, LensFileError> {
+        let Some((parts, positions, places)) = self.moving.take() else { return Ok(None) };
+        let moving = MovingParts::new(parts, &positions, surfaces.len());
+        match moving.and_then(|moving| moving.check(surfaces, &positions).map(|()| moving)) {
+            Ok(moving) => Ok(Some(moving)),
+            Err((about, error)) => {
+                let place = about.and_then(|i| places.get(i)).or(places.first()).copied();
+                self.fail(place.unwrap_or(Place { line: 1, column: 1 }), error.into())
             }
-        };
-        let prescription = Prescription {
-            name: self.name.take().filter(|name| !name.is_empty()).unwrap_or_else(|| stem(self.file)),
-            surfaces,
-            stop,
-            metadata: std::mem::take(&mut self.metadata),
-            film_radius_mm: self.film_radius_mm,
-            moving,
-            source_file: self.file.to_owned(),
-        };
-        let mut prescription = prescription.in_first_position();
-        if let Some(coating) = &self.coating {
-            prescription.coat(coating);
         }
-        if let Err(error) = prescription.check() {
-            return self.fail(start, error.into());
-        }
-        Ok(Reading { prescription, remarks: self.remarks.finish(self.file) })
     }
 
     /// Takes out planes between one medium and the same that neither are the stop nor have a rim: marks of the design program.

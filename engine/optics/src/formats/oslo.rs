@@ -134,6 +134,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    #[expect(clippy::too_many_lines, reason = "an arm for each command")]
     fn of_surface(
         &mut self,
         line: usize,

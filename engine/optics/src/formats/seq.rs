@@ -302,6 +302,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A command about a surface: the current one, or that of a qualifier.
+    #[expect(clippy::too_many_lines, reason = "an arm for each command")]
     fn of_surface(&mut self, key: &str, words: &[Word]) -> Result<(), LensFileError> {
         let place = words[0].place;
         if SILENT.contains(&key) {

@@ -119,6 +119,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A line before the surfaces.
+    #[expect(clippy::too_many_lines, reason = "an arm for each keyword")]
     fn system(&mut self, line: usize, text: &str, key: &Token<'_>, rest: &[Token<'_>]) -> Result<(), LensFileError> {
         let place = Place { line, column: key.column };
         let value = text.trim_start()[key.text.len()..].trim();

@@ -357,6 +357,7 @@ fn round<S: Simd>(
 
 /// The hits on the body that a ball sweeps from one key to the other, its radius changing evenly: a cone that touches two balls, and the
 /// parts of them outside of it.
+#[expect(clippy::too_many_lines, reason = "a kernel")]
 fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> BothMet {
     let (start, end) = (*start, *end);
     let axis = (end - start).truncate();

@@ -76,6 +76,7 @@ struct Across {
 ///
 /// # Errors
 /// [`ReportError`].
+#[expect(clippy::too_many_lines, reason = "a field for each fact")]
 pub fn info(
     lens: &Prescription,
     settings: &LensSettings,

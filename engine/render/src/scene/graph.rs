@@ -325,6 +325,7 @@ impl Of<'_> {
         Some(GraphLayer { weight: Source::Of(self.0.weight), closure, normal, coat_normal, tangent })
     }
 
+    #[expect(clippy::too_many_lines, reason = "an arm for each shader")]
     fn closure(&self, report: &mut impl FnMut(&str)) -> Option<Closure<Source, Source>> {
         let color = self.input("Color", 0.8);
         let (roughness, distribution) = (self.input("Roughness", 0.0), self.distribution());

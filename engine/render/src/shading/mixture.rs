@@ -106,6 +106,7 @@ impl Mixture {
     }
 
     /// Adds a closure about a normal. Transparency and emission are not scattering: they add nothing.
+    #[expect(clippy::too_many_lines, reason = "an arm for each closure")]
     pub fn add(&mut self, weight: f32, closure: &Closure<Rgb, f32>, normal: Vec3A) {
         let (here, wo) = (self.here, self.here.wo);
         let tinted = |color: &Rgb| color.max(Rgb::ZERO) * weight;

@@ -69,6 +69,7 @@ pub(super) fn knows(keyword: &str) -> bool {
 
 impl Reader<'_> {
     /// A line of the last surface.
+    #[expect(clippy::too_many_lines, reason = "an arm for each keyword")]
     pub(super) fn surface_line(
         &mut self,
         line: usize,

@@ -108,19 +108,8 @@ impl Setup {
         let paraxial = Paraxial::new(&system, line);
         let origin_z_mm = d.focus.focusing.origin_z_mm(&system, line, film_z_mm);
 
-        // The largest part of the film with the picture's shape.
-        let aspect = f64::from(width) / d.rows_high(height);
-        let picture_width_mm = d.film.width_mm.min(d.film.height_mm * aspect);
-        let picture_height_mm = picture_width_mm / aspect;
-
-        let corners =
-            [-0.5, 0.5].map(|x| [-0.5, 0.5].map(|y| film.reaches(x * picture_width_mm, y * picture_height_mm)));
-        if !corners.into_iter().flatten().all(|reaches| reaches) {
-            let radius = system.film_radius_mm().unwrap_or(0.0).abs();
-            return Err(d.error(format!(
-                "a film of {picture_width_mm:.1} x {picture_height_mm:.1} mm is larger than the retina of radius {radius:.1} mm; make it smaller"
-            )));
-        }
+        let [picture_width_mm, picture_height_mm] = picture_mm(d, width, height);
+        check_retina(d, &system, &film, [picture_width_mm, picture_height_mm])?;
 
         let distance = focus::focus_distance_for_film_mm(&system, line, film_z_mm);
         let magnification = focus::magnification(&system, line, film_z_mm);
@@ -169,6 +158,30 @@ impl Setup {
         };
         Ok(Self { info, system, film, origin_z_mm })
     }
+}
+
+/// Width and height of the largest part of the film with the picture's shape, mm.
+fn picture_mm(d: &CameraDescription, width: u32, height: u32) -> [f64; 2] {
+    let aspect = f64::from(width) / d.rows_high(height);
+    let picture_width_mm = d.film.width_mm.min(d.film.height_mm * aspect);
+    [picture_width_mm, picture_width_mm / aspect]
+}
+
+/// Checks that a curved film has all of the picture.
+fn check_retina(
+    d: &CameraDescription,
+    system: &System,
+    film: &FilmPlane,
+    [width_mm, height_mm]: [f64; 2],
+) -> Result<(), CameraError> {
+    let corners = [-0.5, 0.5].map(|x| [-0.5, 0.5].map(|y| film.reaches(x * width_mm, y * height_mm)));
+    if corners.into_iter().flatten().all(|reaches| reaches) {
+        return Ok(());
+    }
+    let radius = system.film_radius_mm().unwrap_or(0.0).abs();
+    Err(d.error(format!(
+        "a film of {width_mm:.1} x {height_mm:.1} mm is larger than the retina of radius {radius:.1} mm; make it smaller"
+    )))
 }
 
 impl Setup {

@@ -108,6 +108,7 @@ struct Tables {
 }
 
 impl Script<'_> {
+    #[expect(clippy::too_many_lines, reason = "an entry for each mark of the template")]
     fn written(&self) -> Result<String, CameraError> {
         let Setup { info, system, film, origin_z_mm } = self.setup;
         let surfaces = system.surfaces();
@@ -305,6 +306,7 @@ impl Script<'_> {
     }
 
     /// The text of the surfaces that are aspheres, with their terms, and of the search for their crossings.
+    #[expect(clippy::too_many_lines, reason = "the text of a loop")]
     fn aspheres(&self) -> (String, String) {
         let surfaces = self.setup.system.surfaces();
         let terms = |i: usize| match &surfaces[i].shape {

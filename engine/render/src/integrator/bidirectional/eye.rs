@@ -17,6 +17,7 @@ use crate::surface::SurfacePoint;
 use glam::Vec3A;
 
 /// Follows a ray from the camera.
+#[expect(clippy::too_many_lines, reason = "one loop over the vertices of a path")]
 pub(super) fn trace(
     stage: &PreparedScene,
     camera: &CameraEnd<'_>,

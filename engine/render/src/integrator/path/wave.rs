@@ -230,6 +230,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
     }
 
     /// Light that the rays found; keeps those alive that go on through a surface, and notes where others scatter.
+    #[expect(clippy::too_many_lines, reason = "one loop over the rays of a wavefront: a kernel")]
     fn meet(&mut self, stage: &PreparedScene, limits: &Limits, step: u32) {
         self.meetings.clear();
         self.shadows.clear();
@@ -390,6 +391,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
     /// A light sample at a meeting, whose shading normal may be bent, and a direction; where that leads into a body, the same at the place
     /// where it comes out.
     #[inline(always)]
+    #[expect(clippy::too_many_lines, reason = "a kernel, inlined")]
     fn go_on(
         &mut self,
         stage: &PreparedScene,
