@@ -33,9 +33,9 @@ pub fn real_back_f32(length: usize) -> Arc<dyn ComplexToReal<f32>> {
 /// Direction of a transform: the sign of the exponent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// exp −2πi
+    /// To frequencies: exp(−2πi j k / n).
     Forward,
-    /// exp 2πi
+    /// Back from frequencies: exp(2πi j k / n), not divided by n.
     Back,
 }
 

@@ -32,7 +32,7 @@ pub enum GpuError {
     Refused {
         /// The device's name.
         device: String,
-        /// The driver's message.
+        /// The reason that the driver states.
         why: String,
     },
     /// The device lacks a kind of number.
@@ -56,9 +56,9 @@ pub enum GpuError {
         device: String,
         /// The contents of the buffer.
         what: &'static str,
-        /// Its size.
+        /// Size of the buffer, bytes.
         bytes: u64,
-        /// The device's limit.
+        /// Largest size that the device takes at once, bytes.
         limit: u64,
     },
     /// The device is gone: reset, unplugged or suspended.
@@ -66,7 +66,7 @@ pub enum GpuError {
     Lost {
         /// The device's name.
         device: String,
-        /// The driver's message.
+        /// The reason that the driver states.
         why: String,
     },
     /// A shader or a command was refused: a fault of this program or of the driver.
@@ -74,15 +74,15 @@ pub enum GpuError {
     Rejected {
         /// The device's name.
         device: String,
-        /// The driver's message.
+        /// The reason that the driver states.
         why: String,
     },
     /// A ray names a wavelength that the lens was not laid out for.
     #[error("wavelength {asked} of {known} was asked for; give a number below {known}")]
     NoSuchWavelength {
-        /// The wavelength's number.
+        /// Index of the wavelength, from 0.
         asked: u32,
-        /// Their number.
+        /// Number of wavelengths that the lens was laid out for.
         known: u32,
     },
     /// A lens was to be laid out for no wavelength.

@@ -22,9 +22,9 @@ use crate::shader::{self, Style};
 pub struct Beam {
     /// Half of the film's width and of its height.
     pub half_film_mm: [f32; 2],
-    /// The film's place.
+    /// z of the film.
     pub film_z_mm: f32,
-    /// The exit pupil's place.
+    /// z of the exit pupil.
     pub pupil_z_mm: f32,
     /// Half of the side of the square.
     pub half_pupil_mm: f32,
@@ -94,12 +94,12 @@ pub struct Cut {
     pub rays_each: u32,
     /// Workgroups of a dispatch, 65 535 at most.
     pub groups: u32,
-    /// Dispatches.
+    /// Number of dispatches, one after the other.
     pub dispatches: u32,
 }
 
 impl Cut {
-    /// Rays in all.
+    /// Number of rays of all dispatches.
     pub fn rays(&self) -> u64 {
         u64::from(self.group) * u64::from(self.rays_each) * u64::from(self.groups) * u64::from(self.dispatches)
     }

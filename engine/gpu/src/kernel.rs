@@ -16,7 +16,7 @@ use crate::shader::{self, GROUP, Style};
 /// Workgroups in a row of a dispatch: no device allows fewer.
 const ROW: u32 = 32_768;
 
-/// `Job` of bindings.wgsl.
+/// The settings of a dispatch: `Job` of bindings.wgsl, field by field.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Job {

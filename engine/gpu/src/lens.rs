@@ -52,7 +52,7 @@ pub(crate) struct Stage {
     pub(crate) gradients: [Option<GradientNumbers>; 2],
 }
 
-/// The diaphragm's opening.
+/// The opening of the diaphragm, in lengths of mm: what a device tests hits on the stop with.
 #[derive(Clone, Debug)]
 pub(crate) struct Opening {
     pub(crate) radius_squared: f64,
@@ -68,7 +68,7 @@ pub(crate) struct Opening {
 /// A picture whose bright part is the opening.
 #[derive(Clone, Debug)]
 pub(crate) struct Mask {
-    /// Values a side.
+    /// Number of values along each side.
     pub(crate) side: usize,
     /// Brightness less a half, rows from below.
     pub(crate) values: Vec<f32>,
@@ -146,12 +146,12 @@ impl LensTable {
         Ok(Self { stages: stages.collect(), opening, travel, wavelengths: wavelengths_nm.len(), tracer })
     }
 
-    /// Number of surfaces.
+    /// Number of surfaces that a ray comes by.
     pub fn surface_count(&self) -> usize {
         self.stages.len()
     }
 
-    /// Number of wavelengths.
+    /// Number of wavelengths that the lens was laid out for.
     pub fn wavelength_count(&self) -> usize {
         self.wavelengths
     }

@@ -7,14 +7,14 @@ use glam::{Vec2, Vec3A, Vec4};
 /// program of its height at three such places.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
-    /// Share along dP/dx.
+    /// Share of the footprint along dP/dx.
     pub x: f32,
-    /// Share along dP/dy.
+    /// Share of the footprint along dP/dy.
     pub y: f32,
 }
 
 impl Shift {
-    /// The point itself.
+    /// No shift: the point itself.
     pub const NONE: Self = Self { x: 0.0, y: 0.0 };
 }
 
@@ -146,7 +146,7 @@ pub struct Attribute {
 /// The settings of Ambient Occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Occlusion {
-    /// Number of rays.
+    /// Number of rays that look for occluders.
     pub samples: u8,
     /// True if the occlusion looks into the surface, not away from it.
     pub inside: bool,

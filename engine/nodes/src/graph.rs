@@ -15,10 +15,10 @@ pub enum Parsing {
     Shape(String),
 }
 
-/// A node's output.
+/// The output of a node that an input reads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
-    /// Place in [`Graph::nodes`].
+    /// Index of the node in [`Graph::nodes`].
     pub node: usize,
     /// The output socket's identifier.
     pub socket: String,
@@ -35,7 +35,7 @@ pub enum Input {
     Link(Link),
 }
 
-/// One node.
+/// One node of a material, as Blender describes it.
 #[derive(Clone, Debug)]
 pub struct Node {
     /// Blender's `bl_idname`, such as `ShaderNodeTexNoise`.

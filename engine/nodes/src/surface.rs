@@ -35,13 +35,13 @@ pub(crate) fn fresnel(ior: f32, cosine: f32, backfacing: bool) -> f32 {
     dielectric(cosine, if backfacing { 1.0 / eta } else { eta })
 }
 
-/// Layer Weight's Fresnel.
+/// The Fresnel output of the Layer Weight node: reflectance of a dielectric of index 1 / (1 − `blend`).
 pub(crate) fn layer_fresnel(blend: f32, cosine: f32, backfacing: bool) -> f32 {
     let eta = (1.0 - blend).max(LEAST_INDEX);
     dielectric(cosine, if backfacing { eta } else { 1.0 / eta })
 }
 
-/// Layer Weight's Facing.
+/// The Facing output of the Layer Weight node: 0 where the surface is seen straight on, and rising, as `blend` says, towards grazing views.
 pub(crate) fn facing(blend: f32, cosine: f32) -> f32 {
     let cosine = cosine.abs();
     let share = if blend == 0.5 {

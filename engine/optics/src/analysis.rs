@@ -108,7 +108,8 @@ impl<'a> Analysis<'a> {
         Ok(self)
     }
 
-    /// The film.
+    /// The film on which rays are counted, in lens space: that of the focus, unless [`Self::with_film_at`] or [`Self::at_best_focus`] moved
+    /// it.
     pub fn film(&self) -> FilmPlane {
         self.film
     }
@@ -119,7 +120,7 @@ impl<'a> Analysis<'a> {
         angles.last().copied().unwrap_or(0.0)
     }
 
-    /// The wavelengths, nm.
+    /// The vacuum wavelengths of the analysis in nm, in the order in which they were given.
     pub fn wavelengths_nm(&self) -> impl Iterator<Item = f64> {
         self.lines.iter().map(|line| line.wavelength_nm)
     }
@@ -223,7 +224,7 @@ fn weight(origin: &Origin, field: &Field, ray: &Ray) -> f64 {
 /// The plane that touches the film at a place, in lens space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touching {
-    /// The place.
+    /// The point of contact on the film, in lens space, mm.
     point: DVec3,
     /// Unit vectors in the plane.
     sagittal: DVec3,

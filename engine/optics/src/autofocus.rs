@@ -35,7 +35,7 @@ const CURVED_STEPS: usize = 16;
 /// The subject that is to be sharp, in lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Subject {
-    /// A point, mm.
+    /// A point of the scene in lens space, mm.
     Point(DVec3),
     /// Infinitely far in this direction, seen from the lens: a unit vector.
     Direction(DVec3),

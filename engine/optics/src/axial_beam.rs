@@ -14,7 +14,7 @@ const LOOKS: u32 = 512;
 /// Halvings between that ray and the next one outside.
 const HALVINGS: u32 = 40;
 
-/// The beam.
+/// The beam of rays parallel to the axis that comes through the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialBeam {
     /// Twice the largest height of a ray along the axis, in the y-z plane, that comes through; mm, by exact rays.

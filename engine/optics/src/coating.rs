@@ -72,7 +72,7 @@ pub(crate) fn parts_glass_from_air(from: &Medium, to: &Medium) -> bool {
 }
 
 impl Coating {
-    /// No coating.
+    /// A bare surface, without thin films.
     pub const BARE: Self = Self(None);
 
     /// Layers, the outermost first.

@@ -62,7 +62,7 @@ struct Masked {
 }
 
 impl Diaphragm {
-    /// A round opening.
+    /// A round opening with this radius.
     pub fn round(radius_mm: f64) -> Self {
         let apothem_mm = radius_mm;
         Self { radius_mm, apothem_mm, rotation_rad: 0.0, curvature: 0.0, bulge: 0.0, sides: Vec::new(), mask: None }

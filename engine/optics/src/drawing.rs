@@ -25,7 +25,7 @@ const HALVINGS: u32 = 30;
 /// Rays come into view so far before the lens, in lengths of the drawing.
 const APPROACH: f64 = 0.18;
 
-/// A surface.
+/// The profile of a surface in the y-z plane. Points are (z, y) in lens space, mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Profile {
     /// Points from the lower rim to the upper.
@@ -47,7 +47,7 @@ pub struct FieldRays {
     pub rays: Vec<Vec<[f64; 2]>>,
 }
 
-/// The drawing.
+/// A drawing of the lens in the y-z plane, with rays of some fields. Points are (z, y) in lens space, mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Drawing {
     /// Surfaces, scene side first.

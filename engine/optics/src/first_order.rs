@@ -19,7 +19,7 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// The identity.
+    /// The identity: the ray stays (y, ν).
     pub const IDENTITY: Self = Self { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
 
     /// A surface of `curvature` (1/mm) from signed index `from` to signed index `to`.
@@ -46,7 +46,7 @@ impl Matrix {
 impl Mul for Matrix {
     type Output = Self;
 
-    /// `self` after `first`.
+    /// The effect of `first` and then `self`.
     fn mul(self, first: Self) -> Self {
         Self {
             a: self.a * first.a + self.b * first.c,

@@ -25,13 +25,13 @@ pub enum FocusError {
     /// The distance is no positive number.
     #[error("the focus distance is {distance_mm} mm; give a number larger than 0, or inf")]
     NotPositive {
-        /// The distance.
+        /// The focus distance that was asked for.
         distance_mm: f64,
     },
     /// Closer than the lens can focus: its image would be virtual, or the object inside of the lens.
     #[error("the focus distance is {distance_mm:.1} mm, too close for this lens; give more than {nearest_mm:.1} mm")]
     TooClose {
-        /// The distance.
+        /// The focus distance that was asked for.
         distance_mm: f64,
         /// Every distance beyond this one can be focused.
         nearest_mm: f64,
@@ -125,7 +125,7 @@ pub fn magnification(system: &System, wavelength_nm: f64, film_z_mm: f64) -> f64
 /// The film and the plane that is sharp on it. In lens space, mm; on the axis, to first order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
-    /// The film.
+    /// z of the film on the axis.
     pub film_z_mm: f64,
     /// The plane that is sharp; `None`: at infinity.
     pub object_plane_mm: Option<f64>,

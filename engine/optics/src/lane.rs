@@ -26,7 +26,7 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
 pub trait Real: Lane<Real = Self, Mask = bool> + PartialOrd + Debug + Default + Send + Sync + 'static {
     /// The distance from 1 to the next number.
     const EPSILON: Self;
-    /// Largest finite number.
+    /// The largest finite number of this kind.
     const LARGEST: Self;
     /// Zero.
     const ZERO: Self;
@@ -44,7 +44,7 @@ pub trait Real: Lane<Real = Self, Mask = bool> + PartialOrd + Debug + Default + 
 
 /// A computation that is written for every kind of lane.
 pub trait LaneKernel<R: Real> {
-    /// The result.
+    /// The result of the kernel, of one type for all kinds of lane.
     type Output;
     /// Runs the kernel. `zero` is a lane of zeros, from which others are made; mark the function `#[inline(always)]`.
     fn run<L: Lane<Real = R>>(self, zero: L) -> Self::Output;
@@ -80,7 +80,7 @@ pub trait Lane:
     fn of(self, i: usize) -> Self::Real;
     /// Square root; NaN of a negative number.
     fn sqrt(self) -> Self;
-    /// The absolute value.
+    /// The absolute value of each number.
     fn abs(self) -> Self;
     /// `self` ≤ `other`; false if either is NaN, as are the other comparisons.
     fn at_most(self, other: Self) -> Self::Mask;

@@ -18,7 +18,7 @@ pub struct Pupil {
 /// Principal and focal planes, pupils, focal length. Planes in lens space; lengths in mm; `None` is infinity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paraxial {
-    /// Vacuum wavelength.
+    /// Vacuum wavelength for which the other values hold.
     pub wavelength_nm: f64,
     /// Focal length on the image side, n′ / power; positive if the lens converges.
     pub efl_mm: Option<f64>,
@@ -26,13 +26,13 @@ pub struct Paraxial {
     pub bfd_mm: Option<f64>,
     /// Distance from the first vertex to the object focal point, signed along z.
     pub ffd_mm: Option<f64>,
-    /// Object principal plane.
+    /// z of the object principal plane, of the scene's side.
     pub object_principal_plane_mm: Option<f64>,
-    /// Image principal plane.
+    /// z of the image principal plane, of the film's side.
     pub image_principal_plane_mm: Option<f64>,
-    /// Object focal plane.
+    /// z of the object focal plane, of the scene's side.
     pub object_focal_plane_mm: Option<f64>,
-    /// Image focal plane.
+    /// z of the image focal plane, of the film's side.
     pub image_focal_plane_mm: Option<f64>,
     /// The stop seen from the scene.
     pub entrance_pupil: Pupil,
@@ -48,7 +48,7 @@ pub struct Paraxial {
     pub petzval_radius_mm: Option<f64>,
     /// Distance from the first vertex to the film.
     pub total_track_mm: f64,
-    /// Number of surfaces.
+    /// Number of surfaces of the lens.
     pub surfaces: usize,
 }
 

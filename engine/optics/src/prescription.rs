@@ -27,7 +27,7 @@ pub enum NextMedium {
 pub struct Place {
     /// Line in the file.
     pub line: usize,
-    /// Column, in characters.
+    /// Column in the line, counted in characters.
     pub column: usize,
 }
 
@@ -59,7 +59,7 @@ pub enum Column {
     Radius,
     /// Thickness.
     Thickness,
-    /// The medium behind.
+    /// The medium behind the surface.
     Glass,
     /// Clear diameter.
     Diameter,
@@ -71,7 +71,7 @@ pub enum Column {
     RadiusX,
     /// Coefficient of this power of the distance from the axis.
     Term(u32),
-    /// Decentre or tilt.
+    /// Decentre or tilt of the surface.
     Pose,
 }
 
@@ -83,7 +83,7 @@ pub enum PrescriptionError {
     NotFinite {
         /// Index of the surface, from 0.
         surface: usize,
-        /// The number's column.
+        /// The column of the row that holds the number.
         column: Column,
     },
     /// A clear aperture is not positive.
@@ -91,7 +91,7 @@ pub enum PrescriptionError {
     NoAperture {
         /// Index of the surface.
         surface: usize,
-        /// The clear diameter.
+        /// Clear diameter that the row gives.
         diameter_mm: f64,
     },
     /// The obstruction is negative or covers the clear aperture.
@@ -101,7 +101,7 @@ pub enum PrescriptionError {
     Obstruction {
         /// Index of the surface.
         surface: usize,
-        /// The obstruction's diameter.
+        /// Diameter of the obstruction that the row gives.
         diameter_mm: f64,
     },
     /// The surface ends before its clear aperture does.
@@ -124,7 +124,7 @@ pub enum PrescriptionError {
     NoSuchStop {
         /// Index of the stop.
         stop: usize,
-        /// Number of surfaces.
+        /// Number of surfaces of the prescription.
         surfaces: usize,
     },
     /// The film lies in a gradient, where rays are not followed.
@@ -136,7 +136,7 @@ pub enum PrescriptionError {
     /// The film's radius of curvature is 0, infinite or none.
     #[error("the film's radius is {radius_mm} mm; give a number other than 0")]
     FilmRadius {
-        /// The radius.
+        /// Radius of curvature that the prescription gives its film.
         radius_mm: f64,
     },
 }

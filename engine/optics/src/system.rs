@@ -31,7 +31,7 @@ pub enum FocalLength {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LensSettings {
-    /// Focal length.
+    /// The focal length to which the lens is zoomed or scaled.
     pub focal_length: FocalLength,
     /// |efl| / diameter of the entrance pupil at d; `None`: wide open.
     pub f_number: Option<f64>,
@@ -58,7 +58,7 @@ pub enum SystemError {
     /// Scale or focal length is not a positive number.
     #[error("the {what} is {value}; give a number larger than 0")]
     NotPositive {
-        /// The setting.
+        /// The name of the setting in the message.
         what: &'static str,
         /// The value of the setting.
         value: f64,
@@ -98,7 +98,7 @@ pub enum Element {
     },
     /// Reflection in a medium.
     Reflect {
-        /// The medium.
+        /// The medium that the light stays in.
         medium: Medium,
     },
 }
@@ -127,7 +127,7 @@ pub struct Surface {
     pub semi_diameter_mm: f64,
     /// Half of the diameter of a central obstruction, or 0.
     pub obstruction_mm: f64,
-    /// Refraction or reflection.
+    /// Refraction or reflection at the surface, with the media beside it.
     pub element: Element,
     /// Thin films on the surface.
     pub coating: Coating,
@@ -259,12 +259,12 @@ impl System {
         names
     }
 
-    /// The lens's name.
+    /// The name of the lens: that in its file, else that of the file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Number of surfaces.
+    /// Number of surfaces, the stop among them.
     pub fn surface_count(&self) -> usize {
         self.surfaces.len()
     }
@@ -279,7 +279,7 @@ impl System {
         self.stop
     }
 
-    /// The diaphragm.
+    /// The diaphragm's opening as it is set.
     pub fn diaphragm(&self) -> &Diaphragm {
         &self.diaphragm
     }

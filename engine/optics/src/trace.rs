@@ -42,7 +42,7 @@ pub struct Ray {
 pub struct Lost {
     /// Index of the surface that ended it, counted from the scene.
     pub surface: usize,
-    /// The reason.
+    /// The reason why the surface ended the ray.
     pub reason: Failure,
 }
 
@@ -212,7 +212,7 @@ impl<R: Real> Tracer<R> {
         self.wavelength_nm
     }
 
-    /// Number of surfaces.
+    /// Number of surfaces that a ray comes to between scene and film.
     pub fn surface_count(&self) -> usize {
         self.from_scene.steps.len()
     }

@@ -11,15 +11,15 @@ pub enum MergeError {
     /// A file that is none, or of a kind that is not read.
     #[error("{}: cannot be read: {reason}", file.display())]
     Read {
-        /// The file.
+        /// The file that cannot be read.
         file: PathBuf,
         /// The reason that the library states.
         reason: String,
     },
-    /// Nowhere to write.
+    /// A file that cannot be written.
     #[error("{}: cannot be written: {reason}", file.display())]
     Write {
-        /// The file.
+        /// The file that cannot be written.
         file: PathBuf,
         /// The reason that the library states.
         reason: String,
@@ -35,15 +35,15 @@ pub enum MergeError {
     /// More pixels than there is memory for, or than a file of that length can hold.
     #[error("{}: its {width} x {height} pixels need {} MB of memory: {why}", file.display(), bytes / 1_000_000)]
     TooLarge {
-        /// The picture.
+        /// The file of the picture.
         file: PathBuf,
-        /// Width, pixels.
+        /// Width of the picture, pixels.
         width: usize,
-        /// Height, pixels.
+        /// Height of the picture, pixels.
         height: usize,
         /// All channels as they are in memory.
         bytes: u64,
-        /// The limit.
+        /// The reason why the pixels do not fit: too little free memory, or too short a file.
         why: String,
     },
     /// The number of samples of the picture is not known.
@@ -55,9 +55,9 @@ pub enum MergeError {
         file.display(), range[0], range[1] - 1, other.display(), range[1]
     )]
     Twice {
-        /// The file.
+        /// The file whose samples count twice.
         file: PathBuf,
-        /// The other file.
+        /// The other file with these samples.
         other: PathBuf,
         /// The seed of both.
         seed: u64,

@@ -91,7 +91,7 @@ impl Part {
         self.picture.layer_data.iter().all(lossless)
     }
 
-    /// A channel's numbers.
+    /// The values of a channel by its name, row by row; `None`: there is none.
     pub(crate) fn channel(&self, name: &str) -> Option<Vec<f32>> {
         let &(layer, place) = self.places.get(name)?;
         let samples = &self.picture.layer_data[layer].channel_data.list[place].sample_data;

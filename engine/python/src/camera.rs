@@ -1,4 +1,4 @@
-//! Data of cameras.
+//! Data of a camera for the panel and the viewport.
 
 use crate::described::Described;
 use crate::error::{Error, json};

@@ -32,7 +32,7 @@ pub(crate) fn film_bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, ha
     film::bytes_a_pixel(surfaces, vectors, mattes, halves, groups)
 }
 
-/// One render.
+/// One render of a scene: see the stub.
 #[pyclass(frozen)]
 pub(crate) struct Job {
     job: engine::Job,

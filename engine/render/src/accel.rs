@@ -95,7 +95,7 @@ const LEANS_AWAY: f32 = 6.0;
 /// A hit of a ray on a triangle, a segment of a curve, or a point of a cloud.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
-    /// Distance, Blender units.
+    /// Distance along the ray from its origin, Blender units.
     pub t: f32,
     /// Barycentric weight of the triangle's second corner; along a segment, 0 to 1 (beyond on a round end, by
     /// which way the normal leans there). Of a point this and `v` are which way its surface looks: [`points::folded`].
@@ -107,7 +107,7 @@ pub struct Hit {
     pub instance: u32,
     /// Index into the mesh's triangles, or a segment's or point's number.
     pub triangle: u32,
-    /// The ray's moment.
+    /// The moment of the ray: from 0, as the shutter opens, to 65535, as it is closed.
     pub moment: u16,
 }
 

@@ -220,7 +220,7 @@ impl Job {
         adaptive.passes.get(pass).map_or(self.shared.settings.samples, |pass| pass.first)
     }
 
-    /// The film.
+    /// The film to which the samples are added.
     pub fn film(&self) -> &Film {
         &self.shared.film
     }
@@ -263,12 +263,12 @@ impl Job {
         self.shared.pipeline
     }
 
-    /// The settings.
+    /// The settings with which the render was started.
     pub fn settings(&self) -> &Settings {
         &self.shared.settings
     }
 
-    /// The scene.
+    /// The prepared scene that is rendered.
     pub fn stage(&self) -> &PreparedScene {
         &self.shared.stage
     }

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3, Vec3A, Vec4};
 /// A point on a surface in render space.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// The position.
+    /// Position in render space, Blender units.
     pub position: Vec3A,
     /// Bound of the rounding error of `position` from the surface, Blender units.
     pub position_error: f32,

@@ -20,9 +20,9 @@ use std::collections::{HashMap, HashSet};
 pub struct Report {
     /// The user's name of the node.
     pub node: String,
-    /// The node's `bl_idname`.
+    /// The `bl_idname` of the node in Blender.
     pub kind: String,
-    /// The problem.
+    /// The problem, in words for a message.
     pub what: String,
 }
 
@@ -40,7 +40,7 @@ pub(crate) enum Kind {
     Colour,
 }
 
-/// An output's value.
+/// The value of a node's output in a program.
 #[derive(Clone, Copy, Debug)]
 struct Value {
     kind: Kind,

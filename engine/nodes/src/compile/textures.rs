@@ -1,4 +1,4 @@
-//! Texture nodes.
+//! The instructions of Blender's texture nodes.
 
 use super::{At, Lowered, colour, number, vector};
 use crate::context::{Extension, Field, Interpolation, Shift};

@@ -92,9 +92,9 @@ impl Layer {
 /// A material's graph, ready to run.
 #[derive(Clone, Debug, Default)]
 pub struct Program {
-    /// The surface's closures.
+    /// The closures of the surface, which add up.
     pub surface: Vec<Layer>,
-    /// The volume's closures.
+    /// The closures of the volume, which add up.
     pub volume: Vec<Layer>,
     /// The displacement of the surface, in world space.
     pub displacement: Option<Operand>,

@@ -37,7 +37,7 @@ impl Slice {
         self.needs_footprint
     }
 
-    /// Number of instructions.
+    /// Number of instructions that the slice runs.
     pub fn len(&self) -> usize {
         self.code.len()
     }

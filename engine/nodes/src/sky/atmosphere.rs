@@ -15,7 +15,7 @@ pub(crate) enum Scattering {
         /// True for Blender 4's tables, false for Blender 5's.
         older: bool,
     },
-    /// Multiple scattering.
+    /// Light after one scattering or more.
     Multiple,
 }
 

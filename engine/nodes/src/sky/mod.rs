@@ -18,7 +18,7 @@ use preetham::Preetham;
 /// A sky for one place of the sun.
 #[derive(Clone, Debug)]
 pub(crate) enum Sky {
-    /// Preetham's formula.
+    /// The formula of Preetham, Shirley and Smits 1999.
     Preetham(Preetham),
     /// Hosek's formula with fitted numbers.
     Hosek(Box<Hosek>),

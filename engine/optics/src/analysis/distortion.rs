@@ -13,7 +13,7 @@ const BESIDE: f64 = 1e-4;
 /// The ray of a field through the middle of the stop.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChiefRay {
-    /// The field's angle.
+    /// Angle of the field from the axis, counted at the entrance pupil.
     pub angle_deg: f64,
     /// Height at which the chief ray hits the film, tangential, mm from the axis, at the main wavelength.
     pub height_mm: f64,

@@ -9,7 +9,7 @@ use crate::paraxial::Paraxial;
 /// The two fans of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fans {
-    /// The field's angle.
+    /// Angle of the field from the axis, counted at the entrance pupil.
     pub angle_deg: f64,
     /// The fan across the pupil in the plane of the field.
     pub tangential: Vec<FanLine>,

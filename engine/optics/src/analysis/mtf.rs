@@ -37,7 +37,7 @@ pub enum MtfError {
 /// Contrast left of line pairs, from 0 to 1, by frequency: 0, `step`, 2 `step`... All wavelengths together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Mtf {
-    /// The field's angle.
+    /// Angle of the field from the axis, counted at the entrance pupil.
     pub angle_deg: f64,
     /// Height of the field's light on the film, from the middle: tangential, mm.
     pub height_mm: f64,

@@ -40,7 +40,7 @@ pub enum PsfError {
         "a point of {angle_deg:.4} degrees is spread over {spread_mm:.3} mm, {times:.0} times what diffraction spreads it: its rays say all (`spots`)"
     )]
     TooWide {
-        /// The field.
+        /// Angle of the field from the axis.
         angle_deg: f64,
         /// Twice the distance of the farthest ray from the middle.
         spread_mm: f64,
@@ -52,7 +52,7 @@ pub enum PsfError {
 /// The light of a point. Places are [sagittal, tangential] from the middle of all rays' light, mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Psf {
-    /// The field's angle.
+    /// Angle of the field from the axis, counted at the entrance pupil.
     pub angle_deg: f64,
     /// Height of the field's light on the film, from the middle: tangential, mm.
     pub height_mm: f64,

@@ -9,7 +9,7 @@ use super::{Analysis, Line, centroid};
 /// The spot of a field. Places are [sagittal, tangential], mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spot {
-    /// The field's angle.
+    /// Angle of the field from the axis, counted at the entrance pupil.
     pub angle_deg: f64,
     /// The spot of each wavelength.
     pub lines: Vec<SpotLine>,

@@ -75,7 +75,7 @@ impl<'a> Beam<'a> {
         Some(Self { view, line, eikonal, nodes, low, high })
     }
 
-    /// Vacuum wavelength, mm.
+    /// Vacuum wavelength of the line, mm.
     pub(super) fn wavelength_mm(&self) -> f64 {
         self.line.wavelength_nm * 1e-6
     }

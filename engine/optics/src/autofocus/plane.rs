@@ -23,7 +23,7 @@ pub enum SharpPlaneError {
     Point {
         /// Number of the point, from 1.
         number: usize,
-        /// The cause.
+        /// The reason why the point has none.
         source: AutofocusError,
     },
     /// The points, or their images, lie on one line: many planes go through them.

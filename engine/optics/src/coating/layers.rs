@@ -8,12 +8,12 @@ use num_complex::Complex64;
 
 use super::{CoatingError, Film};
 
-/// One film.
+/// One thin film of a coating.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// The material.
+    /// The material of the layer, with its complex index.
     pub film: Film,
-    /// The thickness.
+    /// Geometric thickness of the layer; a lens that is scaled keeps it.
     pub thickness_nm: f64,
 }
 

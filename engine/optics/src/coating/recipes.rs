@@ -21,7 +21,7 @@ pub struct Recipe {
 /// Nothing passes so much metal: exp(−4π k d / λ) is below 1e-6.
 const OPAQUE_NM: f64 = 400.0;
 
-/// All recipes.
+/// The recipes that a lens file or a setting may name; the first is bare glass.
 pub const RECIPES: [Recipe; 8] = [
     Recipe { name: "none", title: "None", source: "bare glass", design_nm: 550.0, layers: &[], metal: None },
     Recipe {

@@ -20,19 +20,19 @@ const TURN: f64 = 0.03;
 /// Places of lines in a strip (Gauss).
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// Lengths of a shift, evenly in their logarithm.
+/// Lengths of a shift in direction cosines, evenly in their logarithm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shifts {
-    /// The smallest, in direction cosines.
+    /// The smallest length.
     pub first: f64,
-    /// Number of shifts to the double.
+    /// Number of lengths to each doubling.
     pub per_octave: f64,
-    /// Number of shifts.
+    /// Number of lengths in all.
     pub count: usize,
 }
 
 impl Shifts {
-    /// Shift number `i`.
+    /// Length number `i`, counted from 0.
     pub fn at(&self, i: usize) -> f64 {
         self.first * (i as f64 / self.per_octave).exp2()
     }

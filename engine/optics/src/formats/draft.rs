@@ -50,7 +50,7 @@ pub(super) enum FieldKind {
     ImageHeight,
 }
 
-/// The lens.
+/// A lens as far as it is read, before it is checked and completed.
 pub(super) struct Draft<'a> {
     pub(super) file: &'a str,
     pub(super) name: Option<String>,
@@ -140,7 +140,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// The prescription, checked.
+    /// The prescription, completed and checked, with the remarks on it: rims and stop that the file leaves out follow from its beams.
     pub(super) fn finish(mut self) -> Result<Reading, LensFileError> {
         let start = Place { line: 1, column: 1 };
         if self.rows.is_empty() {

@@ -3,13 +3,13 @@
 use crate::glass::Medium;
 use crate::prescription::{NextMedium, Place};
 
-/// A surface.
+/// A surface as the file states it. Lengths in mm, curvature in 1/mm.
 #[derive(Clone, Debug)]
 pub(super) struct DraftRow {
     pub(super) place: Place,
     pub(super) curvature: f64,
     pub(super) conic: f64,
-    /// Pairs (power, coefficient).
+    /// Terms of the asphere: pairs of a power p of the distance from the axis and its coefficient in mm^(1 − p).
     pub(super) terms: Vec<(u32, f64)>,
     /// The radius in the x-z plane, if it is another; 0 flat.
     pub(super) radius_x_mm: Option<f64>,

@@ -33,7 +33,7 @@ pub enum Problem {
     /// A keyword is followed by something else than it needs.
     #[error("'{found}' where {expected} belongs")]
     Malformed {
-        /// The text found.
+        /// The text that the file has there.
         found: String,
         /// The text that was expected.
         expected: String,
@@ -46,10 +46,10 @@ pub enum Problem {
     Beside {
         /// The name in the lens file.
         name: String,
-        /// The cause.
+        /// The reason why the file cannot be read.
         why: String,
     },
-    /// No row.
+    /// The file has no row of a surface.
     #[error("there is no surface; give one row a surface: radius thickness glass diameter conic isstop")]
     Empty,
     /// A row is too short or too long.
@@ -63,7 +63,7 @@ pub enum Problem {
     /// The header row names its columns in another order.
     #[error("column '{found}' where '{expected}' belongs; keep the order radius thickness glass diameter conic isstop")]
     HeaderOrder {
-        /// The word found.
+        /// The word in the header row.
         found: String,
         /// The word that was expected.
         expected: &'static str,
@@ -127,7 +127,7 @@ pub enum Problem {
     NotANumber {
         /// The name of the value.
         what: String,
-        /// The text found.
+        /// The text in the file that is no such number.
         found: String,
     },
     /// The glass is unknown.
@@ -159,7 +159,7 @@ pub struct LensFileError {
     pub file: String,
     /// The place in the file, counted from 1.
     pub place: Place,
-    /// The error.
+    /// The problem itself, without its place.
     pub problem: Problem,
 }
 

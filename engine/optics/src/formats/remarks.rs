@@ -5,10 +5,10 @@ use std::fmt;
 
 use crate::prescription::{Place, Prescription};
 
-/// A lens as it was read, and what of its file is not in it.
+/// A lens as it was read, with remarks on the parts of its file that were left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// The lens.
+    /// The prescription of the lens.
     pub prescription: Prescription,
     /// Remarks on parts that were left out, in the order of the file's lines.
     pub remarks: Vec<Remark>,
@@ -21,7 +21,7 @@ pub struct Remark {
     pub file: String,
     /// The place in the file, counted from 1.
     pub place: Place,
-    /// The remark.
+    /// The remark itself, without its place.
     pub text: String,
 }
 

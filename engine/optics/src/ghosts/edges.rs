@@ -12,7 +12,7 @@ const POINTS: usize = PARTS + 1;
 const HALVINGS: usize = 5;
 /// Sides of a cell's parts: those along x, then those along y.
 const SIDES: usize = 2 * PARTS * POINTS;
-/// No crossing.
+/// In place of a crossing's number: the edge does not cross this side.
 const NONE: u32 = u32::MAX;
 
 /// A ray that gets through.

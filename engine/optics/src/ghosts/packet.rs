@@ -71,7 +71,7 @@ impl GhostTracer {
         Some(Self { exact, open, single })
     }
 
-    /// The path.
+    /// The path through the lens with its rims.
     pub fn path(&self) -> &ReflectedTracer {
         &self.exact
     }
@@ -201,7 +201,7 @@ fn trace(
     (0..bundle.len()).map(hit).collect()
 }
 
-/// Power between nodes.
+/// The part of the power that gets along a path, on a lattice of nodes over a window and interpolated between them.
 struct Power {
     low: DVec2,
     per_radius: DVec2,

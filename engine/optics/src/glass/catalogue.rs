@@ -32,7 +32,7 @@ pub enum GlassError {
     /// The name stands in no catalogue.
     #[error("unknown glass '{name}'; {}", proposal(near))]
     Unknown {
-        /// The token.
+        /// The glass token of the lens file.
         name: String,
         /// Names that look alike, best first.
         near: Vec<String>,
@@ -40,7 +40,7 @@ pub enum GlassError {
     /// A token that starts like a number and is none, or an index or Abbe number out of range.
     #[error("'{token}' is no glass; write a catalogue name, n/V as in 1.62041/60.32, or an index from 0.9 to 6")]
     NotAnIndex {
-        /// The token.
+        /// The glass token of the lens file.
         token: String,
     },
     /// `mirror` is not a medium.
@@ -73,7 +73,7 @@ struct Entry {
     through_10mm: Vec<[f64; 2]>,
 }
 
-/// Media by name.
+/// Optical media by the names of their glasses.
 pub struct Catalogue {
     media: HashMap<String, Medium>,
     broken: Vec<String>,

@@ -14,25 +14,25 @@ pub enum Dispersion {
     },
     /// n² = a + Σ b l^p, pairs (b, p).
     Polynomial {
-        /// The constant a.
+        /// The constant term a of n².
         a: f64,
-        /// Pairs (b, p).
+        /// Pairs (b, p), p a power of the wavelength in µm.
         terms: Vec<[f64; 2]>,
     },
     /// n² = a + Σ b l^p + Σ b l^p / (l² − c), pairs (b, p) and triples (b, p, c).
     Rational {
-        /// The constant a.
+        /// The constant term a of n².
         a: f64,
-        /// Pairs (b, p).
+        /// Pairs (b, p), p a power of the wavelength in µm.
         powers: Vec<[f64; 2]>,
         /// Triples (b, p, c), c in µm².
         poles: Vec<[f64; 3]>,
     },
     /// n = a + Σ b l^p, pairs (b, p).
     Cauchy {
-        /// The constant a.
+        /// The constant term a of n.
         a: f64,
-        /// Pairs (b, p).
+        /// Pairs (b, p), p a power of the wavelength in µm.
         terms: Vec<[f64; 2]>,
     },
     /// n = 1 + a + Σ b / (c − l⁻²), pairs (b, c).
@@ -56,7 +56,7 @@ pub enum Dispersion {
     Reciprocal(Box<Dispersion>),
 }
 
-/// Herzberger's constant, µm².
+/// The constant in the denominator l² − 0.028 of Herzberger's formula, µm².
 const HERZBERGER: f64 = 0.028;
 
 impl Dispersion {

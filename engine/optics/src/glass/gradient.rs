@@ -13,9 +13,9 @@ const STILL: f64 = 1e-14;
 /// One term of a [`Gradient`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GradientTerm {
-    /// Power of z.
+    /// Power of z, the way along the axis.
     pub z: u32,
-    /// Power of r, even.
+    /// Power of r, the distance from the axis; even.
     pub r: u32,
     /// The coefficient in mm^−(z + r).
     pub coefficient: f64,

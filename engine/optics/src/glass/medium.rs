@@ -12,11 +12,11 @@ pub const AIR_NAME: &str = "air";
 
 /// Vacuum wavelengths of the spectral lines that design tables are written for, in nm.
 pub mod line_nm {
-    /// Hydrogen F, blue.
+    /// Hydrogen F, blue: with C it makes the Abbe number's n_F − n_C.
     pub const F: f64 = 486.1327;
     /// Helium d, yellow: the design wavelength.
     pub const D: f64 = 587.5618;
-    /// Hydrogen C, red.
+    /// Hydrogen C, red: with F it makes the Abbe number's n_F − n_C.
     pub const C: f64 = 656.2725;
 }
 
@@ -26,7 +26,7 @@ pub const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
 /// Indices that a medium may have at a visible wavelength.
 const PLAUSIBLE_INDEX: std::ops::RangeInclusive<f64> = 0.5..=6.0;
 
-/// A transparent medium.
+/// A transparent medium: its index by wavelength, and what is known of its transmittance and its index gradient.
 #[derive(Clone, PartialEq)]
 pub struct Medium {
     name: String,
@@ -126,7 +126,7 @@ impl Medium {
         Self::new(name, dispersion, [0.0, f64::INFINITY], "two-term Cauchy")
     }
 
-    /// The dispersion formula.
+    /// The dispersion formula, without [`Self::with_index_shift`] and the gradient.
     pub fn dispersion(&self) -> &Dispersion {
         &self.dispersion
     }

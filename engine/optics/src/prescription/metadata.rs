@@ -11,7 +11,7 @@ pub enum LensGroup {
     Portrait,
     /// A lens corrected for near subjects.
     Macro,
-    /// A long lens.
+    /// A lens of long focal length and narrow field.
     Telephoto,
     /// A lens that changes its focal length.
     Zoom,
@@ -23,7 +23,7 @@ pub enum LensGroup {
     Anamorphic,
     /// A lens of before about 1960, or known for its place in history.
     Historical,
-    /// An eye.
+    /// The optics of an eye, with the retina as its film.
     Eye,
     /// An ideal or simple lens: its answers are known, or its faults are large.
     Test,

@@ -21,7 +21,7 @@ pub enum Quantity {
     Gap,
     /// The radius of curvature, mm; 0 is a plane. Between positions it is the curvature that changes evenly.
     Radius,
-    /// The conic constant.
+    /// The conic constant of the surface.
     Conic,
     /// The clear diameter, mm.
     Diameter,
@@ -234,7 +234,7 @@ impl MovingParts {
         self.zooms.iter().all(|zoom| zoom.nearness_per_mm.len() > 1)
     }
 
-    /// The parts.
+    /// The quantities that change with zoom or focus, each of one surface.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }

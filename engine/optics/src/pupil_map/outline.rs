@@ -263,7 +263,7 @@ enum Search {
     Out,
     /// Tests just below: a good guess is narrowed at once.
     Below,
-    /// Halves the interval.
+    /// Tests the middle of [low, high]; `steps` counts such tests.
     Halve { steps: u32 },
 }
 

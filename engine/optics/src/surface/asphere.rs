@@ -15,7 +15,7 @@ const ODD: usize = 9;
 /// Standard aspheres have even powers only; odd ones cost a square root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asphere<R = f64> {
-    /// The conicoid.
+    /// The conicoid to which the terms are added.
     pub base: Conic<R>,
     /// a₂, a₄ … a₂₀ in mm^(1 − p).
     even: [R; EVEN],

@@ -31,7 +31,7 @@ pub enum Failure {
     Obstructed,
     /// The hit lies on the closed part of the diaphragm.
     BladeStop,
-    /// Total internal reflection.
+    /// Total internal reflection: the ray cannot leave the denser medium.
     TotalInternalReflection,
     /// An iteration found no hit within its bound of steps.
     NotConverged,
@@ -61,11 +61,11 @@ pub struct Crossing<L: Lane> {
     pub point: Vector<L>,
     /// The normal, towards +z at the vertex; not of unit length.
     pub normal: Vector<L>,
-    /// |N|².
+    /// |N|², the square of the normal's length.
     pub normal_squared: L,
     /// (N · D)². For conicoids from the discriminant: exact where N · D itself would cancel.
     pub cosine_squared: L,
-    /// |N · D|.
+    /// |N · D| with the unit direction D of the ray: |N| times the cosine of incidence.
     pub cosine: L,
     /// True if the ray hits the surface with sign(N · D) = side.
     pub met: L::Mask,

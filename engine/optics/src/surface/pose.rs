@@ -12,7 +12,7 @@ use crate::vector::Vector;
 pub struct Pose<R = f64> {
     /// Columns: the surface's x, y and z.
     axes: [Vector<R>; 3],
-    /// The surface's vertex.
+    /// Vector from the vertex's place on the lens's axis to the vertex itself.
     moved: Vector<R>,
 }
 

@@ -74,7 +74,7 @@ impl<R: Real> Bundle<R> {
         Self { way, numbers: Default::default(), fates: Vec::new(), is_traced: false }
     }
 
-    /// Number of rays.
+    /// Number of rays in the bundle.
     pub fn len(&self) -> usize {
         self.fates.len()
     }

@@ -61,15 +61,15 @@ struct March<R> {
 pub struct GradientNumbers {
     /// Coefficients by powers of r², each by powers of z.
     pub rows: Vec<Vec<f64>>,
-    /// The vertex of the surface that the medium follows.
+    /// z of the vertex of the surface that the medium follows.
     pub vertex_z: f64,
-    /// Pose of that surface; `None`: on the axis, upright.
+    /// Pose of the surface that the medium follows; `None`: on the axis, upright.
     pub pose: Option<Pose>,
-    /// From there to where z is 0.
+    /// Distance along the axis from that vertex to the place at which the z of the powers is 0.
     pub from: f64,
-    /// Length of a ray's steps over the index, mm, and their greatest number; 0 of a medium that a ray only enters.
+    /// Length of a ray's steps over the index, mm; 0 of a medium that a ray only enters.
     pub step: f64,
-    /// See [`Self::step`].
+    /// The greatest number of a ray's steps; 0 of a medium that a ray only enters.
     pub most_steps: u32,
 }
 
@@ -78,7 +78,7 @@ pub struct GradientNumbers {
 pub struct GradientsBeside {
     /// The medium before the surface, if it is a gradient.
     pub before: Option<GradientNumbers>,
-    /// The medium behind it, if that is one.
+    /// The medium behind the surface, if it is a gradient.
     pub behind: Option<GradientNumbers>,
     /// The indices before and behind without what the gradients add.
     pub indices: [f64; 2],
@@ -364,7 +364,7 @@ impl<R: Real> Field<R> {
         (base + self.sums(self.inside(place)).value).most(base.like(R::from_f64(LEAST_INDEX)))
     }
 
-    /// n ∇n.
+    /// n ∇n at a place, 1/mm: d²R/dt² of a ray, with t the length over the index.
     #[inline(always)]
     fn pull<L: Lane<Real = R>>(&self, place: Vector<L>, base: L) -> Vector<L> {
         let p = self.inside(place);

@@ -90,7 +90,7 @@ impl Bounds {
         d.x * (d.y + d.z) + d.y * d.z
     }
 
-    /// Twice the middle.
+    /// Twice the middle of the box.
     #[inline(always)]
     pub(super) fn middle(&self) -> Vec4 {
         self.min + self.max

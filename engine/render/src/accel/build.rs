@@ -71,7 +71,7 @@ impl Branch {
     }
 }
 
-/// Consecutive boxes.
+/// A run of boxes that stand one after the other, of which a subtree is built.
 struct Span<'a> {
     items: &'a mut [Bounds],
     first: usize,

@@ -39,7 +39,7 @@ pub(super) struct CurveForest {
 #[derive(Default)]
 struct CurveTree {
     nodes: Vec<Node>,
-    /// The leaves.
+    /// The leaves, each with capsules around some of the segments.
     leaves: Vec<Capsules>,
     /// The segments, in the order of the leaves.
     segments: Vec<Segment>,

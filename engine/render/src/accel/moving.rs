@@ -35,7 +35,7 @@ pub(super) struct MovingPlaces {
 /// A part of the shutter's time.
 struct Slice {
     nodes: Vec<Node>,
-    /// Items by leaf.
+    /// Indices into [`MovingPlaces::items`], in the order of the leaves.
     items: Vec<u32>,
 }
 
@@ -114,7 +114,7 @@ impl MovingPlaces {
     }
 }
 
-/// Meshes that move.
+/// Meshes whose instances move while the shutter is open, or whose vertices do.
 pub(super) struct MovingForest {
     places: MovingPlaces,
     /// Trees of the meshes that keep their shape, by mesh; empty for the others.

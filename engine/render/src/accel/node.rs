@@ -84,7 +84,7 @@ impl Node {
         self.boxes().fold(Bounds::EMPTY, |all, one| all.union(&one))
     }
 
-    /// Number of children.
+    /// Number of children: inner nodes and leaves.
     #[inline(always)]
     fn count(&self) -> u32 {
         self.leaves >> INDEX_BITS
@@ -117,7 +117,7 @@ impl Node {
         })
     }
 
-    /// Child number `i`.
+    /// Child number `i`, inner nodes first.
     #[inline(always)]
     pub(super) fn child(&self, i: u32) -> Child {
         let inner = self.nodes >> INDEX_BITS;

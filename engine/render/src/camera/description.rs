@@ -11,14 +11,14 @@ use petzval_optics::system::LensSettings;
 use serde::{Deserialize, Deserializer};
 use std::path::PathBuf;
 
-/// A camera model.
+/// The model by which a camera makes its rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Model {
     /// Every ray traced through the prescription.
     #[default]
     Lens,
-    /// A pinhole.
+    /// A point that all rays go through: everything is sharp.
     Pinhole,
     /// A plane that bends light without aberration.
     Thin,
@@ -36,7 +36,7 @@ pub enum Model {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Spectrum {
-    /// All visible wavelengths.
+    /// The visible range in [`SPECTRAL_COUNT`] wavelengths.
     #[default]
     Visible,
     /// One wavelength for each of red, green and blue (Lee, Eisemann and Seidel 2010).
@@ -46,7 +46,7 @@ pub enum Spectrum {
 }
 
 impl Spectrum {
-    /// Number of wavelengths.
+    /// Number of wavelengths of the film.
     pub fn count(self) -> usize {
         match self {
             Self::Visible => SPECTRAL_COUNT,
@@ -97,7 +97,7 @@ impl EnabledEffects {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Perspective {
-    /// Focal length, mm.
+    /// Focal length on Blender's sensor, mm.
     pub focal_length_mm: f64,
     /// Width of the whole picture on Blender's sensor, mm.
     pub film_width_mm: f64,
@@ -126,9 +126,9 @@ pub struct FocusSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilmSettings {
-    /// Width, mm.
+    /// Width of the whole picture on the film, mm.
     pub width_mm: f64,
-    /// Height, mm.
+    /// Height of the whole picture on the film, mm.
     pub height_mm: f64,
     /// Turn about the horizontal axis.
     pub tilt_rad: f64,
@@ -144,7 +144,7 @@ pub struct FilmSettings {
 pub struct CameraDescription {
     /// The camera's object, for messages.
     pub object_name: String,
-    /// The camera model.
+    /// The model by which the camera makes its rays.
     pub model: Model,
     /// Camera space (x right, y up, looking along -z) to world space; its scale does not count. Deserialized row by row.
     #[serde(deserialize_with = "by_rows")]
@@ -153,16 +153,16 @@ pub struct CameraDescription {
     pub perspective: Perspective,
     /// The height of a pixel over its width.
     pub pixel_aspect: f64,
-    /// The lens file.
+    /// Path of the lens file; a pinhole, a thin lens and an orthographic camera need none.
     pub lens_path: PathBuf,
     /// The lens file as it was read first.
     #[serde(skip)]
     pub read_lens: LensFile,
     /// The settings of the lens. A thin lens takes f-number and diaphragm.
     pub lens: LensSettings,
-    /// The focus.
+    /// The settings of the focus.
     pub focus: FocusSettings,
-    /// The film.
+    /// Size and pose of the film behind the lens.
     pub film: FilmSettings,
     /// Millimetres in the lens's space for a Blender unit along the camera's axes.
     pub scale_mm_per_unit: DVec3,

@@ -13,9 +13,9 @@ const SATURATION_LX_S: f64 = 78.0;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhysicalExposure {
-    /// Exposure time.
+    /// Exposure time, s.
     pub shutter_s: f64,
-    /// Film speed.
+    /// Film speed, ISO 12232.
     pub iso: f64,
     /// Luminous flux of one watt of the scene's white light, lm/W. Blender's own exchange formats count 683.
     pub lumens_per_watt: f64,

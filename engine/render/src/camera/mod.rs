@@ -45,39 +45,39 @@ pub enum CameraError {
     /// The lens cannot be set as asked.
     #[error("lens '{lens}': {source}")]
     System {
-        /// The lens's name.
+        /// Name of the lens: that in its file, else that of the file.
         lens: String,
-        /// The cause.
+        /// The reason why the lens cannot be set so.
         source: SystemError,
     },
     /// The lens cannot be focused as asked.
     #[error("camera '{camera}': {source}")]
     Focus {
-        /// The camera's object.
+        /// Name of the camera's object in Blender.
         camera: String,
-        /// The cause.
+        /// The reason why the lens cannot be focused so.
         source: FocusError,
     },
     /// The autofocus point cannot be made sharp.
     #[error("camera '{camera}': the autofocus point: {source}")]
     Autofocus {
-        /// The camera's object.
+        /// Name of the camera's object in Blender.
         camera: String,
-        /// The cause.
+        /// The reason why the autofocus point cannot be sharp.
         source: AutofocusError,
     },
     /// Three points cannot be sharp at once.
     #[error("camera '{camera}': {source}")]
     SharpPlane {
-        /// The camera's object.
+        /// Name of the camera's object in Blender.
         camera: String,
-        /// The cause.
+        /// The reason why the three points cannot be sharp at once.
         source: SharpPlaneError,
     },
     /// A setting out of range.
     #[error("camera '{camera}': {what}")]
     Setting {
-        /// The camera's object.
+        /// Name of the camera's object in Blender.
         camera: String,
         /// The setting, and what to do.
         what: String,
@@ -103,17 +103,17 @@ impl CameraRay {
 /// A camera ready to photograph. A clone shares its tables.
 #[derive(Clone)]
 pub enum Camera {
-    /// A pinhole.
+    /// A point that all rays go through.
     Pinhole(Pinhole),
-    /// A thin lens.
+    /// A disk, polygon or mask that focuses without aberration.
     Thin(Thin),
-    /// A real lens.
+    /// A lens whose every ray is traced through its surfaces.
     Lens(Arc<RealLens>),
     /// A real lens to first order.
     Gaussian(Arc<Gaussian>),
-    /// A real one as a table.
+    /// A real lens as a table.
     ImageBased(Arc<ImageBased>),
-    /// A real one of which something is taken out.
+    /// A real lens of which some effects are taken out.
     Adapted(Arc<Adapted>),
     /// No lens: parallel rays.
     Orthographic(Orthographic),

@@ -22,7 +22,7 @@ impl Default for Scattering {
 }
 
 impl Scattering {
-    /// No scattering.
+    /// A lens without scattering: smooth, clean and without veiling glare.
     pub const NONE: Self = Self { roughness_nm: 0.0, cleanliness: 0.0, veiling_index: 0.0 };
 
     /// Checks the numbers; the error says what is wrong and what to do.

@@ -17,9 +17,9 @@ const NO_MATERIAL: &str = "default_surface";
 /// The kind of name that a matte tells apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatteLayer {
-    /// Objects by name.
+    /// Objects by their own names.
     Object,
-    /// Materials by name.
+    /// Materials by their names; empty slots are `default_surface`.
     Material,
     /// Objects by their topmost parent.
     Asset,

@@ -18,7 +18,7 @@ pub struct DataSums {
     pub hits: f32,
     /// Sum of positions, render space.
     pub position: Vec3,
-    /// Sum of normals.
+    /// Sum of unit normals, render space.
     pub normal: Vec3,
 }
 

@@ -39,9 +39,9 @@ pub struct TileRect {
     pub x: u32,
     /// Row of the lower edge.
     pub y: u32,
-    /// Width, pixels.
+    /// Width of the part, pixels.
     pub width: u32,
-    /// Height, pixels.
+    /// Height of the part, pixels.
     pub height: u32,
 }
 
@@ -308,7 +308,7 @@ impl Film {
         (self.width, self.height)
     }
 
-    /// Number of tiles.
+    /// Number of tiles that the picture is divided into.
     pub fn tile_count(&self) -> usize {
         self.tiles.len()
     }

@@ -74,7 +74,7 @@ impl SplatSums {
         self.fine.get().is_none() && self.coarse.get().is_none()
     }
 
-    /// A pixel's sum.
+    /// The sum of the colours that a pixel got.
     pub fn get(&self, pixel: usize) -> [f64; 3] {
         let read = |sums: &OnceLock<Box<[AtomicI64]>>, at: usize, quanta: f64| {
             sums.get().map_or(0.0, |sums| sums[at].load(Ordering::Relaxed) as f64 / quanta)

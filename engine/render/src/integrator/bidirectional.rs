@@ -23,7 +23,7 @@ use vertex::Vertex;
 /// The techniques by which paths are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Techniques {
-    /// All techniques.
+    /// Every way in which a path from the camera and one from a light can be joined.
     All,
     /// Light that ends in the lens after at least one scattering, and nothing else.
     LightAlone,
@@ -31,7 +31,7 @@ pub enum Techniques {
 
 /// A ray that the camera led to.
 pub struct CameraEnd<'a> {
-    /// The lens.
+    /// The real lens through which the ray comes.
     pub lens: &'a RealLens,
     /// The ray in render space; as long as the camera sees.
     pub ray: Ray,

@@ -42,15 +42,15 @@ impl Integrator {
 /// A scene with everything that is worked out once before light is followed through it. Cameras and settings
 /// change without it.
 pub struct PreparedScene {
-    /// The scene.
+    /// The scene in render space, displaced and with its moments of motion.
     pub scene: Scene,
-    /// The scene's BVHs.
+    /// The BVHs over everything that rays can hit.
     pub accel: Accel,
-    /// The scene's lights.
+    /// Every emitter of the scene, ready to be sampled.
     pub lights: Lights,
     /// Distributions from which light paths start.
     pub emission: Emission,
-    /// The participating media.
+    /// The participating media of the objects and of the world.
     pub media: Media,
     /// Tables of the plain surfaces, by material.
     pub plain_tables: Vec<Option<Arc<PrincipledTables>>>,

@@ -57,7 +57,7 @@ pub struct PathResult {
 /// A surface that a camera ray hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstSurface {
-    /// Position, render space.
+    /// Position of the hit in render space, Blender units.
     pub position: Vec3A,
     /// Unit, towards the ray's origin.
     pub normal: Vec3A,
@@ -109,7 +109,7 @@ pub struct KindLimits {
     pub diffuse: u32,
     /// Reflections about a peak, or mirrored.
     pub glossy: u32,
-    /// Transmissions with scattering.
+    /// Transmissions that scatter light; unbent ones count as `transparent`.
     pub transmission: u32,
     /// Scatterings in volumes.
     pub volume: u32,

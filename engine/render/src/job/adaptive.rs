@@ -26,7 +26,7 @@ const ROUND: u32 = 4;
 pub(super) struct Pass {
     /// Number of the first sample.
     pub first: u32,
-    /// Number of samples.
+    /// Number of samples that a pixel takes in the pass.
     pub count: u32,
     /// The number of samples at the next look at the error, if it is looked at after this pass.
     pub next_look: Option<u32>,

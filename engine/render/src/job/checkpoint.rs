@@ -59,7 +59,7 @@ pub struct Kept {
 /// The checkpoint that a render has written or taken up.
 #[derive(Clone, Debug)]
 pub struct OwnFile {
-    /// The file's path.
+    /// Path of the checkpoint file.
     pub path: PathBuf,
     identity: Identity,
 }
@@ -256,7 +256,7 @@ impl Keeper {
         kept.resumed_samples = counts.iter().copied().map(f64::from).sum::<f64>() / counts.len() as f64;
     }
 
-    /// The present results.
+    /// The results of keeping and resuming the render, so far.
     pub(super) fn kept(&self) -> Kept {
         lock(&self.kept).clone()
     }

@@ -27,11 +27,11 @@ pub struct Forecast {
     pub seconds: f64,
     /// Samples of the whole picture; where pixels get as many as they need, the most.
     pub samples: u64,
-    /// Number of threads.
+    /// Number of threads that the time holds for.
     pub threads: usize,
     /// The part of a thread's time in the camera.
     pub camera_part: f64,
-    /// The pipeline.
+    /// The pipeline by which the samples are made.
     pub pipeline: Pipeline,
 }
 

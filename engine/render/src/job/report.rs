@@ -20,7 +20,7 @@ pub struct RenderReport {
     pub samples_mean: f64,
     /// Samples of the pixel that has most.
     pub samples_most: u32,
-    /// Camera rays.
+    /// Camera rays that were asked for, lost ones included.
     pub camera_rays: u64,
     /// Camera rays that the lens stopped.
     pub camera_rays_lost: u64,
@@ -34,7 +34,7 @@ pub struct RenderReport {
     pub non_finite_samples: u64,
     /// Seed of all random choices.
     pub seed: u32,
-    /// Number of threads.
+    /// Number of threads that rendered.
     pub threads: usize,
     /// Name of the camera's lens or model.
     pub lens: String,
@@ -56,14 +56,14 @@ pub struct RenderReport {
     pub checkpoint: Option<Kept>,
 }
 
-/// Wall times, s.
+/// Wall times of the work on a render, s.
 #[derive(Clone, Debug, Serialize)]
 pub struct Seconds {
-    /// Building of BVHs.
+    /// Preparation of the scene: displacement, BVHs, lights, media and tables.
     pub bvh: f64,
-    /// Planning of effects.
+    /// Planning of effects, before the render; 0 without a plan.
     pub plan: f64,
-    /// The render.
+    /// The samples, from the start to now or to the end.
     pub render: f64,
     /// Stray light, by kind, once it is found.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -25,7 +25,7 @@ pub struct JobRequest {
     pub over_the_shutter: Vec<CameraDescription>,
     /// The camera a frame before and a frame after, for [`crate::film::data::DataPass::Vector`].
     pub neighbours: Option<[CameraDescription; 2]>,
-    /// The settings.
+    /// The settings of the render itself.
     pub settings: Settings,
     /// The effects that are simulated; `None`: the camera as it is described.
     pub plan: Option<Plan>,

@@ -54,7 +54,7 @@ pub struct Settings {
     pub clamp_indirect: f32,
     /// Approximations of indirect light; bidirectional paths make none.
     pub approximations: Approximations,
-    /// The pixel filter.
+    /// The pixel filter: weights of light about the centre of a pixel.
     pub filter: Filter,
     /// True if the camera does not see the world; its pixels are transparent.
     pub transparent_film: bool,
@@ -109,7 +109,7 @@ pub enum SettingsError {
     /// No samples, or more than can be counted.
     #[error("{samples} samples from number {offset}: set at least one, and less than 2^31 in all")]
     Samples {
-        /// Number of samples.
+        /// Number of samples a pixel that was asked for.
         samples: u32,
         /// Number of the first sample.
         offset: u32,

@@ -27,7 +27,7 @@ pub(super) enum Filling {
 
 /// Part of a tree of halves.
 pub(super) enum Half {
-    /// An emitter.
+    /// One emitter, by its index.
     Leaf(u32),
     /// The number of emitters in two parts, and these, with the bounds of each.
     Inner(usize, Box<[(LightBounds, Half); 2]>),

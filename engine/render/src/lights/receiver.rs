@@ -8,7 +8,7 @@ pub(super) const WIDTH: usize = 8;
 /// A place that light may reach. Made by [`super::Lights::receiver`].
 #[derive(Clone, Copy, Debug)]
 pub struct LightSampleContext {
-    /// Position, render space.
+    /// Position of the place in render space.
     pub position: Vec3A,
     /// The normal of a surface that light from behind does not matter to; `None` takes light from all sides.
     pub normal: Option<Vec3A>,

@@ -24,7 +24,7 @@ const SPLIT_WIDTH: usize = 256;
 /// Irradiance beyond which suns are chosen alike, so that sums of it stay finite.
 const BRIGHTEST: f32 = 1e30;
 
-/// Everything at infinity.
+/// The lights at infinity: the world and the suns.
 pub(super) struct Sky {
     // `None` where the world has one colour: a surface's own scattering samples that better.
     image: Option<Grid2d>,

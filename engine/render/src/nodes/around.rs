@@ -11,9 +11,9 @@ use petzval_nodes::{Occlusion, random_of};
 /// nothing, as in Cycles on the way to a light.
 #[derive(Clone, Copy)]
 pub struct SceneQueries<'a> {
-    /// The scene.
+    /// The scene whose surfaces are looked for.
     pub scene: &'a Scene,
-    /// The scene's BVHs.
+    /// The scene's BVHs; `None`: nodes that look for other surfaces see none.
     pub accel: Option<&'a Accel>,
 }
 

@@ -20,7 +20,7 @@ use std::cell::RefCell;
 pub struct EvaluatedLayer {
     /// Weight of the closure.
     pub weight: f32,
-    /// The closure.
+    /// The closure, its inputs evaluated at the point.
     pub closure: Closure<Rgb, f32>,
     /// Normal to use instead of the surface's own, unit.
     pub normal: Option<Vec3A>,
@@ -160,7 +160,7 @@ pub fn plain_values(
 /// The opening of a surface: the light that it lets through unbent, and the probabilities of passing and scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transparency {
-    /// Transmittance by channel.
+    /// Transmittance by channel of light that goes on unbent.
     pub light: Rgb,
     /// The probability with which a path goes through; it then carries `light` over this.
     pub chance: f32,

@@ -425,7 +425,7 @@ fn weights_along(instance: &Instance, corners: [Vec3; 3], vectors: &[Vec3A; 2]) 
     })
 }
 
-/// The scene's images.
+/// The scene's images, for nodes that look them up.
 pub(super) struct Images<'a>(pub(super) &'a [Arc<crate::scene::texture::Texture>]);
 
 impl Textures for Images<'_> {

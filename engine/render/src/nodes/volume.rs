@@ -96,7 +96,7 @@ struct Inside<'a> {
     /// The object whose volume is evaluated; the world's belongs to none.
     own: Option<(&'a Instance, &'a Mesh)>,
     volume: &'a Volume,
-    /// Position, render space.
+    /// Position of the point in render space, Blender units.
     position: Vec3A,
     direction: Vec3A,
     way: PathState,

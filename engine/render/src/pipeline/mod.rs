@@ -39,13 +39,13 @@ pub enum Pipeline {
     /// Hero where the lens disperses, else film-first.
     #[default]
     Auto,
-    /// [`film_first`].
+    /// From a point of the film through the lens into the scene, one wavelength a path: [`film_first`].
     #[serde(rename = "FILM")]
     FilmFirst,
-    /// [`scene_first`].
+    /// From a sharp point of the scene through the lens to the film: [`scene_first`].
     #[serde(rename = "SCENE")]
     SceneFirst,
-    /// [`hero`].
+    /// Film-first for one wavelength, whose light is carried back to the film at the others of its set: [`hero`].
     Hero,
 }
 
@@ -79,7 +79,7 @@ impl Pipeline {
 
 /// The data that all samples of a render share.
 pub struct RenderContext<'a> {
-    /// The scene.
+    /// The prepared scene that is rendered.
     pub stage: &'a PreparedScene,
     /// The camera, at times that lie evenly over the time that the shutter is open; one, if nothing of it moves.
     pub cameras: &'a [Camera],
@@ -89,7 +89,7 @@ pub struct RenderContext<'a> {
     pub pipeline: Pipeline,
     /// The techniques of light paths, if these are traced: with the real lens alone.
     pub light_paths: Option<Techniques>,
-    /// The picture's pixels.
+    /// The picture's pixels and their filter.
     pub raster: &'a Raster,
     /// Limits of light transport.
     pub limits: Limits,

@@ -40,9 +40,9 @@ impl CameraKind {
 /// The simulation of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraChoice {
-    /// The camera model.
+    /// The kind of camera that makes the rays.
     pub way: CameraKind,
-    /// The pipeline.
+    /// The pipeline by which samples are made.
     pub pipeline: Pipeline,
     /// Wavelengths of the film; `None` is one wavelength.
     pub spectrum: Option<Spectrum>,

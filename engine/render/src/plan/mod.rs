@@ -45,12 +45,12 @@ pub use unit::Unit;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EffectMode {
-    /// The measure decides.
+    /// The measure decides: an effect above its tolerance is simulated.
     #[default]
     Auto,
-    /// Simulate it.
+    /// Simulate the effect, whatever its measure.
     On,
-    /// Leave it out.
+    /// Leave the effect out, whatever its measure.
     Off,
 }
 
@@ -159,13 +159,13 @@ pub enum PlanError {
 /// The decision on an effect, and its reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decision {
-    /// The effect.
+    /// The effect that is decided on.
     pub effect: Effect,
     /// Measure of the effect's change of the picture; infinite where it has no bound, `None` where it is not measured.
     pub measure: Option<f64>,
     /// The largest measure that may be left out.
     pub tolerance: f64,
-    /// The user's word.
+    /// The user's word: auto, on or off.
     pub word: EffectMode,
     /// True if the effect is simulated.
     pub is_on: bool,

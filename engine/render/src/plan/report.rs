@@ -40,7 +40,7 @@ pub struct EffectReport {
     pub tolerance: f64,
     /// The user's setting: auto, on or off.
     pub word: &'static str,
-    /// on or off.
+    /// The decision: on or off.
     pub decision: &'static str,
     /// False for an effect that cannot be simulated yet.
     pub is_available: bool,
@@ -59,7 +59,7 @@ pub struct EffectReport {
 pub struct CameraReport {
     /// Name of the camera model.
     pub model: &'static str,
-    /// Number of wavelengths.
+    /// Number of wavelengths of the film.
     pub wavelengths: usize,
     /// Name of the pipeline.
     pub pipeline: &'static str,
@@ -100,11 +100,11 @@ pub struct SourceReport {
 /// The forecast of a render in a report.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Predicted {
-    /// Wall time, s.
+    /// Wall time of the samples, s.
     pub seconds: f64,
     /// Samples a pixel.
     pub samples: u32,
-    /// Number of threads.
+    /// Number of threads that the time holds for.
     pub threads: usize,
     /// The part of the time in the camera.
     pub camera_part: f64,

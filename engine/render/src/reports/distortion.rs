@@ -4,11 +4,11 @@ use super::{Field, LensReport, MOST, ReportError, Subject, evenly, within};
 use petzval_optics::analysis::distortion::ChiefRay;
 use serde::{Deserialize, Serialize};
 
-/// Options of distortion.
+/// Options of the report on distortion.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Distortion {
-    /// Number of fields.
+    /// Number of fields where none are given, evenly from the axis to the half field.
     count: usize,
 }
 

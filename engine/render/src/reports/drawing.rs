@@ -18,7 +18,7 @@ pub struct DrawnLight {
     pub fields_deg: Vec<f64>,
     /// Rays of each field.
     pub rays: usize,
-    /// Wavelength in vacuum.
+    /// Vacuum wavelength of the rays.
     pub wavelength_nm: f64,
     /// Focus distance from the entrance pupil; `None` is infinity.
     pub focus_distance_mm: Option<f64>,

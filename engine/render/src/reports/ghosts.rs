@@ -23,7 +23,7 @@ pub struct GhostSource {
     pub angle_deg: f64,
     /// Azimuth, from right to up.
     pub azimuth_deg: f64,
-    /// Wavelength in vacuum.
+    /// Vacuum wavelength of the source's light.
     pub wavelength_nm: f64,
     /// Focus distance from the entrance pupil; `None` is infinity.
     pub focus_distance_mm: Option<f64>,
@@ -50,7 +50,7 @@ pub struct GhostsReport {
     reflections: usize,
     /// Light of all ghosts on the film.
     on_film_mm2: f64,
-    /// The brightest first.
+    /// The ghosts, the brightest first.
     ghosts: Vec<Ghost>,
     brute_force: Option<BruteForce>,
 }
@@ -86,7 +86,7 @@ impl From<&Ranked> for Ghost {
 struct BruteForce {
     rays: usize,
     on_film_mm2: Vec<f64>,
-    /// Standard error.
+    /// Standard error of each number of `on_film_mm2`.
     error_mm2: Vec<f64>,
 }
 

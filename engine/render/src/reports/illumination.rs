@@ -4,11 +4,11 @@ use super::{Fields, LensReport, MOST, ReportError, Subject, evenly, within};
 use petzval_optics::analysis::illumination::Illumination as FieldIllumination;
 use serde::Deserialize;
 
-/// Options of illumination.
+/// Options of the report on illumination.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Illumination {
-    /// Number of fields.
+    /// Number of fields where none are given, evenly from the axis to the half field.
     count: usize,
 }
 

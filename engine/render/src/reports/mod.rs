@@ -50,7 +50,7 @@ pub enum ReportError {
     /// There is no report of this name.
     #[error("there is no report '{name}'; use one of {known}")]
     Unknown {
-        /// The name.
+        /// The name that was asked for.
         name: String,
         /// The names that there are.
         known: String,
@@ -66,7 +66,7 @@ pub enum ReportError {
     Lens {
         /// Name of the lens.
         lens: String,
-        /// The reason.
+        /// The reason why there is no report on the lens.
         why: String,
     },
     /// The lens cannot be set.
@@ -151,7 +151,7 @@ struct Subject<'a> {
     system: &'a System,
     analysis: Analysis<'a>,
     fields_deg: Vec<f64>,
-    /// The main wavelength.
+    /// The main wavelength in vacuum, at which the lens is focused.
     main_nm: f64,
     /// True if nothing is known of a coating, so that one was assumed.
     coating_is_assumed: bool,

@@ -7,11 +7,11 @@ use petzval_optics::glass::line_nm;
 use petzval_optics::system::System;
 use serde::{Deserialize, Serialize};
 
-/// Options of transmission.
+/// Options of the report on transmission.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Transmission {
-    /// Wavelengths in vacuum.
+    /// Vacuum wavelengths at which the transmission is found.
     spectrum_nm: Vec<f64>,
 }
 

@@ -3,7 +3,7 @@
 
 use std::f32::consts::PI;
 
-/// A phase function.
+/// A phase function with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhaseLobe {
     /// Henyey and Greenstein 1941, by its mean cosine.
@@ -33,9 +33,9 @@ const LEAST_BLUR: f32 = 1e-3;
 const HALVINGS: u32 = 26;
 
 impl PhaseLobe {
-    /// Isotropic scattering.
+    /// Isotropic scattering, as Henyey and Greenstein's with a mean cosine of 0.
     pub const EVEN: Self = Self::HenyeyGreenstein(0.0);
-    /// Rayleigh scattering.
+    /// Rayleigh scattering, as Draine's with g = 0 and alpha = 1.
     pub const RAYLEIGH: Self = Self::Draine { anisotropy: 0.0, alpha: 1.0 };
 
     /// Henyey and Greenstein's, its anisotropy kept within reach.
@@ -43,7 +43,7 @@ impl PhaseLobe {
         Self::HenyeyGreenstein(within(anisotropy))
     }
 
-    /// Draine's phase function.
+    /// Draine's phase function, its parameters kept within reach.
     pub fn draine(anisotropy: f32, alpha: f32) -> Self {
         Self::Draine { anisotropy: within(anisotropy), alpha: alpha.clamp(0.0, 1e4) }
     }

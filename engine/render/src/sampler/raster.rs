@@ -31,9 +31,9 @@ pub struct Landing {
 
 /// The pixels that several rays fall on: as [`Landing`], with density 0 where no pixel's filter reaches.
 pub struct Landings<const N: usize> {
-    /// Columns.
+    /// Column of each ray's pixel.
     pub x: [u32; N],
-    /// Rows.
+    /// Row of each ray's pixel.
     pub y: [u32; N],
     /// Density of sample places at each, as [`Landing::density`].
     pub density: [f32; N],

@@ -176,7 +176,7 @@ impl PixelFilter {
         Self { inverse, reach, densities, steps_per_pixel: Self::STEPS as f32 / reach }
     }
 
-    /// Largest offset, pixels.
+    /// Largest offset of a sample from its pixel's centre along an axis, pixels.
     #[inline]
     pub fn reach(&self) -> f32 {
         self.reach

@@ -12,7 +12,7 @@ pub enum Distribution {
     /// GGX with the light that goes on from facet to facet.
     #[default]
     MultiscatterGgx,
-    /// Beckmann.
+    /// Beckmann's, each ray meeting one facet.
     Beckmann,
     /// Ashikhmin and Shirley's. Reflects alone.
     AshikhminShirley,
@@ -62,21 +62,21 @@ impl SubsurfaceMethod {
 pub enum Closure<C, N> {
     /// Oren and Nayar's, Lambert's where `roughness` is 0.
     Diffuse {
-        /// Albedo.
+        /// Albedo by channel.
         color: C,
         /// Roughness, 0 to 1.
         roughness: N,
     },
     /// Lambert's on the far side.
     Translucent {
-        /// Albedo.
+        /// Albedo by channel.
         color: C,
     },
     /// A mirror of facets without Fresnel's law.
     Glossy {
         /// Colour of the reflection.
         color: C,
-        /// Perceptual roughness.
+        /// Perceptual roughness, 0 to 1: alpha is its square.
         roughness: N,
         /// Anisotropy, -1 to 1, as the Glossy node has it.
         anisotropy: N,
@@ -85,7 +85,7 @@ pub enum Closure<C, N> {
         /// Distribution of the facets.
         distribution: Distribution,
     },
-    /// A metal.
+    /// Reflects as a metal does.
     Metal {
         /// Reflectance at normal incidence, or the index of refraction.
         base: C,
@@ -93,7 +93,7 @@ pub enum Closure<C, N> {
         edge: C,
         /// The meaning of the two colours.
         kind: MetalKind,
-        /// Perceptual roughness.
+        /// Perceptual roughness, 0 to 1: alpha is its square.
         roughness: N,
         /// Anisotropy, 0 to 1, as Principled has it.
         anisotropy: N,
@@ -106,11 +106,11 @@ pub enum Closure<C, N> {
     },
     /// Reflects and refracts by Fresnel's law.
     Glass {
-        /// Tint of both.
+        /// Tint of reflected and of refracted light.
         color: C,
-        /// Perceptual roughness.
+        /// Perceptual roughness, 0 to 1: alpha is its square.
         roughness: N,
-        /// Index of refraction.
+        /// Index of refraction of the inside, relative to the outside.
         ior: N,
         /// Distribution of the facets.
         distribution: Distribution,
@@ -119,11 +119,11 @@ pub enum Closure<C, N> {
     },
     /// Refracts all that is not totally reflected, and reflects nothing.
     Refraction {
-        /// Tint.
+        /// Tint of the refracted light.
         color: C,
-        /// Perceptual roughness.
+        /// Perceptual roughness, 0 to 1: alpha is its square.
         roughness: N,
-        /// Index of refraction.
+        /// Index of refraction of the inside, relative to the outside.
         ior: N,
         /// Distribution of the facets.
         distribution: Distribution,
@@ -135,30 +135,30 @@ pub enum Closure<C, N> {
     },
     /// A hole in the picture.
     Holdout,
-    /// Emission.
+    /// Light that the surface gives out.
     Emission {
-        /// Colour.
+        /// Colour of the emission, by channel.
         color: C,
         /// Radiance is colour times this.
         strength: N,
     },
     /// Cloth, by transformed cosines (Zeltner, Burley and Chiang 2022).
     Microfiber {
-        /// Tint.
+        /// Tint of the cloth.
         color: C,
         /// Roughness, 0 to 1.
         roughness: N,
     },
     /// Cloth, by Ashikhmin's distribution.
     Velvet {
-        /// Tint.
+        /// Tint of the cloth.
         color: C,
         /// Spread of the fibres.
         sigma: N,
     },
     /// A disk of light as in drawings, about the normal or about the mirrored ray.
     Toon {
-        /// Tint.
+        /// Tint of the disk.
         color: C,
         /// Size, 0 to 1: of a right angle.
         size: N,
@@ -169,7 +169,7 @@ pub enum Closure<C, N> {
     },
     /// Light that goes into the body and comes out elsewhere.
     Subsurface {
-        /// Albedo.
+        /// Albedo by channel, 0 to 1.
         color: C,
         /// Distance that the light goes, by channel, times `scale`.
         radius: C,
@@ -232,7 +232,7 @@ pub struct PrincipledHair<C, N> {
     pub radial_roughness: N,
     /// The part of the roughness that mirrored light is spared, 0 to 1.
     pub coat: N,
-    /// Index of refraction.
+    /// Index of refraction of the fibre.
     pub ior: N,
     /// Radians by which the fibre's scales are tilted.
     pub offset: N,
@@ -249,7 +249,7 @@ pub struct PrincipledHair<C, N> {
 pub struct ThinFilm<N> {
     /// Thickness, nanometres; no film at 0.
     pub thickness_nm: N,
-    /// Index of refraction.
+    /// Index of refraction of the film.
     pub ior: N,
 }
 
@@ -260,9 +260,9 @@ pub struct Principled<C, N> {
     pub base_color: C,
     /// 0 dielectric to 1 metal.
     pub metallic: N,
-    /// Perceptual roughness.
+    /// Perceptual roughness, 0 to 1: alpha is its square.
     pub roughness: N,
-    /// Index of refraction.
+    /// Index of refraction of the dielectric.
     pub ior: N,
     /// 0 lets everything through unbent.
     pub alpha: N,
@@ -304,7 +304,7 @@ pub struct Principled<C, N> {
     pub sheen_roughness: N,
     /// Tint of the cloth.
     pub sheen_tint: C,
-    /// Emitted colour.
+    /// Colour of the emission, by channel.
     pub emission_color: C,
     /// Emitted radiance is colour times this.
     pub emission_strength: N,

@@ -20,7 +20,7 @@ pub enum Corners<T> {
 /// The indices of triangles: those of their vertices, and those of the corners of faces.
 #[derive(Clone, Copy, Debug)]
 pub struct Numbers<'a> {
-    /// Vertices by triangle.
+    /// Indices of the vertices by triangle.
     pub triangles: &'a [[u32; 3]],
     /// Corners of faces by triangle; empty where nothing is kept by corners of faces.
     pub loops: &'a [[u32; 3]],

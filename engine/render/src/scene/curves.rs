@@ -44,7 +44,7 @@ pub struct CurvesDescription {
     pub first_number: u32,
     /// UV maps by name, a place by strand: where its root is on what it grows from.
     pub uv_maps: Vec<(String, Vec<Vec2>)>,
-    /// Attributes by name.
+    /// Attributes by name, with values by key or by strand.
     pub attributes: Vec<(String, StrandValues)>,
     /// Positions of the keys, without radius, a frame before and a frame after; `None` where they keep their places.
     pub moved_keys: Option<[Vec<Vec3>; 2]>,
@@ -177,7 +177,7 @@ impl Curves {
         self.first_keys[strand as usize]..self.first_keys[strand as usize + 1]
     }
 
-    /// Number of segments.
+    /// Number of segments of all strands.
     pub fn segment_count(&self) -> usize {
         (0..self.strand_count() as u32).map(|strand| self.keys_of(strand).len().saturating_sub(1)).sum()
     }

@@ -101,7 +101,7 @@ impl Principled<Source, Source> {
 /// The effect of a material's displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Displacement {
-    /// Bends normals.
+    /// Bends normals, and moves nothing.
     #[default]
     Bump,
     /// Moves the mesh's vertices.

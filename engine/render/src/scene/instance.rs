@@ -16,7 +16,7 @@ pub struct Instance {
     pub object_name: String,
     /// That object's topmost parent.
     pub asset_name: String,
-    /// Index into [`Scene::meshes`].
+    /// Index of the mesh in [`Scene::meshes`].
     pub mesh: u32,
     /// Object space to render space.
     pub to_render: Affine3A,

@@ -9,16 +9,16 @@ use std::sync::Arc;
 /// The shapes of light that a lamp can be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LampKind {
-    /// A sphere.
+    /// A sphere, or a disk that faces whoever looks at it, that emits alike in all directions.
     Point {
-        /// Radius, Blender units.
+        /// Radius of the sphere or disk, Blender units.
         radius: f32,
         /// True for a disk that faces whoever looks at it, false for a sphere.
         soft: bool,
     },
-    /// A sphere that emits into a cone about the lamp's -z.
+    /// A sphere, or a disk that faces whoever looks at it, that emits into a cone about the lamp's -z.
     Spot {
-        /// Radius, Blender units.
+        /// Radius of the sphere or disk, Blender units.
         radius: f32,
         /// Half of the cone's angle.
         half_angle_rad: f32,
@@ -46,7 +46,7 @@ pub enum LampKind {
 /// A lamp. In a finished scene its frame is in render space.
 #[derive(Clone, Debug)]
 pub struct Lamp {
-    /// The Blender object.
+    /// Name of the lamp's object in Blender.
     pub object_name: String,
     /// Shape of the lamp.
     pub kind: LampKind,

@@ -7,7 +7,7 @@ use petzval_nodes::{Field, Operand, Program, Registers, Slice};
 /// Closures that a material may have; further ones are left out.
 pub const MOST_LAYERS: usize = 32;
 
-/// "Random per island".
+/// The name of a field in words, as "Random per island".
 pub(super) fn in_words(field: Field) -> String {
     let name = format!("{field:?}");
     let words = name.char_indices().flat_map(|(i, c)| {
@@ -66,7 +66,7 @@ impl Source {
 pub struct GraphLayer {
     /// Weight, 0 to 1.
     pub weight: Source,
-    /// The closure.
+    /// The closure, its inputs as sources of values.
     pub closure: Closure<Source, Source>,
     /// A normal of its own, world space.
     pub normal: Option<Source>,

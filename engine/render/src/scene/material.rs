@@ -6,7 +6,7 @@ use super::volume::Volume;
 use crate::Rgb;
 use std::sync::Arc;
 
-/// A material.
+/// A material: its shader graph, and Blender's settings beside the nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// The name for messages.

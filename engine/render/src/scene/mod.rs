@@ -94,9 +94,9 @@ pub enum SceneError {
         image: String,
         /// Number of values that were given.
         pixels: usize,
-        /// Width, pixels.
+        /// Width of the image, pixels.
         width: usize,
-        /// Height, pixels.
+        /// Height of the image, pixels.
         height: usize,
     },
 }
@@ -112,7 +112,7 @@ pub struct Scene {
     pub moving: Vec<Moving>,
     /// Materials; the first is the default grey.
     pub materials: Vec<Material>,
-    /// Images.
+    /// Images that shader graphs and the world look up.
     pub textures: Vec<Arc<Texture>>,
     /// Point, spot, sun and area lights.
     pub lamps: Vec<Lamp>,

@@ -114,7 +114,7 @@ pub struct Pose {
 }
 
 impl Poses {
-    /// Number of keys.
+    /// Number of keys, evenly over the time that the shutter is open.
     pub fn key_count(&self) -> usize {
         self.positions.len()
     }

@@ -11,7 +11,7 @@ use petzval_nodes::Program;
 /// Inputs of a plain surface, before they are evaluated at a point.
 #[derive(Clone, Debug)]
 pub struct Plain {
-    /// Index of refraction.
+    /// Index of refraction of the dielectric.
     pub ior: f32,
     /// 0.5 leaves the reflectance that the index gives.
     pub specular_ior_level: f32,

@@ -13,7 +13,7 @@ pub enum Extension {
     Repeat,
     /// Continues its edge pixels.
     Extend,
-    /// Transparent black outside.
+    /// Transparent black outside of the image.
     Clip,
     /// Tiles, every other one mirrored.
     Mirror,
@@ -22,10 +22,10 @@ pub enum Extension {
 /// The interpolation between pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Bilinear.
+    /// Bilinear between the four nearest pixels.
     #[default]
     Linear,
-    /// The nearest pixel.
+    /// The value of the nearest pixel.
     Closest,
 }
 
@@ -74,7 +74,7 @@ impl Texture {
         Self { name: String::new(), width: 1, height: 1, pixels: Pixels::Floats(vec![Vec4::ZERO]) }
     }
 
-    /// The image's name.
+    /// Name of the image in Blender.
     pub fn name(&self) -> &str {
         &self.name
     }

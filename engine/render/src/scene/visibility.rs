@@ -13,7 +13,7 @@ impl Rays {
     pub const GLOSSY: Self = Self(4);
     /// Rays that were let through by the last surface that scattered them.
     pub const TRANSMISSION: Self = Self(8);
-    /// Shadow rays.
+    /// Rays that ask whether anything hides a light.
     pub const SHADOW: Self = Self(16);
     /// Rays scattered in a volume.
     pub const VOLUME_SCATTER: Self = Self(32);

@@ -41,7 +41,7 @@ const UNKNOWN: [Field; 10] = [
 pub enum Phase {
     /// Henyey and Greenstein 1941.
     HenyeyGreenstein {
-        /// Mean cosine.
+        /// Mean cosine of the scattering angle.
         anisotropy: Source,
     },
     /// Fournier and Forand 1994: sea water.
@@ -74,56 +74,56 @@ pub enum VolumeClosure {
     Absorption {
         /// The colour that is not absorbed.
         color: Source,
-        /// Density, per unit.
+        /// Density of the absorption, per Blender unit.
         density: Source,
     },
     /// Scatters its colour times its density, and absorbs nothing.
     Scatter {
-        /// Albedo.
+        /// Scattering coefficient by channel for a density of 1.
         color: Source,
-        /// Density, per unit.
+        /// Density of the scattering, per Blender unit.
         density: Source,
         /// The phase function.
         phase: Phase,
     },
     /// Coefficients as they are.
     Coefficients {
-        /// Absorption coefficient.
+        /// Absorption coefficient by channel.
         absorption: Source,
-        /// Scattering coefficient.
+        /// Scattering coefficient by channel.
         scattering: Source,
-        /// Emission coefficient.
+        /// Radiance by channel that a Blender unit of length adds.
         emission: Source,
-        /// The phase function.
+        /// Phase function of the scattering.
         phase: Phase,
     },
-    /// Smoke and fire.
+    /// Smoke and fire, as Blender's Principled Volume.
     Principled(Box<PrincipledVolume>),
-    /// Emission.
+    /// Light that the volume gives out.
     Emission {
-        /// Colour.
+        /// Colour of the emission, by channel.
         color: Source,
-        /// Radiance per unit.
+        /// Radiance that a Blender unit of length adds, times the colour.
         strength: Source,
     },
 }
 
-/// Blender's Principled Volume.
+/// The inputs of Blender's Principled Volume.
 #[derive(Clone, Debug)]
 pub struct PrincipledVolume {
-    /// Albedo.
+    /// Scattering coefficient by channel for a density of 1.
     pub color: Source,
     /// The grid that the colour is multiplied by, if the object has it.
     pub color_grid: String,
-    /// Density, per unit.
+    /// Density per Blender unit, multiplied by the grid.
     pub density: Source,
     /// The grid that the density is multiplied by.
     pub density_grid: String,
-    /// Mean cosine.
+    /// Mean cosine of the scattering angle.
     pub anisotropy: Source,
     /// Tint of what goes through.
     pub absorption_color: Source,
-    /// Radiance per unit, times [`Self::emission_color`].
+    /// Radiance that a Blender unit of length adds, times [`Self::emission_color`].
     pub emission_strength: Source,
     /// Colour of the emission.
     pub emission_color: Source,
@@ -149,7 +149,7 @@ impl PrincipledVolume {
 pub struct VolumeLayer {
     /// Weight, 0 to 1.
     pub weight: Source,
-    /// The closure.
+    /// The closure, its inputs as sources of values.
     pub closure: VolumeClosure,
 }
 

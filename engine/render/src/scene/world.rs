@@ -9,7 +9,7 @@ use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 use wide::f32x4;
 
-/// The world's light.
+/// The light around the scene: one colour or an equirectangular image.
 #[derive(Clone, Debug)]
 pub struct World {
     /// Radiance, or what the image is multiplied by.

@@ -26,7 +26,7 @@ impl Ggx {
         Self { alpha }
     }
 
-    /// The width alpha.
+    /// The width alpha, the square of the perceptual roughness.
     pub fn width(&self) -> f32 {
         self.alpha
     }

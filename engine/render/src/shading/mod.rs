@@ -53,7 +53,7 @@ pub struct Caustics {
 }
 
 impl Caustics {
-    /// All caustics.
+    /// Reflective and refractive caustics are computed.
     pub const ALL: Self = Self { reflective: true, refractive: true };
 }
 

@@ -83,7 +83,7 @@ struct Facets {
     ggx: Ggx,
     /// The view in the axes of the frame.
     wo: Vec3A,
-    /// [`Ggx::lambda`] of `wo`.
+    /// [`Ggx::lambda`] of the view `wo`.
     lambda_o: f32,
     metal: F82Tint,
     metal_weight: Rgb,

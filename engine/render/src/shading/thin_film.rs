@@ -16,7 +16,7 @@ const STEPS: usize = 4096;
 /// Orders that can be seen.
 const ORDERS: usize = 3;
 
-/// A complex number.
+/// A complex number in single precision.
 #[derive(Clone, Copy, Debug)]
 struct Complex {
     re: f32,

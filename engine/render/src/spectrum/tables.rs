@@ -3,7 +3,7 @@
 //! Sources: CIE 015:2018 (colour-matching functions of the 1931 2-degree observer, relative power of D65); I. Mallett and
 //! C. Yuksel, "Spectral Primary Decomposition for Rendering with sRGB Reflectance", EGSR 2019, supplemental data.
 
-/// First wavelength, nm.
+/// Wavelength of the first row, nm.
 pub(super) const FIRST_NM: f64 = 380.0;
 /// Step from row to row, nm.
 pub(super) const STEP_NM: f64 = 5.0;

@@ -22,18 +22,18 @@ use std::time::Instant;
 /// A picture as the film has it: linear, rows from below.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Width, pixels.
+    /// Width of the picture, pixels.
     pub width: u32,
-    /// Height, pixels.
+    /// Height of the picture, pixels.
     pub height: u32,
-    /// Light by pixel.
+    /// Light by pixel, row by row.
     pub light: Vec<Rgb>,
 }
 
 /// The kinds of stray light that are computed.
 #[derive(Default)]
 pub struct Strays {
-    /// Reflections between surfaces.
+    /// Ghosts: light reflected between surfaces of the lens.
     pub ghosts: Option<Ghosts>,
     /// The wave nature of light.
     pub diffraction: Option<Diffraction>,
@@ -82,7 +82,7 @@ pub struct Ghosts {
 /// A part of the light that strays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrayPass {
-    /// Reflections between surfaces.
+    /// Ghosts: light reflected between surfaces of the lens.
     Ghosts,
     /// Light scattered by surfaces, dust, barrel and film; what it takes from where it should be is negative.
     Glare,
@@ -91,7 +91,7 @@ pub enum StrayPass {
 }
 
 impl StrayPass {
-    /// All passes.
+    /// All passes of stray light.
     pub const ALL: [Self; 3] = [Self::Ghosts, Self::Glare, Self::Diffraction];
 
     /// Name of the pass for programs.
@@ -143,7 +143,7 @@ impl StrayLight {
 
 /// A picture that is finished but for what strays, and how it came about.
 pub struct Straight<'a> {
-    /// The scene.
+    /// The prepared scene of the picture.
     pub stage: &'a PreparedScene,
     /// The camera in the middle of the exposure.
     pub camera: &'a Camera,

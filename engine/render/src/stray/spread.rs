@@ -35,7 +35,7 @@ pub struct Zone<'a> {
     pub columns: Vec<f32>,
     /// The part of a pixel's light that is spread by this kernel, by row.
     pub rows: Vec<f32>,
-    /// The transfer function.
+    /// The transfer function of the zone's kernel.
     pub transfer: &'a dyn Transfer,
 }
 

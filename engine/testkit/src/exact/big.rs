@@ -192,7 +192,7 @@ pub fn norm(v: &Vector) -> Big {
     dot(v, v).sqrt()
 }
 
-/// The nearest `f64`s.
+/// The nearest `f64` of each number.
 pub fn to_f64(v: &Vector) -> [f64; 3] {
     [v[0].to_f64(), v[1].to_f64(), v[2].to_f64()]
 }

@@ -26,9 +26,9 @@ pub enum Shape {
     /// A profile z = g(|y|) turned about the line x = 0, z = 1 / c with c the curvature in the x-z plane:
     /// z − g − c (x² + z² − g²) / 2 = 0. A cylinder if c is 0 or the profile is flat.
     Toroid {
-        /// g.
+        /// The profile g, z by |y|.
         profile: Profile,
-        /// c in 1/mm.
+        /// Curvature c in the x-z plane, 1/mm.
         curvature_x: f64,
     },
 }
@@ -46,7 +46,7 @@ impl Shape {
 /// A ray that hits a surface, exact as given. Lengths in mm, in the frame of the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// The surface.
+    /// The surface that the ray hits.
     pub shape: Shape,
     /// A point on the ray.
     pub origin: [f64; 3],

@@ -44,7 +44,7 @@ pub(super) struct BigProfile {
 /// A surface's function at a point: rising towards +z, 0 on the surface.
 pub(super) struct At {
     pub(super) value: Big,
-    /// N.
+    /// The gradient N, not of unit length.
     pub(super) gradient: Vector,
 }
 

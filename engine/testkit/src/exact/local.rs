@@ -34,7 +34,7 @@ pub(super) struct Derivative {
 
 /// A surface about a point of it.
 pub(super) struct Local {
-    /// N.
+    /// The gradient N, not of unit length.
     pub(super) gradient: Triple,
     /// Second derivatives of G; symmetric.
     hessian: [Triple; 3],
@@ -46,9 +46,9 @@ pub(super) struct Local {
 
 /// A profile at a distance r from its axis.
 pub(crate) struct ProfileAt {
-    /// z in mm.
+    /// The sag z in mm.
     pub(crate) sag: f64,
-    /// (dz/dr) / r.
+    /// The slope over the distance: (dz/dr) / r.
     pub(crate) slope: f64,
     /// The derivative of `slope`, divided by r.
     bend: f64,

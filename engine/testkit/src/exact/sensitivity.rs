@@ -88,7 +88,7 @@ struct About<'a> {
     direction: Triple,
     /// N, from the exact numbers.
     gradient: Triple,
-    /// N · D.
+    /// N · D: the derivative of the surface's function along the ray.
     slope: f64,
     /// The second derivative along the ray.
     bend: f64,

@@ -10,7 +10,7 @@ use super::search;
 /// The status of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
-    /// The ray passed.
+    /// The ray passed the surface.
     Ok,
     /// The ray hits no part of the surface with the right sign of N · D.
     Missed,
@@ -20,7 +20,7 @@ pub enum Status {
     OutsideAperture,
     /// The hit lies inside of the central obstruction.
     Obstructed,
-    /// Total internal reflection.
+    /// Total internal reflection at the hit.
     TotalInternalReflection,
 }
 
@@ -62,7 +62,7 @@ pub struct Truth {
 pub(super) enum Crossing {
     Met {
         t: Big,
-        /// N · D.
+        /// N · D: the derivative of the surface's function along the ray.
         slope: Big,
     },
     /// B² − A C of a conic, if it was formed.

@@ -37,7 +37,7 @@ impl Dice {
         exponential(self.between(logarithm(low), logarithm(high)))
     }
 
-    /// −1 or 1.
+    /// −1 or 1, each as likely.
     pub(super) fn sign(&mut self) -> f64 {
         if self.one_in(2) { 1.0 } else { -1.0 }
     }
@@ -73,7 +73,7 @@ impl Dice {
         }
     }
 
-    /// Any direction.
+    /// A unit vector, all directions as likely.
     pub(super) fn direction(&mut self) -> [f64; 3] {
         let z = self.between(-1.0, 1.0);
         let r = ((1.0 - z) * (1.0 + z)).sqrt();

@@ -138,7 +138,7 @@ enum Extra {
     RadiusX,
     Coating,
     Term(u32),
-    /// Place in [`POSE`].
+    /// A decentre or tilt: its index in [`POSE`].
     Pose(usize),
 }
 

@@ -14,9 +14,9 @@ pub(in crate::camera) struct FilmLines {
     /// [`Self::back`] in single precision, for whole batches: a wavelength that did not lead lands within some 1e-6 of the lens's size of
     /// its place, far less than a pixel, in a third of the time.
     pub(in crate::camera) back_in_short: SpectralTracer<f32>,
-    /// Wavelengths of a set.
+    /// Number of wavelengths in a set.
     pub(in crate::camera) size: usize,
-    /// Number of sets.
+    /// Number of sets of wavelengths: [`FilmSpectrum::sets`].
     pub(in crate::camera) sets: usize,
     /// Columns of the response to a scene colour, by wavelength of the film; the fourth number of each is 0.
     pub(in crate::camera) responses: Vec<[Vec4; 3]>,

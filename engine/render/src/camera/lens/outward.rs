@@ -167,7 +167,7 @@ impl<R: Traced> Outward<R> {
         }
     }
 
-    /// An empty batch.
+    /// An empty batch for [`Self::trace`].
     pub(in crate::camera) fn batch(&self) -> OutwardBatch<R> {
         OutwardBatch { rays: self.tracer.bundle(Travel::FromFilm, 1), densities: Vec::new(), parts: Vec::new() }
     }

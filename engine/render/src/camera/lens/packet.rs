@@ -80,7 +80,7 @@ impl Splats {
         self.count += 1;
     }
 
-    /// All splats.
+    /// The splats in the order in which they were added.
     #[inline]
     pub fn as_slice(&self) -> &[Splat] {
         &self.list[..self.count as usize]

@@ -20,10 +20,10 @@ pub enum Precision {
     /// Single where the error of single precision is below [`TOLERANCE_PX`].
     #[default]
     Auto,
-    /// f32.
+    /// Always `f32`, with twice as many rays in a register.
     #[serde(rename = "F32")]
     Single,
-    /// f64.
+    /// Always `f64`.
     #[serde(rename = "F64")]
     Double,
 }

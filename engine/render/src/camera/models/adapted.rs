@@ -43,7 +43,7 @@ const COLOUR_NODES: usize = 17;
 /// The distance that stands for infinity, mm.
 const FAR_MM: f64 = 1e9;
 
-/// The camera.
+/// The camera of a real lens of which some effects are taken out.
 pub struct Adapted {
     maker: Maker,
     mount: Mount,

@@ -4,7 +4,7 @@ use crate::accel::Ray;
 use crate::camera::{CameraDescription, CameraRay};
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec2};
 
-/// An orthographic camera.
+/// A camera of parallel rays, as Blender's orthographic one.
 #[derive(Clone)]
 pub struct Orthographic {
     axes: DMat3,

@@ -4,7 +4,7 @@ use crate::accel::Ray;
 use crate::camera::{CameraDescription, CameraRay};
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec2, Vec3A};
 
-/// A perspective camera.
+/// A camera whose rays all go through one point, as Blender's perspective one.
 #[derive(Clone)]
 pub struct Pinhole {
     axes: DMat3,

@@ -74,12 +74,12 @@ impl StrayLens {
         Ok(Self { mount, system, spectrum, gain, brightness, size_px, pupil_part })
     }
 
-    /// The lens.
+    /// The lens as it is set, in lens space.
     pub fn system(&self) -> &System {
         &self.system
     }
 
-    /// The film.
+    /// The film in lens space, as the lens is focused.
     pub fn film(&self) -> &FilmFrame {
         &self.mount.frame
     }

@@ -46,7 +46,7 @@ pub(super) enum Bound {
         /// The rate of each, x runs fastest.
         rates: Arc<Vec<f32>>,
     },
-    /// A constant rate.
+    /// One rate for all space: that of the world's medium.
     Everywhere(f32),
 }
 

@@ -18,7 +18,7 @@ pub struct Approximations {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE", deny_unknown_fields)]
 pub enum FastGi {
-    /// No approximation.
+    /// No approximation: indirect light is traced.
     #[default]
     Off,
     /// The last rays of a path find what emits within `distance`, and where nothing is within it the world, times `factor`.

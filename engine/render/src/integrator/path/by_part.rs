@@ -19,9 +19,9 @@ enum First {
     None,
     /// A surface: diffuse and glossy shares; the rest is transmission.
     Surface([Rgb; 2]),
-    /// A volume.
+    /// A volume, whose light has parts of its own.
     Volume,
-    /// No part.
+    /// Nothing that counts: the light is in no part.
     Nowhere,
 }
 

@@ -33,10 +33,10 @@ pub trait AovSink {
     /// Light that counts for the picture and in no group or part.
     fn outside_of_passes(&self) -> Self::Of;
 
-    /// Forgets all paths.
+    /// Forgets the notes on all paths.
     fn clear(&mut self);
 
-    /// Adds a path.
+    /// Adds a path, whose number is the count of those before it.
     fn start(&mut self);
 
     /// Adds light that a path found.
@@ -61,7 +61,7 @@ pub trait AovSink {
     fn found(&self, path: usize) -> &[Rgb];
 }
 
-/// Notes of nothing.
+/// A sink that keeps no notes, for renders without light groups and parts.
 #[derive(Default)]
 pub struct NoAovs;
 

@@ -158,7 +158,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         }
     }
 
-    /// Forgets all paths.
+    /// Forgets all paths and their results, and keeps the memory.
     pub fn clear(&mut self) {
         self.paths.clear();
         self.results.clear();

@@ -105,7 +105,7 @@ pub(in crate::shading) enum Fresnel {
     Mirror,
     /// All but what is totally reflected, which is lost.
     Through,
-    /// A dielectric's, tinted.
+    /// A dielectric's by Fresnel's law, each part with a tint.
     Dielectric { f0: Rgb, reflection: Rgb, transmission: Rgb },
     /// A metal of two colours.
     Tinted(F82Tint),

@@ -68,7 +68,7 @@ impl Velvet {
         Self { inverse_sigma2: 1.0 / sigma.clamp(0.01, 1.0).powi(2) }
     }
 
-    /// Value times cosine.
+    /// Value of the lobe times the cosine of `wi` to the normal.
     pub(super) fn evaluate(&self, wo: Vec3A, wi: Vec3A) -> f32 {
         let h = (wo + wi).normalize_or(Vec3A::Z);
         let (cos_h, cos_oh) = (h.z, wo.dot(h).abs());

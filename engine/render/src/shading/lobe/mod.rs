@@ -36,7 +36,7 @@ enum Kind {
 
 /// A direction that a lobe chose, in its frame.
 pub(super) struct Local {
-    /// The direction, unit.
+    /// The direction that the lobe chose, unit.
     pub(super) wi: Vec3A,
     /// True if the direction is meant to go through the surface; a mirrored one that does is lost.
     pub(super) transmitted: bool,

@@ -46,7 +46,7 @@ fn case_of(entry: &Value) -> (Case, Inputs) {
 /// Below this the reference's 50 digits are noise about 0, in mm.
 const REFERENCE_NOISE: f64 = 1e-40;
 
-/// Digits that agree.
+/// Number of decimal digits in which two vectors agree.
 fn digits(found: &[Big], expected: &[Big]) -> f64 {
     let length = |v: &[Big]| v.iter().fold(Big::new(0.0), |sum, x| sum + x.squared()).sqrt();
     let error: Vec<Big> = found.iter().zip(expected).map(|(f, e)| f - e).collect();

@@ -16,7 +16,7 @@ pub(super) struct Polynomial {
     is_symmetric: bool,
     /// One over the largest distance from the axis, mm, and over the largest cosine.
     scale: [f32; 2],
-    /// The largest power.
+    /// The largest sum of the powers of a term.
     degree: usize,
     /// The powers of the numbers, by term.
     powers: Vec<[u8; 4]>,

@@ -26,7 +26,7 @@ const LEAST_COSINE: f64 = 0.3;
 /// The subject that a place sees, lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Subject {
-    /// A point.
+    /// A point in lens space, mm.
     At(DVec3),
     /// No point: the subject is infinitely far.
     Far,

@@ -41,7 +41,7 @@ pub(super) enum MediumEvent {
     Passed,
     /// The path is scattered before the hit.
     Scattered,
-    /// The path ends.
+    /// The path ends: the light is absorbed, or a limit or Russian roulette ends it.
     Ended,
 }
 
