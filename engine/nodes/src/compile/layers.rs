@@ -1,6 +1,6 @@
 //! The shader nodes above an output, flattened to closures that add up.
 
-use super::{At, Compiler, DEEPEST, Kind};
+use super::{At, Compiler, DEEPEST, ValueKind};
 use crate::context::Shift;
 use crate::graph::{Input, Link};
 use crate::math::MathKind;
@@ -42,7 +42,7 @@ fn closure(kind: &str) -> Option<LayerKind> {
 }
 
 /// The kind of a closure's input: of three parts, or a number.
-fn kind_of_input(layer: LayerKind, identifier: &str) -> Kind {
+fn kind_of_input(layer: LayerKind, identifier: &str) -> ValueKind {
     const PARTS: [&str; 9] = [
         "Color",
         "Tint",
@@ -56,19 +56,19 @@ fn kind_of_input(layer: LayerKind, identifier: &str) -> Kind {
     ];
     let whole = (layer == LayerKind::Metallic && identifier == "IOR")
         || (layer == LayerKind::Subsurface && identifier == "Radius");
-    if whole || PARTS.iter().any(|part| identifier.contains(part)) { Kind::Vector } else { Kind::Number }
+    if whole || PARTS.iter().any(|part| identifier.contains(part)) { ValueKind::Vector } else { ValueKind::Number }
 }
 
 /// Shader nodes that have been walked through to reach a closure, and its share.
 #[derive(Default)]
-struct Walk {
+struct LayerWalk {
     layers: Vec<(usize, Layer)>,
     ways: usize,
 }
 
 impl Compiler<'_> {
     pub(super) fn layers(&mut self, start: Option<&Link>) -> Vec<Layer> {
-        let mut walk = Walk::default();
+        let mut walk = LayerWalk::default();
         if let Some(link) = start {
             let whole = self.constant(Vec3A::ONE);
             self.walk(link, whole, &mut walk);
@@ -76,7 +76,7 @@ impl Compiler<'_> {
         walk.layers.into_iter().map(|(_, layer)| layer).collect()
     }
 
-    fn walk(&mut self, link: &Link, weight: Operand, walk: &mut Walk) {
+    fn walk(&mut self, link: &Link, weight: Operand, walk: &mut LayerWalk) {
         if self.known(weight) == Some(Vec3A::ZERO) {
             return;
         }
@@ -122,14 +122,14 @@ impl Compiler<'_> {
         self.open.pop();
     }
 
-    fn walk_input(&mut self, index: usize, socket: &str, weight: Operand, walk: &mut Walk) {
+    fn walk_input(&mut self, index: usize, socket: &str, weight: Operand, walk: &mut LayerWalk) {
         // An empty shader socket is black.
         if let Some(Input::Link(link)) = self.graph.nodes[index].input(socket) {
             self.walk(link, weight, walk);
         }
     }
 
-    fn add_closure(&mut self, index: usize, kind: LayerKind, weight: Operand, walk: &mut Walk) {
+    fn add_closure(&mut self, index: usize, kind: LayerKind, weight: Operand, walk: &mut LayerWalk) {
         if let Some((_, same)) = walk.layers.iter_mut().find(|(other, _)| *other == index) {
             let zero = self.constant(Vec3A::ZERO);
             same.weight = self.emit(Operation::Math(MathKind::Add, false), &[same.weight, weight, zero]);
@@ -147,8 +147,8 @@ impl Compiler<'_> {
     }
 
     /// A colour where a shader belongs emits that colour.
-    fn bare_colour(&mut self, link: &Link, weight: Operand, walk: &mut Walk) {
-        let Some(colour) = self.linked(link, Kind::Colour, Shift::NONE) else { return };
+    fn bare_colour(&mut self, link: &Link, weight: Operand, walk: &mut LayerWalk) {
+        let Some(colour) = self.linked(link, ValueKind::Colour, Shift::NONE) else { return };
         let one = self.constant(Vec3A::ONE);
         let inputs = vec![("Color".to_owned(), colour), ("Strength".to_owned(), one)];
         // Each place where a bare colour enters is a closure of its own.

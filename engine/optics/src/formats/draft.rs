@@ -25,7 +25,7 @@ const INFINITELY_FAR_MM: f64 = 1e8;
 
 /// A file's statement of the width of the beam on the axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Beam {
+pub(super) enum StatedBeam {
     /// Diameter of the entrance pupil, mm.
     EntrancePupil(f64),
     /// Focal length over the diameter of the entrance pupil.
@@ -56,7 +56,7 @@ pub(super) struct Draft<'a> {
     pub(super) name: Option<String>,
     pub(super) rows: Vec<DraftRow>,
     pub(super) stop: Option<usize>,
-    pub(super) beam: Option<Beam>,
+    pub(super) beam: Option<StatedBeam>,
     pub(super) field_kind: FieldKind,
     pub(super) fields: Vec<FieldPoint>,
     /// Distance from the object to the first surface; infinite for most.
@@ -121,7 +121,7 @@ impl<'a> Draft<'a> {
         if self.field_kind != FieldKind::Degrees {
             self.fields.iter_mut().for_each(|field| field.y *= mm);
         }
-        if let Some(Beam::EntrancePupil(diameter)) = &mut self.beam {
+        if let Some(StatedBeam::EntrancePupil(diameter)) = &mut self.beam {
             *diameter *= mm;
         }
     }
@@ -282,9 +282,9 @@ impl<'a> Draft<'a> {
         let front = front_of(&thin, stop);
         let semi = match self.beam {
             None => return,
-            Some(Beam::EntrancePupil(diameter)) => 0.5 * diameter * front.a.abs(),
-            Some(Beam::FNumber(number)) => 0.5 * front.a.abs() / (between_vertices(&thin).c * number).abs(),
-            Some(Beam::ObjectNa(na)) => {
+            Some(StatedBeam::EntrancePupil(diameter)) => 0.5 * diameter * front.a.abs(),
+            Some(StatedBeam::FNumber(number)) => 0.5 * front.a.abs() / (between_vertices(&thin).c * number).abs(),
+            Some(StatedBeam::ObjectNa(na)) => {
                 let slope = na / (1.0 - na * na).max(0.0).sqrt();
                 ((front.a * self.object_mm + front.b) * slope).abs()
             }
@@ -373,7 +373,7 @@ impl<'a> Draft<'a> {
 
     /// Writes the conditions of the design into the header.
     fn note_design(&mut self) {
-        if let Some(Beam::FNumber(number)) = self.beam {
+        if let Some(StatedBeam::FNumber(number)) = self.beam {
             self.metadata.f_number = Some(number);
             self.header("f_number", number);
         }

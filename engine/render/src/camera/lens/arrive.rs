@@ -5,7 +5,7 @@
 
 use super::mount::Mount;
 use super::packet::{HeroSample, Request, Splats};
-use super::real_lens::{LensSample, Line, RealLens};
+use super::real_lens::{FilmLine, LensSample, RealLens};
 use crate::sampler::raster::Raster;
 use glam::DVec3;
 use petzval_optics::trace::{LINES, Leaving};
@@ -40,7 +40,7 @@ impl ShortFilm {
     pub(in crate::camera) fn new(
         mount: &Mount,
         vertex_z_mm: f64,
-        lines: &[Line],
+        lines: &[FilmLine],
         sets: usize,
         size: usize,
     ) -> Option<Self> {

@@ -122,7 +122,7 @@ impl Setup {
         } else {
             efl.map_or(50.0, f64::abs)
         };
-        let chief = ChiefRays { tracer: system.at_wavelength(line), film, exit_z_mm: paraxial.exit_pupil.z_mm };
+        let chief = FilmChiefRays { tracer: system.at_wavelength(line), film, exit_z_mm: paraxial.exit_pupil.z_mm };
         let (hw, hh) = (0.5 * picture_width_mm, 0.5 * picture_height_mm);
         let [shortest_nm, longest_nm] = d.wavelength_nm.map_or(VISIBLE_NM, |nm| [nm; 2]);
         let beyond_range = prescription.media_beyond(shortest_nm, longest_nm).into_iter();
@@ -191,7 +191,7 @@ impl Setup {
         let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
         let exit_z_mm = Paraxial::new(&self.system, line).exit_pupil.z_mm;
         let tracer = self.system.at_wavelength(line).without_rims();
-        ChiefRays { tracer, film: self.film, exit_z_mm }.angle_between(a, b)
+        FilmChiefRays { tracer, film: self.film, exit_z_mm }.angle_between(a, b)
     }
 }
 
@@ -236,13 +236,13 @@ impl CameraDescription {
 }
 
 /// Rays from film points through the middle of the exit pupil.
-struct ChiefRays {
+struct FilmChiefRays {
     tracer: Tracer,
     film: FilmPlane,
     exit_z_mm: Option<f64>,
 }
 
-impl ChiefRays {
+impl FilmChiefRays {
     /// The angle between the scene directions of two film points.
     fn angle_between(&self, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
         let direction = |[u, v]: [f64; 2]| {
