@@ -13,34 +13,6 @@ const MOST_WAYS: usize = 10_000;
 /// Limit of closures: more than any material has that a person made.
 const MOST_LAYERS: usize = 128;
 
-/// The closure of a shader node.
-fn closure(kind: &str) -> Option<LayerKind> {
-    Some(match kind {
-        "ShaderNodeBsdfPrincipled" => LayerKind::Principled,
-        "ShaderNodeBsdfDiffuse" => LayerKind::Diffuse,
-        "ShaderNodeBsdfGlossy" | "ShaderNodeBsdfAnisotropic" => LayerKind::Glossy,
-        "ShaderNodeBsdfMetallic" => LayerKind::Metallic,
-        "ShaderNodeBsdfGlass" => LayerKind::Glass,
-        "ShaderNodeBsdfRefraction" => LayerKind::Refraction,
-        "ShaderNodeBsdfTransparent" => LayerKind::Transparent,
-        "ShaderNodeBsdfTranslucent" => LayerKind::Translucent,
-        "ShaderNodeEmission" => LayerKind::Emission,
-        "ShaderNodeBackground" => LayerKind::Background,
-        "ShaderNodeBsdfSheen" | "ShaderNodeBsdfVelvet" => LayerKind::Sheen,
-        "ShaderNodeBsdfToon" => LayerKind::Toon,
-        "ShaderNodeBsdfHair" => LayerKind::Hair,
-        "ShaderNodeBsdfHairPrincipled" => LayerKind::PrincipledHair,
-        "ShaderNodeSubsurfaceScattering" => LayerKind::Subsurface,
-        "ShaderNodeHoldout" => LayerKind::Holdout,
-        "ShaderNodeBsdfRayPortal" => LayerKind::RayPortal,
-        "ShaderNodeVolumePrincipled" => LayerKind::PrincipledVolume,
-        "ShaderNodeVolumeScatter" => LayerKind::VolumeScatter,
-        "ShaderNodeVolumeAbsorption" => LayerKind::VolumeAbsorption,
-        "ShaderNodeVolumeCoefficients" => LayerKind::VolumeCoefficients,
-        _ => return None,
-    })
-}
-
 /// The kind of a closure's input: of three parts, or a number.
 fn kind_of_input(layer: LayerKind, identifier: &str) -> ValueKind {
     const PARTS: [&str; 9] = [
@@ -111,7 +83,7 @@ impl Compiler<'_> {
                     self.walk_input(index, socket, weight, walk);
                 }
             }
-            kind => match closure(kind) {
+            node => match LayerKind::of_node(node) {
                 Some(kind) => self.add_closure(index, kind, weight, walk),
                 None => {
                     self.open.pop();
