@@ -1,7 +1,7 @@
 //! Time of a camera sample, up to where its path begins: `cargo bench -p petzval-benches --bench camera`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use petzval_render::camera::lens::packet::Request;
+use petzval_render::camera::lens::real_lens::packet::Request;
 use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
 use petzval_render::sampler::{
     PathSampler,

@@ -1,7 +1,7 @@
 //! The settings of a camera, unchecked, their defaults, and the checks that every model needs.
 
 use super::exposure::PhysicalExposure;
-use super::lens::precision::Precision;
+use super::lens::real_lens::precision::Precision;
 use super::scattering::Scattering;
 use super::{CameraError, LensFile};
 use crate::spectrum::SPECTRAL_COUNT;

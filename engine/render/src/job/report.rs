@@ -1,8 +1,8 @@
 //! The report of a render: what `petzval render --stats` writes.
 
 use super::{Job, Kept};
-use crate::camera::lens::precision::TOLERANCE_PX;
 use crate::camera::lens::real_lens::RealLens;
+use crate::camera::lens::real_lens::precision::TOLERANCE_PX;
 use crate::stray::ghosts;
 use serde::Serialize;
 use std::collections::BTreeMap;

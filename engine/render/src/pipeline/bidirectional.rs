@@ -3,8 +3,8 @@
 //! set of its own, and falls where it falls.
 
 use super::Sample;
-use crate::camera::lens::packet::Request;
 use crate::camera::lens::real_lens::RealLens;
+use crate::camera::lens::real_lens::packet::Request;
 use crate::integrator::bidirectional::{CameraEnd, FilmEnd, LightPath, Techniques};
 
 /// The seed that separates the light path's random numbers from the camera's.

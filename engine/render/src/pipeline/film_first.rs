@@ -5,8 +5,8 @@ use super::RenderContext;
 use super::stretch::CameraSampler;
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::camera::lens::batch::LensBatch;
-use crate::camera::lens::packet::Request;
+use crate::camera::lens::real_lens::batch::LensBatch;
+use crate::camera::lens::real_lens::packet::Request;
 use crate::camera::{Camera, CameraRay};
 use crate::film::TileAccumulator;
 

@@ -8,9 +8,9 @@ use super::stretch::CameraSampler;
 use super::{RenderContext, add_splats};
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::camera::lens::batch::LensBatch;
-use crate::camera::lens::packet::{HeroSample, Request};
 use crate::camera::lens::real_lens::RealLens;
+use crate::camera::lens::real_lens::batch::LensBatch;
+use crate::camera::lens::real_lens::packet::{HeroSample, Request};
 use crate::film::TileAccumulator;
 use crate::sampler::raster::Raster;
 

@@ -3,7 +3,7 @@
 use super::{Counts, RenderContext, Sample};
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::camera::lens::packet::Request;
+use crate::camera::lens::real_lens::packet::Request;
 use crate::film::TileAccumulator;
 use crate::integrator::path::{AovBuffers, AovSink, NoAovs, Wavefront};
 use crate::sampler::PathSampler;

@@ -4,8 +4,8 @@
 //! ray. One sample of the camera and one light path belong to each pixel; their densities are those of a single one,
 //! with the pixel left to chance, so that both can be compared.
 
-use super::packet::{HeroSample, Splats};
 use super::real_lens::RealLens;
+use super::real_lens::packet::{HeroSample, Splats};
 use crate::sampler::raster::Raster;
 use glam::Vec3A;
 use petzval_optics::trace::Ray as LensRay;

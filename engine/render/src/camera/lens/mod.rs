@@ -1,15 +1,10 @@
 //! The lens that is traced: set, focused, before its film; its rays both ways, and their transmission.
 
-pub(super) mod arrive;
-pub mod batch;
 pub(super) mod beam;
 pub(super) mod focal_surface;
 pub mod from_scene;
 pub(super) mod lines;
 pub(super) mod mount;
-pub(super) mod outward;
-pub mod packet;
-pub mod precision;
 pub mod real_lens;
 pub mod scene_side;
 pub mod setup;

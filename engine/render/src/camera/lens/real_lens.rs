@@ -4,23 +4,29 @@
 //! with the weight cos(film) cos(pupil) / distance^2; it is divided by what the middle of the film gets from a
 //! uniform world of radiance one.
 
-use super::arrive::ShortFilm;
-use super::batch::Out;
+pub(in crate::camera) mod arrive;
+pub mod batch;
+pub(in crate::camera) mod outward;
+pub mod packet;
+pub mod precision;
+
 use super::focal_surface::FocalSurface;
 use super::lines::FilmLines;
 use super::mount::Mount;
-use super::outward::Outward;
-use super::packet::Request;
-use super::precision::Chosen;
 use super::setup::{D_LINE_NM, LensInfo};
 use super::transmission::Transmission;
 use crate::camera::{CameraDescription, CameraError, CameraRay, Spectrum};
 use crate::spectrum::FilmSpectrum;
+use arrive::ShortFilm;
+use batch::Out;
 use glam::{DMat3, Mat3, Vec2};
+use outward::Outward;
+use packet::Request;
 use petzval_optics::entrance_map::EntranceMap;
 use petzval_optics::pupil_map::{PupilMap, on_axis_throughput};
 use petzval_optics::system::System;
 use petzval_optics::trace::{Ray as LensRay, SpectralTracer, Traced, Tracer};
+use precision::Chosen;
 use std::sync::OnceLock;
 use std::time::Instant;
 

@@ -1,8 +1,8 @@
 //! Rays that are chosen in the scene: from a point that is sharp to a point of the entrance pupil (Wu et al. 2011, section
 //! 5.3 and figure 6), and on through the lens to the film.
 
-use super::packet::{HeroSample, Request, Splats};
 use super::real_lens::RealLens;
+use super::real_lens::packet::{HeroSample, Request, Splats};
 use crate::sampler::raster::Raster;
 use glam::Vec2;
 use petzval_optics::trace::Ray as LensRay;

@@ -10,10 +10,10 @@
 
 use super::gaussian::{Gaussian, Order};
 use crate::camera::description::{CameraDescription, EnabledEffects};
-use crate::camera::lens::batch::LensBatch;
 use crate::camera::lens::beam;
 use crate::camera::lens::mount::Mount;
-use crate::camera::lens::packet::Request;
+use crate::camera::lens::real_lens::batch::LensBatch;
+use crate::camera::lens::real_lens::packet::Request;
 use crate::camera::lens::real_lens::{RealLens, film_spectrum};
 use crate::camera::lens::setup::{D_LINE_NM, LensInfo};
 use crate::camera::{CameraError, CameraRay};

@@ -5,7 +5,7 @@
 //! noise stays as it was.
 
 use crate::camera::description::{CameraDescription, EnabledEffects};
-use crate::camera::lens::packet::Request;
+use crate::camera::lens::real_lens::packet::Request;
 use crate::camera::{Camera, CameraError};
 use crate::luminance;
 use crate::sampler::evenly::Evenly;

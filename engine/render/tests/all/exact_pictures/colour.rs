@@ -7,7 +7,7 @@ use glam::{DMat2, DVec2, DVec3};
 use petzval_optics::glass::Catalogue;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::system::{LensSettings, System};
-use petzval_render::camera::lens::precision::Precision;
+use petzval_render::camera::lens::real_lens::precision::Precision;
 use petzval_render::camera::{Camera, CameraDescription, lens_info};
 use petzval_render::pipeline::Pipeline;
 use serde_json::Value;

@@ -1,8 +1,8 @@
 //! The fit agrees with the losses of exact rays, for every lens, and all pipelines and integrators have the same losses.
 
 use super::*;
-use crate::camera::lens::packet::Request;
-use crate::camera::lens::precision::tests::camera as of_own_field;
+use crate::camera::lens::real_lens::packet::Request;
+use crate::camera::lens::real_lens::precision::tests::camera as of_own_field;
 use crate::camera::tests::with_lens;
 use crate::camera::{Camera, CameraDescription, Model, Spectrum};
 use crate::sampler::{

@@ -1,6 +1,6 @@
 //! The table against the lens traced exactly: both are asked for the same points of film and pupil.
 
-use crate::camera::lens::precision::Precision;
+use crate::camera::lens::real_lens::precision::Precision;
 use crate::camera::{Camera, CameraDescription, Model, lens_info};
 use glam::Vec2;
 use petzval_optics::formats::lens;

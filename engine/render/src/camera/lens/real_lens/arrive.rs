@@ -3,9 +3,9 @@
 //! The wavelengths that do not lead come from rays of single precision: their places are good to some 1e-6 of the
 //! lens's size, far less than a pixel, and so are their densities.
 
-use super::mount::Mount;
+use super::super::mount::Mount;
 use super::packet::{HeroSample, Request, Splats};
-use super::real_lens::{FilmLine, LensSample, RealLens};
+use super::{FilmLine, LensSample, RealLens};
 use crate::sampler::raster::Raster;
 use glam::DVec3;
 use petzval_optics::trace::{LINES, Leaving};

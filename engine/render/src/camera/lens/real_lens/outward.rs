@@ -3,9 +3,9 @@
 //! Between the picture and the scene nothing is ever wider than those numbers: in single precision twice as many rays share
 //! every step.
 
-use super::mount::Mount;
+use super::super::mount::Mount;
 use super::packet::Request;
-use super::real_lens::{FilmLine, LensSample, RealLens};
+use super::{FilmLine, LensSample, RealLens};
 use crate::accel::Ray;
 use crate::camera::CameraRay;
 use crate::spectrum::FilmSpectrum;

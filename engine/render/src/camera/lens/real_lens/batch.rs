@@ -3,7 +3,7 @@
 
 use super::outward::{Outward, OutwardBatch};
 use super::packet::{HeroSample, Request, backwards};
-use super::real_lens::{LensSample, RealLens};
+use super::{LensSample, RealLens};
 use crate::camera::CameraRay;
 use crate::sampler::raster::Raster;
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};

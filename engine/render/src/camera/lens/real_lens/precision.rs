@@ -5,9 +5,9 @@
 //! ray of a film point somewhat aside, and how far aside, in pixels of this picture, is the error. It holds whatever the
 //! scene and wherever in it things are, and knows the resolution, the size of the film and the focal length.
 
+use super::RealLens;
 use super::outward::Outward;
 use super::packet::{Request, backwards};
-use super::real_lens::RealLens;
 use crate::sampler::evenly::Evenly;
 use glam::{DVec2, Vec2};
 use petzval_optics::trace::{Traced, Tracer};

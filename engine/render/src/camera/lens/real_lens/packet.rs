@@ -4,7 +4,7 @@
 //! counted in it, divided by the area of a pixel, so that a ray which one wavelength chose can be used by all
 //! (Veach 1995, the balance heuristic over which of them could have led to it).
 
-use super::real_lens::{LensSample, RealLens};
+use super::{LensSample, RealLens};
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::sampler::raster::{Raster, turned};
