@@ -4,7 +4,7 @@ use std::path::Path;
 
 use petzval_optics::formats::{self, agf, lens, rii, zmx};
 use petzval_optics::glass::Catalogue;
-use petzval_optics::system::{System, LensSettings};
+use petzval_optics::system::{LensSettings, System};
 
 /// A lens is read or refused in one line; what is read can be set up, and comes back from what is written of it.
 pub fn lens(bytes: &[u8], name: &str) {

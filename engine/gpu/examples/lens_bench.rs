@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use petzval_gpu::device::{Choice, Gpu, devices};
+use petzval_gpu::device::{DeviceChoice, Gpu, devices};
 use petzval_gpu::flood::{Beam, Cut, Flood, Flooded};
 use petzval_gpu::lens::LensTable;
 use petzval_gpu::number::Number;
 use petzval_gpu::shader::Style;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
-use petzval_optics::system::{System, LensSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Traced, Tracer, Travel};
 use serde_json::{Value, json};
 
@@ -26,7 +26,7 @@ const LENSES: [&str; 3] = ["wide-angle-smith-f3.4", "double-gauss-f2-tronnier", 
 const BUNDLE: usize = 4096;
 
 struct Options {
-    device: Choice,
+    device: DeviceChoice,
     lenses: Vec<PathBuf>,
     seconds: f64,
     is_quick: bool,
@@ -36,13 +36,19 @@ struct Options {
 
 fn options() -> Result<Options, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses");
-    let mut found =
-        Options { device: Choice::Any, lenses: Vec::new(), seconds: 0.3, is_quick: false, if_any: false, out: None };
+    let mut found = Options {
+        device: DeviceChoice::Any,
+        lenses: Vec::new(),
+        seconds: 0.3,
+        is_quick: false,
+        if_any: false,
+        out: None,
+    };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
         match word.as_str() {
-            "--device" => found.device = value()?.parse().unwrap_or(Choice::Any),
+            "--device" => found.device = value()?.parse().unwrap_or(DeviceChoice::Any),
             "--lens" => found.lenses.push(value()?.into()),
             "--seconds" => found.seconds = value()?.parse().map_err(|_| "--seconds needs a number".to_owned())?,
             "--quick" => found.is_quick = true,
@@ -218,7 +224,7 @@ fn bench(gpu: &Gpu, options: &Options) -> Result<Value, String> {
 /// The cuts that the first lens is timed in; of a software driver one small one.
 fn cuts(gpu: &Gpu, options: &Options) -> (Vec<Cut>, bool) {
     let cut = |group, rays_each, groups| Cut { group, rays_each, groups, dispatches: 1 };
-    if gpu.info().kind == petzval_gpu::device::Kind::Software {
+    if gpu.info().kind == petzval_gpu::device::DeviceKind::Software {
         let groups = if options.is_quick { 64 } else { 256 };
         return (vec![cut(64, 16, groups), cut(128, 8, groups)], true);
     }

@@ -10,7 +10,7 @@ use crate::error::GpuError;
 
 /// The kind of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum DeviceKind {
     /// A graphics card.
     Discrete,
     /// A graphics processor beside the CPU.
@@ -23,7 +23,7 @@ pub enum Kind {
     Other,
 }
 
-impl From<wgpu::DeviceType> for Kind {
+impl From<wgpu::DeviceType> for DeviceKind {
     fn from(kind: wgpu::DeviceType) -> Self {
         match kind {
             wgpu::DeviceType::DiscreteGpu => Self::Discrete,
@@ -41,7 +41,7 @@ pub struct DeviceInfo {
     /// Name of the device, as its driver gives it.
     pub name: String,
     /// The kind of the device.
-    pub kind: Kind,
+    pub kind: DeviceKind,
     /// Name and version of the device's driver.
     pub driver: String,
 }
@@ -56,7 +56,7 @@ impl DeviceInfo {
 
 /// The device that a user asks for: `cpu`, `gpu`, `any` or a part of a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Choice {
+pub enum DeviceChoice {
     /// None: the renderer's own tracer.
     Cpu,
     /// The first graphics card, or else another graphics processor; no software driver.
@@ -67,7 +67,7 @@ pub enum Choice {
     Named(String),
 }
 
-impl FromStr for Choice {
+impl FromStr for DeviceChoice {
     type Err = std::convert::Infallible;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -80,17 +80,19 @@ impl FromStr for Choice {
     }
 }
 
-impl Choice {
+impl DeviceChoice {
     /// The number of the device among those that there are; `None` for the CPU.
     pub fn among(&self, devices: &[DeviceInfo]) -> Result<Option<usize>, GpuError> {
-        let first = |kinds: &[Kind]| kinds.iter().find_map(|kind| devices.iter().position(|one| one.kind == *kind));
-        let hardware = || first(&[Kind::Discrete, Kind::Integrated, Kind::Virtual, Kind::Other]);
+        let first =
+            |kinds: &[DeviceKind]| kinds.iter().find_map(|kind| devices.iter().position(|one| one.kind == *kind));
+        let hardware =
+            || first(&[DeviceKind::Discrete, DeviceKind::Integrated, DeviceKind::Virtual, DeviceKind::Other]);
         let known = || devices.iter().map(|one| one.name.as_str()).collect::<Vec<_>>().join(", ");
         match self {
             Self::Cpu => Ok(None),
             _ if devices.is_empty() => Err(GpuError::NoDevice),
             Self::Gpu => hardware().map(Some).ok_or_else(|| GpuError::OnlySoftware { known: known() }),
-            Self::Any => Ok(hardware().or_else(|| first(&[Kind::Software]))),
+            Self::Any => Ok(hardware().or_else(|| first(&[DeviceKind::Software]))),
             Self::Named(name) => {
                 let found = devices.iter().position(|one| one.name.to_lowercase().contains(name));
                 found.map(Some).ok_or_else(|| GpuError::UnknownDevice { asked: name.clone(), known: known() })
@@ -150,8 +152,8 @@ pub fn devices() -> Vec<DeviceInfo> {
 
 impl Gpu {
     /// Opens the device that was chosen; `None` for the CPU.
-    pub fn open(choice: &Choice) -> Result<Option<Self>, GpuError> {
-        if *choice == Choice::Cpu {
+    pub fn open(choice: &DeviceChoice) -> Result<Option<Self>, GpuError> {
+        if *choice == DeviceChoice::Cpu {
             return Ok(None);
         }
         let adapters = adapters();
@@ -299,18 +301,21 @@ fn one_line(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn device(name: &str, kind: Kind) -> DeviceInfo {
+    fn device(name: &str, kind: DeviceKind) -> DeviceInfo {
         DeviceInfo { name: name.to_owned(), kind, driver: String::new() }
     }
 
     fn choose(text: &str, devices: &[DeviceInfo]) -> Result<Option<usize>, GpuError> {
-        text.parse::<Choice>().unwrap().among(devices)
+        text.parse::<DeviceChoice>().unwrap().among(devices)
     }
 
     #[test]
     fn a_card_comes_before_other_devices() {
-        let devices =
-            [device("llvmpipe", Kind::Software), device("Arc", Kind::Integrated), device("H100", Kind::Discrete)];
+        let devices = [
+            device("llvmpipe", DeviceKind::Software),
+            device("Arc", DeviceKind::Integrated),
+            device("H100", DeviceKind::Discrete),
+        ];
         assert_eq!(choose("gpu", &devices), Ok(Some(2)));
         assert_eq!(choose("any", &devices[..2]), Ok(Some(1)));
         assert_eq!(choose("any", &devices[..1]), Ok(Some(0)));
@@ -320,7 +325,7 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_said_in_a_line() {
-        let software = [device("llvmpipe", Kind::Software)];
+        let software = [device("llvmpipe", DeviceKind::Software)];
         assert_eq!(choose("gpu", &[]), Err(GpuError::NoDevice));
         for (asked, devices) in [("gpu", &software[..]), ("RTX", &software[..]), ("any", &[])] {
             let said = choose(asked, devices).unwrap_err().to_string();

@@ -62,12 +62,12 @@ pub(crate) struct Opening {
     pub(crate) slope: f64,
     pub(crate) bound: f64,
     pub(crate) sides: Vec<[f64; 2]>,
-    pub(crate) mask: Option<Mask>,
+    pub(crate) mask: Option<MaskTexture>,
 }
 
 /// A picture whose bright part is the opening.
 #[derive(Clone, Debug)]
-pub(crate) struct Mask {
+pub(crate) struct MaskTexture {
     /// Number of values along each side.
     pub(crate) side: usize,
     /// Brightness less a half, rows from below.
@@ -89,12 +89,12 @@ pub struct LensTable {
 }
 
 /// The contents of `numbers` of bindings.wgsl.
-struct Numbers {
+struct NumberTable {
     all: Vec<f64>,
     places: Vec<Places>,
 }
 
-/// Offsets of the numbers of a stage in [`Numbers`].
+/// Offsets of the numbers of a stage in [`NumberTable`].
 struct Places {
     terms: u32,
     pose: u32,
@@ -128,7 +128,7 @@ impl LensTable {
         });
         let (a, b, radius) = (diaphragm.apothem_mm(), diaphragm.bulge(), diaphragm.radius_mm());
         let (sin, cos) = diaphragm.rotation_rad().sin_cos();
-        let mask = diaphragm.mask().map(|mask| Mask {
+        let mask = diaphragm.mask().map(|mask| MaskTexture {
             side: mask.side(),
             values: mask.values().to_vec(),
             cos: cos / radius,
@@ -167,7 +167,7 @@ impl LensTable {
     }
 
     /// The numbers of the lens, and where in them the fields before and behind each stage begin; 0 where they are none.
-    fn numbers(&self) -> Numbers {
+    fn numbers(&self) -> NumberTable {
         let Opening { radius_squared, apothem, bulge, slope, bound, ref sides, ref mask } = self.opening;
         let mut all = vec![radius_squared, apothem * apothem, apothem, bulge, slope, bound];
         all.extend(sides.iter().flatten());
@@ -189,7 +189,7 @@ impl LensTable {
             });
             places.push(Places { terms, pose, fields });
         }
-        Numbers { all, places }
+        NumberTable { all, places }
     }
 
     /// Offsets of the fields of the gradients before and behind each stage.
@@ -199,7 +199,7 @@ impl LensTable {
 
     /// As the structs of bindings.wgsl have it.
     pub(crate) fn buffers<N: Number>(&self) -> Buffers {
-        let Numbers { all, places } = self.numbers();
+        let NumberTable { all, places } = self.numbers();
         let mut steps = Vec::new();
         let mut interfaces = Vec::new();
         for (stage, places) in self.stages.iter().zip(places) {

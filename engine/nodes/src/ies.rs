@@ -17,9 +17,9 @@ pub(crate) struct Ies {
 }
 
 /// Numbers in a row, parted by blanks or commas.
-struct Numbers<'a>(std::str::SplitWhitespace<'a>);
+struct NumberReader<'a>(std::str::SplitWhitespace<'a>);
 
-impl Numbers<'_> {
+impl NumberReader<'_> {
     fn next(&mut self) -> Result<f32, String> {
         let word = self.0.next().ok_or("its file ends too early")?;
         word.parse().map_err(|_| format!("its file has {word:?} where a number belongs"))
@@ -51,7 +51,7 @@ impl Ies {
             .find(|(line, _)| line.trim_start().starts_with("TILT="))
             .ok_or("its file has no line TILT=")?;
         let body = text[rest..].replace(',', " ");
-        let mut numbers = Numbers(body.split_whitespace());
+        let mut numbers = NumberReader(body.split_whitespace());
         match line.trim().trim_start_matches("TILT=").trim() {
             "NONE" => {}
             "INCLUDE" => {

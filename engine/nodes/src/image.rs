@@ -14,13 +14,13 @@ choices! {
 
 /// One image and how it is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Picture {
+pub(crate) struct ImageTexture {
     pub(crate) image: u16,
     pub(crate) interpolation: Interpolation,
     pub(crate) extension: Extension,
 }
 
-impl Picture {
+impl ImageTexture {
     pub(crate) fn at(self, textures: &impl Textures, uv: Vec2) -> Vec4 {
         textures.lookup(usize::from(self.image), uv, self.interpolation, self.extension)
     }

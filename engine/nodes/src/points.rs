@@ -60,7 +60,7 @@ impl Points {
 
     /// The point of this number, for a program that reads these attributes.
     pub fn point<'a>(&'a self, number: usize, attributes: &'a [Attribute]) -> impl Context + 'a {
-        Point { table: self, number, attributes }
+        TablePoint { table: self, number, attributes }
     }
 
     fn world_to(&self, space: Space) -> Affine3A {
@@ -72,13 +72,13 @@ impl Points {
     }
 }
 
-struct Point<'a> {
+struct TablePoint<'a> {
     table: &'a Points,
     number: usize,
     attributes: &'a [Attribute],
 }
 
-impl Context for Point<'_> {
+impl Context for TablePoint<'_> {
     fn read(&self, field: Field, shift: Shift) -> Vec3A {
         let column = self.table.fields.iter().find(|(other, _)| *other == field);
         column.map_or(Vec3A::ZERO, |(_, column)| Vec3A::from_vec4(column.at(self.number, shift)))

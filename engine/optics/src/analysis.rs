@@ -29,7 +29,7 @@ use crate::vignetting::{Probe, Window};
 const SHORTEST_STEP_DEG: f64 = 1e-3;
 
 /// Light of one wavelength through the lens as it is set.
-struct Line<'a> {
+struct AnalysedWavelength<'a> {
     wavelength_nm: f64,
     tracer: Tracer,
     probe: Probe<'a>,
@@ -40,21 +40,21 @@ pub struct Analysis<'a> {
     system: &'a System,
     focus: Focus,
     film: FilmPlane,
-    lines: Vec<Line<'a>>,
+    lines: Vec<AnalysedWavelength<'a>>,
     main: usize,
     azimuth: DVec2,
 }
 
 /// A field, and where its beam enters the lens.
 #[derive(Clone, Copy, Debug)]
-struct View {
+struct FieldView {
     field: Field,
     window: Window,
 }
 
 /// A ray on the film.
 #[derive(Clone, Copy, Debug)]
-struct Landing {
+struct FilmHit {
     /// The ray behind the last surface.
     out: Ray,
     /// The point on the film, (u, v), mm.
@@ -78,7 +78,7 @@ impl<'a> Analysis<'a> {
         wavelengths_nm.get(main)?;
         let line = |&wavelength_nm: &f64| {
             let probe = Probe::new(system, wavelength_nm, focus.object_plane_mm)?;
-            Some(Line { wavelength_nm, tracer: system.at_wavelength(wavelength_nm), probe })
+            Some(AnalysedWavelength { wavelength_nm, tracer: system.at_wavelength(wavelength_nm), probe })
         };
         let film = FilmPlane {
             curvature_per_mm: system.film_radius_mm().map_or(0.0, f64::recip),
@@ -138,7 +138,7 @@ impl<'a> Analysis<'a> {
 
     /// The field at an angle; `None` where nothing comes through from there. The beam is followed from the axis outwards, in steps
     /// that are halved where it is lost.
-    fn view(&self, angle_deg: f64) -> Option<View> {
+    fn view(&self, angle_deg: f64) -> Option<FieldView> {
         let probe = &self.lines[self.main].probe;
         let mut window = Window::about(probe.paraxial_rim().into_iter())?.find(probe, &self.field(0.0))?.window;
         let (mut here, mut step) = (0.0, angle_deg);
@@ -153,12 +153,12 @@ impl<'a> Analysis<'a> {
                 None => step *= 0.5,
             }
         }
-        Some(View { field: self.field(angle_deg), window })
+        Some(FieldView { field: self.field(angle_deg), window })
     }
 
     /// Rays of a field, `side` by `side` evenly over its window, that come through at the line's wavelength and hit the film.
-    fn landings(&self, line: usize, view: &View, side: usize) -> Vec<Landing> {
-        let Line { tracer, probe, .. } = &self.lines[line];
+    fn landings(&self, line: usize, view: &FieldView, side: usize) -> Vec<FilmHit> {
+        let AnalysedWavelength { tracer, probe, .. } = &self.lines[line];
         let mut bundle = tracer.bundle(Travel::FromScene);
         let mut weights = Vec::with_capacity(side * side);
         for i in 0..side * side {
@@ -170,19 +170,19 @@ impl<'a> Analysis<'a> {
         let frame = self.film.frame();
         let landing = |(i, weight): (usize, f64)| {
             let out = bundle.result(i).ok()?;
-            Some(Landing { out, film: DVec2::from(frame.meet(&out)?), weight })
+            Some(FilmHit { out, film: DVec2::from(frame.meet(&out)?), weight })
         };
         weights.into_iter().enumerate().filter_map(landing).collect()
     }
 
     /// The point at which the ray through the middle of the stop crosses the plane of its field, at the line's wavelength, whether a rim
     /// stops it or not; `None`: there is no such ray.
-    fn chief(&self, line: usize, view: &View) -> Option<DVec2> {
+    fn chief(&self, line: usize, view: &FieldView) -> Option<DVec2> {
         self.lines[line].probe.aim(&view.field, DVec2::ZERO, view.window.centre).ok()
     }
 
     /// The chief ray of a view as it leaves the lens, at the line's wavelength.
-    fn chief_out(&self, line: usize, view: &View) -> Option<Ray> {
+    fn chief_out(&self, line: usize, view: &FieldView) -> Option<Ray> {
         let probe = &self.lines[line].probe;
         probe.tracer.from_scene(probe.origin.ray(&view.field, self.chief(line, view)?)).ok()
     }
@@ -204,7 +204,7 @@ impl<'a> Analysis<'a> {
     }
 }
 
-impl View {
+impl FieldView {
     /// The middle of a cell of the window, of `side` by `side`.
     fn place(&self, cell: [usize; 2], side: usize) -> DVec2 {
         let unit = |i: usize| (2 * i + 1) as f64 / side as f64 - 1.0;

@@ -19,10 +19,10 @@ pub use recipes::{RECIPES, Recipe};
 /// Thin films on a surface; cheap to clone. None: bare.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(try_from = "String")]
-pub struct Coating(Option<Arc<Stack>>);
+pub struct Coating(Option<Arc<LayerStack>>);
 
 #[derive(Debug, PartialEq)]
-struct Stack {
+struct LayerStack {
     /// The text in a lens file.
     name: String,
     /// The outermost, beside the air, first.
@@ -77,7 +77,7 @@ impl Coating {
 
     /// Layers, the outermost first.
     pub fn of(name: &str, layers: Vec<Layer>) -> Self {
-        Self((!layers.is_empty()).then(|| Arc::new(Stack { name: name.to_owned(), layers })))
+        Self((!layers.is_empty()).then(|| Arc::new(LayerStack { name: name.to_owned(), layers })))
     }
 
     /// The coating of a text in a lens file: a recipe's name, with `@NM` behind it for another design wavelength, or layers.

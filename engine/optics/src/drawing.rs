@@ -27,7 +27,7 @@ const APPROACH: f64 = 0.18;
 
 /// The profile of a surface in the y-z plane. Points are (z, y) in lens space, mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Profile {
+pub struct SurfaceProfile {
     /// Points from the lower rim to the upper.
     pub points: Vec<[f64; 2]>,
     /// Half of the diameter of the missing middle, or 0.
@@ -51,7 +51,7 @@ pub struct FieldRays {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Drawing {
     /// Surfaces, scene side first.
-    pub surfaces: Vec<Profile>,
+    pub surfaces: Vec<SurfaceProfile>,
     /// Index of the surface with the diaphragm.
     pub stop: usize,
     /// Half of the diaphragm's opening.
@@ -75,7 +75,7 @@ impl Drawing {
     /// The system with the film that `focus` has, rays of a vacuum wavelength in nm from the given angles, `count` (at least 1)
     /// from each, evenly over the beam that comes through in this plane, its rims among them.
     pub fn new(system: &System, focus: &Focus, wavelength_nm: f64, angles_deg: &[f64], count: usize) -> Self {
-        let surfaces: Vec<Profile> = system.surfaces().iter().map(profile).collect();
+        let surfaces: Vec<SurfaceProfile> = system.surfaces().iter().map(profile).collect();
         let film = FilmPlane {
             curvature_per_mm: system.film_radius_mm().map_or(0.0, f64::recip),
             ..FilmPlane::upright(focus.film_z_mm)
@@ -102,7 +102,7 @@ fn flat(place: DVec3) -> [f64; 2] {
     [place.z, place.y]
 }
 
-fn profile(s: &Surface) -> Profile {
+fn profile(s: &Surface) -> SurfaceProfile {
     let semi = s.semi_diameter_mm.min(s.shape.reach_mm());
     let place = |i: u32| {
         let y = semi * (2.0 * f64::from(i) / f64::from(PLACES) - 1.0);
@@ -113,7 +113,7 @@ fn profile(s: &Surface) -> Profile {
         Element::Refract { to, .. } => Some(to.name().to_owned()).filter(|name| name != AIR_NAME),
         Element::Reflect { .. } => None,
     };
-    Profile {
+    SurfaceProfile {
         points: (0..=PLACES).filter_map(place).collect(),
         hole_mm: s.obstruction_mm,
         is_mirror: matches!(s.element, Element::Reflect { .. }),
@@ -126,7 +126,7 @@ struct Beams<'a> {
     tracer: Tracer,
     origin: Origin,
     film: FilmPlane,
-    surfaces: &'a [Profile],
+    surfaces: &'a [SurfaceProfile],
 }
 
 impl Beams<'_> {

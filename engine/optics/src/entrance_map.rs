@@ -30,7 +30,7 @@ const AZIMUTHS: usize = 12;
 pub struct EntranceMap {
     /// The middle of the map, on the axis; directions are counted from here.
     middle: DVec3,
-    discs: Vec<Disc>,
+    discs: Vec<BeamDisc>,
     /// Ball that holds the front glass.
     front: DVec3,
     front_radius: f64,
@@ -38,7 +38,7 @@ pub struct EntranceMap {
 
 /// The beam from one direction.
 #[derive(Clone, Copy, Debug, Default)]
-struct Disc {
+struct BeamDisc {
     /// Offset of the centre from the map's middle, towards the side that the beam comes from, mm.
     offset: f64,
     /// Radius; 0 if nothing gets through.
@@ -55,13 +55,13 @@ pub struct Aim {
 }
 
 /// A point of the scene and the discs at right angles to the line from it to the map's middle.
-struct View {
+struct ScenePoint {
     distance: f64,
     /// Direction to the point.
     towards: DVec3,
     /// Axes in the plane of the axis and the point, and at right angles to that plane.
     axes: [DVec3; 2],
-    disc: Disc,
+    disc: BeamDisc,
     /// The disc that hides the whole front glass.
     front_offset: f64,
     front_radius: f64,
@@ -86,12 +86,12 @@ impl EntranceMap {
         let mut map =
             Self { middle: DVec3::new(0.0, 0.0, middle_z), discs: Vec::with_capacity(NODES), front, front_radius };
         let azimuths = if system.is_rotationally_symmetric() { 1 } else { AZIMUTHS };
-        let mut last = Disc { offset: 0.0, radius: 0.5 * pupil.diameter_mm.unwrap_or(0.0) };
+        let mut last = BeamDisc { offset: 0.0, radius: 0.5 * pupil.diameter_mm.unwrap_or(0.0) };
         for node in 0..NODES {
             let angle = PI * node as f64 / (NODES - 1) as f64;
-            let whole = Disc { offset: (front.z - middle_z) * angle.sin(), radius: front_radius };
+            let whole = BeamDisc { offset: (front.z - middle_z) * angle.sin(), radius: front_radius };
             // A small pupil falls between the rays of a coarse search: then it is looked for about the last one.
-            let near = Disc { radius: 2.0 * last.radius, ..last };
+            let near = BeamDisc { radius: 2.0 * last.radius, ..last };
             let found = map
                 .search(tracers, azimuths, angle, whole)
                 .and_then(|disc| map.search(tracers, azimuths, angle, disc))
@@ -103,7 +103,7 @@ impl EntranceMap {
     }
 
     /// The disc about the rays of a beam that get through, of those through `within`, wider by their spacing.
-    fn search(&self, tracers: &[Tracer], azimuths: usize, angle: f64, within: Disc) -> Option<Disc> {
+    fn search(&self, tracers: &[Tracer], azimuths: usize, angle: f64, within: BeamDisc) -> Option<BeamDisc> {
         let spacing = 2.0 * within.radius / (GRID - 1) as f64;
         let mut passed: Vec<DVec2> = Vec::new();
         for azimuth in 0..azimuths {
@@ -133,7 +133,7 @@ impl EntranceMap {
         let [low, high] = ends?;
         let offset = 0.5 * (low + high);
         let farthest = passed.iter().map(|p| (*p - DVec2::new(offset, 0.0)).length()).fold(0.0, f64::max);
-        Some(Disc { offset, radius: farthest + spacing })
+        Some(BeamDisc { offset, radius: farthest + spacing })
     }
 
     /// The point on the axis from which the angles are counted, lens space, mm.
@@ -156,7 +156,7 @@ impl EntranceMap {
         from + direction * (along - half)
     }
 
-    fn view(&self, from: DVec3) -> Option<View> {
+    fn view(&self, from: DVec3) -> Option<ScenePoint> {
         let to = from - self.middle;
         let distance = to.length();
         // In the glass nothing can be aimed at.
@@ -175,8 +175,8 @@ impl EntranceMap {
         }
         let [low, high] = [aside - half, aside + half].map(|angle| distance * angle.tan());
         let (front_offset, front_radius) = (0.5 * (low + high), 0.5001 * (high - low));
-        let disc = Disc { radius: disc.radius * (1.0 + MARGIN), ..disc };
-        Some(View { distance, towards, axes: [along, across], disc, front_offset, front_radius })
+        let disc = BeamDisc { radius: disc.radius * (1.0 + MARGIN), ..disc };
+        Some(ScenePoint { distance, towards, axes: [along, across], disc, front_offset, front_radius })
     }
 
     /// The middle of the pupil as it is for light from a direction; `towards`, a unit vector, points there. Lens space, mm.
@@ -186,7 +186,7 @@ impl EntranceMap {
     }
 
     /// The disc for light from a direction, and its axes: in the plane of the direction and the lens's axis, and across.
-    fn disc(&self, towards: DVec3) -> (Disc, [DVec3; 2]) {
+    fn disc(&self, towards: DVec3) -> (BeamDisc, [DVec3; 2]) {
         let flat = towards.truncate();
         let sin = flat.length();
         let radial = if sin > 0.0 { flat / sin } else { DVec2::X };
@@ -198,7 +198,7 @@ impl EntranceMap {
         let disc = match (a.radius > 0.0, b.radius > 0.0) {
             (true, true) => {
                 let part = place - node as f64;
-                Disc { offset: a.offset + (b.offset - a.offset) * part, radius: a.radius.max(b.radius) }
+                BeamDisc { offset: a.offset + (b.offset - a.offset) * part, radius: a.radius.max(b.radius) }
             }
             (true, false) => a,
             _ => b,
@@ -235,7 +235,7 @@ impl EntranceMap {
     }
 }
 
-impl View {
+impl ScenePoint {
     fn defensive_share(&self) -> f64 {
         if self.disc.radius > 0.0 { DEFENSIVE_SHARE } else { 1.0 }
     }

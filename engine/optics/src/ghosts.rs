@@ -49,7 +49,7 @@ pub fn all(system: &System, wavelength_nm: f64, film_z_mm: f64, least_radius_mm:
             if product == 0.0 || is_mirror(&surfaces[earlier]) || is_mirror(&surfaces[later]) {
                 continue;
             }
-            let path = Path::new(system, &surfaces, [earlier, later], to_film);
+            let path = BeamPath::new(system, &surfaces, [earlier, later], to_film);
             let radius_mm = (path.at_film * path.beam).abs().max(least_radius_mm);
             let irradiance = product * (path.beam / radius_mm).powi(2);
             if irradiance.is_finite() {
@@ -62,16 +62,16 @@ pub fn all(system: &System, wavelength_nm: f64, film_z_mm: f64, least_radius_mm:
 }
 
 /// A beam on its way.
-struct Path {
+struct BeamPath {
     /// Height on the film for height 1 before the lens.
     at_film: f64,
     /// The largest height before the lens that passes all rims.
     beam: f64,
 }
 
-impl Path {
+impl BeamPath {
     fn new(system: &System, surfaces: &[ParaxialSurface], [earlier, later]: [usize; 2], to_film: f64) -> Self {
-        let mut walk = Walk { system, ray: [1.0, 0.0], beam: f64::INFINITY };
+        let mut walk = GhostWalk { system, ray: [1.0, 0.0], beam: f64::INFINITY };
         let mirror = |curvature: f64, index: f64| Matrix::surface(curvature, index, -index);
         // There.
         for (k, s) in surfaces[..later].iter().enumerate() {
@@ -101,13 +101,13 @@ impl Path {
 }
 
 /// A ray, and the beam that the rims so far let through.
-struct Walk<'a> {
+struct GhostWalk<'a> {
     system: &'a System,
     ray: [f64; 2],
     beam: f64,
 }
 
-impl Walk<'_> {
+impl GhostWalk<'_> {
     fn meet(&mut self, surface: usize, matrix: Matrix) {
         let semi = match surface == self.system.stop() {
             true => self.system.stop_semi_diameter_mm(),

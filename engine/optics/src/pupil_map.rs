@@ -30,13 +30,13 @@ use crate::focus::FilmPlane;
 use crate::system::System;
 use crate::trace::Tracer;
 
+use aims::CellSectors;
 pub use aims::PupilSamples;
-use aims::Slices;
-use axis::Axis;
+use axis::CellAxis;
 use cell::Cell;
 use ellipse::{Ellipse, carried_on, conjugate_rotate, midway};
 use lanes::Spot;
-use outline::{Outline, Place, Probe};
+use outline::{FilmPlace, PupilOutline, TargetProbe};
 
 pub use throughput::{on_axis_throughput, on_axis_throughput_without_obstructions, unobstructed_part};
 
@@ -61,9 +61,9 @@ pub struct PupilMap {
     glass_radius: f64,
     /// One over the disc's area, per mm².
     glass_density: f64,
-    radius: Axis,
-    depth: Axis,
-    azimuth: Axis,
+    radius: CellAxis,
+    depth: CellAxis,
+    azimuth: CellAxis,
     /// Turn after which the lens looks the same; 0 if any turn leaves it so.
     period: f64,
     /// Cosine and sine of the multiples of the period.
@@ -77,7 +77,7 @@ pub struct PupilMap {
     cells: Vec<Cell>,
     /// Spots by radius, if nothing else counts.
     spots: Vec<Spot>,
-    slices: Vec<Slices>,
+    slices: Vec<CellSectors>,
 }
 
 /// A film point and the cell that it lies in.
@@ -170,9 +170,9 @@ impl PupilMap {
             reference_z,
             glass_radius,
             glass_density: (PI * glass_radius * glass_radius).recip(),
-            radius: Axis::new(0.0, farthest, resolution.radius),
-            depth: Axis::new(near, far, resolution.depth),
-            azimuth: Axis::new(0.0, period, resolution.azimuth),
+            radius: CellAxis::new(0.0, farthest, resolution.radius),
+            depth: CellAxis::new(near, far, resolution.depth),
+            azimuth: CellAxis::new(0.0, period, resolution.azimuth),
             period,
             frames: (0..turns).map(|i| DVec2::from_angle(f64::from(i) * period)).collect(),
             is_plain: period == 0.0 && near == far,
@@ -182,22 +182,22 @@ impl PupilMap {
             spots: Vec::new(),
             slices: Vec::new(),
         };
-        map.fill(&Probe::new(tracers, reference_z, glass_radius));
+        map.fill(&TargetProbe::new(tracers, reference_z, glass_radius));
         if map.is_plain {
             map.spots =
                 (0..map.radius.cells).map(|r| Spot::new(&map.cells[r], map.ellipses[r], map.ellipses[r + 1])).collect();
-            map.slices = map.cells.iter().map(Slices::new).collect();
+            map.slices = map.cells.iter().map(CellSectors::new).collect();
         }
         map
     }
 
     /// Traces the outlines at the nodes of the table, twice as many as cells, and joins them cell by cell.
-    fn fill(&mut self, probe: &Probe) {
+    fn fill(&mut self, probe: &TargetProbe) {
         let (nr, nz, na) = (2 * self.radius.cells + 1, self.depth.cells + 1, 2 * self.azimuth.cells + 1);
         let na = if self.period > 0.0 { na } else { 1 };
         // A film at right angles has one depth: its second node would repeat the first.
         let nz = if self.depth.cells_per_unit > 0.0 { nz } else { 1 };
-        let mut outlines: Vec<Option<Outline>> = Vec::with_capacity(nz * na * nr);
+        let mut outlines: Vec<Option<PupilOutline>> = Vec::with_capacity(nz * na * nr);
         for z in 0..nz {
             let film_z = self.depth.at(z as f64);
             // By node of azimuth and of radius, of the coarse grid; whether light arrives there, of the fine one.
@@ -212,8 +212,8 @@ impl PupilMap {
                 ellipses.push(carried_on(&row, Ellipse::circle(self.glass_radius)));
             }
             // From the middle outwards, all azimuths together: each outline is the next one's first guess.
-            let mut rows: Vec<Vec<Option<Outline>>> = vec![Vec::with_capacity(nr); na];
-            let mut last: Vec<Option<Outline>> = vec![None; na];
+            let mut rows: Vec<Vec<Option<PupilOutline>>> = vec![Vec::with_capacity(nr); na];
+            let mut last: Vec<Option<PupilOutline>> = vec![None; na];
             for r in 0..nr {
                 let row = |a: usize| if self.ellipses_by_azimuth { a } else { 0 };
                 let lit: Vec<usize> = (0..na).filter(|&a| found[row(a)][r]).collect();
@@ -221,10 +221,10 @@ impl PupilMap {
                     let meridian = DVec2::from_angle(self.azimuth.at(a as f64 / 2.0));
                     let film = (meridian * self.radius.at(r as f64 / 2.0)).extend(film_z);
                     // Between its even nodes the map interpolates: the outline is taken about that same ellipse.
-                    Place::new(film, midway(&ellipses, row(a), r), meridian, self.axes(meridian))
+                    FilmPlace::new(film, midway(&ellipses, row(a), r), meridian, self.axes(meridian))
                 };
-                let places: Vec<Place> = lit.iter().map(place).collect();
-                let hints: Vec<Option<Outline>> = lit.iter().map(|&a| last[a].clone()).collect();
+                let places: Vec<FilmPlace> = lit.iter().map(place).collect();
+                let hints: Vec<Option<PupilOutline>> = lit.iter().map(|&a| last[a].clone()).collect();
                 rows.iter_mut().for_each(|row| row.push(None));
                 for (&a, outline) in lit.iter().zip(probe.outlines(&places, self.period == 0.0, &hints)) {
                     last[a] = Some(outline.clone());
@@ -237,13 +237,13 @@ impl PupilMap {
         self.join(&outlines, [nz, na, nr]);
     }
 
-    fn join(&mut self, outlines: &[Option<Outline>], [nz, na, nr]: [usize; 3]) {
+    fn join(&mut self, outlines: &[Option<PupilOutline>], [nz, na, nr]: [usize; 3]) {
         let span = |cell: usize, nodes: usize| if nodes == 1 { 0..=0 } else { cell..=cell + 1 };
         let fine = |cell: usize, nodes: usize| if nodes == 1 { 0..=0 } else { 2 * cell..=2 * cell + 2 };
         for z in 0..self.depth.cells {
             for a in 0..self.azimuth.cells {
                 for r in 0..self.radius.cells {
-                    let mut union: Option<Outline> = None;
+                    let mut union: Option<PupilOutline> = None;
                     for (z, a) in span(z, nz).flat_map(|z| fine(a, na).map(move |a| (z, a))) {
                         for r in fine(r, nr) {
                             let Some(outline) = &outlines[(z * na + a) * nr + r] else { continue };

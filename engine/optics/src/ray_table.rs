@@ -29,8 +29,8 @@ use crate::vector::Vector;
 mod grid;
 mod window;
 
-use grid::{Axis, Stencil, fill_gaps};
-use window::Window;
+use grid::{NodeAxis, Stencil, fill_gaps};
+use window::PlaneWindow;
 
 /// Resolution of a table: nodes of each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,9 +73,9 @@ pub struct RayTable {
     reference_z: f64,
     is_symmetric: bool,
     /// Distance from the axis and a single node, or across and up.
-    film: [Axis; 2],
+    film: [NodeAxis; 2],
     /// Nodes of the pupil lie at equal parts of the window that a film point sees it through.
-    window: Window,
+    window: PlaneWindow,
     pupil: usize,
     groups: usize,
     /// The groups of a ray, by film node, pupil row and pupil column.
@@ -110,8 +110,10 @@ impl RayTable {
         };
         let is_symmetric = system.is_rotationally_symmetric();
         let axes = match is_symmetric {
-            true => [Axis::new(0.0, lit_radius(map, film.z_mm, extent.farthest), grid.film_radius), Axis::single()],
-            false => [0, 1].map(|i| Axis::new(extent.low[i], extent.high[i], grid.film_side)),
+            true => {
+                [NodeAxis::new(0.0, lit_radius(map, film.z_mm, extent.farthest), grid.film_radius), NodeAxis::single()]
+            }
+            false => [0, 1].map(|i| NodeAxis::new(extent.low[i], extent.high[i], grid.film_side)),
         };
         let centre_z = Paraxial::new(system, wavelength_nm).entrance_pupil.z_mm.filter(|z| {
             // An entrance pupil far away would take the digits.
@@ -381,7 +383,13 @@ impl Extent {
 }
 
 /// The window through which film points see the pupil of `map`.
-fn window(map: &PupilMap, film_z: f64, [first, second]: &[Axis; 2], is_symmetric: bool, has_blades: bool) -> Window {
+fn window(
+    map: &PupilMap,
+    film_z: f64,
+    [first, second]: &[NodeAxis; 2],
+    is_symmetric: bool,
+    has_blades: bool,
+) -> PlaneWindow {
     // The blades' outline turns with the meridian: its bounds over all turns are those of a few within 1 %.
     let turns = if is_symmetric && has_blades { 64 } else { 1 };
     let mut bounds = Vec::new();
@@ -398,7 +406,7 @@ fn window(map: &PupilMap, film_z: f64, [first, second]: &[Axis; 2], is_symmetric
             bounds.push((film, [low, high]));
         }
     }
-    Window::around(&bounds, is_symmetric, map.glass_radius_mm())
+    PlaneWindow::around(&bounds, is_symmetric, map.glass_radius_mm())
 }
 
 /// The distance from the axis up to which light arrives, at most `farthest`.

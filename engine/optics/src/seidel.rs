@@ -67,7 +67,7 @@ impl Seidel {
         if system.has_gradients() {
             return None;
         }
-        let rays = Rays::at_first_vertex(system, wavelength_nm, object_z_mm, field_deg.to_radians())?;
+        let rays = MarginalAndChief::at_first_vertex(system, wavelength_nm, object_z_mm, field_deg.to_radians())?;
         let by_surface = by_surface(system, wavelength_nm, rays);
         let total: Sums = by_surface.iter().copied().sum();
         let is_finite = total.seidel.iter().chain(&total.chromatic).all(|x| x.is_finite());
@@ -82,12 +82,12 @@ impl Seidel {
 
 /// Height in mm and reduced slope n u of the marginal and the chief ray.
 #[derive(Clone, Copy)]
-struct Rays {
+struct MarginalAndChief {
     marginal: [f64; 2],
     chief: [f64; 2],
 }
 
-impl Rays {
+impl MarginalAndChief {
     /// The rays from the axial point of the object past the rim, and from the object's edge through the centre, of the
     /// entrance pupil.
     fn at_first_vertex(system: &System, wavelength_nm: f64, object_z_mm: Option<f64>, field_rad: f64) -> Option<Self> {
@@ -110,7 +110,7 @@ impl Rays {
     }
 }
 
-fn by_surface(system: &System, wavelength_nm: f64, mut rays: Rays) -> Vec<Sums> {
+fn by_surface(system: &System, wavelength_nm: f64, mut rays: MarginalAndChief) -> Vec<Sums> {
     let surfaces = system.thin(wavelength_nm);
     let (blue, red) = (system.thin(line_nm::F), system.thin(line_nm::C));
     let lagrange = rays.chief[0] * rays.marginal[1] - rays.chief[1] * rays.marginal[0];
@@ -129,13 +129,19 @@ fn by_surface(system: &System, wavelength_nm: f64, mut rays: Rays) -> Vec<Sums> 
 }
 
 /// Snell's invariants n i of the marginal and the chief ray.
-fn invariants(s: &ParaxialSurface, rays: Rays) -> [f64; 2] {
+fn invariants(s: &ParaxialSurface, rays: MarginalAndChief) -> [f64; 2] {
     [rays.marginal, rays.chief].map(|[y, nu]| nu + s.from * s.curvature * y)
 }
 
 /// S_I to S_V of one surface. `rays` are those before it, `after` is the marginal ray behind it, `asphericity` as
 /// [`crate::surface::Shape::asphericity`] has it.
-fn seidel_terms(s: &ParaxialSurface, asphericity: f64, rays: Rays, after: [f64; 2], lagrange: f64) -> [f64; 5] {
+fn seidel_terms(
+    s: &ParaxialSurface,
+    asphericity: f64,
+    rays: MarginalAndChief,
+    after: [f64; 2],
+    lagrange: f64,
+) -> [f64; 5] {
     let (n, n2, c) = (s.from, s.to, s.curvature);
     let ([y, nu], [yc, _]) = (rays.marginal, rays.chief);
     let [a, ac] = invariants(s, rays);

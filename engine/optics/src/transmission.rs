@@ -23,12 +23,12 @@ const STRAIGHT: f64 = 1e-7;
 /// One ray through a lens, with the numbers that its losses depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Passage {
-    met: Vec<Met>,
+    met: Vec<CrossedSurface>,
 }
 
 /// A surface on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Met {
+struct CrossedSurface {
     surface: usize,
     cos: f64,
     /// Length of the way through the medium before.
@@ -61,12 +61,12 @@ impl<'a> Passages<'a> {
     /// The passage of a ray which comes from the scene; `None` where it is lost.
     pub fn from_scene(&self, ray: Ray) -> Option<Passage> {
         let (out, hits) = self.tracer.path_from_scene(ray).ok()?;
-        let mut met: Vec<Met> = Vec::with_capacity(hits.len());
+        let mut met: Vec<CrossedSurface> = Vec::with_capacity(hits.len());
         self.straight
             .as_ref()?
             .from_scene(ray, &mut |incidence| {
                 let (surface, length_mm) = (incidence.meeting.surface, incidence.length_mm);
-                met.push(Met { surface, cos: incidence.cos, length_mm, turn: [1.0, 0.0] });
+                met.push(CrossedSurface { surface, cos: incidence.cos, length_mm, turn: [1.0, 0.0] });
             })
             .ok()?;
         // Across the planes of incidence; where there is none, any does.
@@ -119,7 +119,7 @@ impl<'a> Passages<'a> {
 
     /// The part of unpolarised light of a wavelength that passes if the light is taken as unpolarised before each surface.
     pub fn part_unpolarised(&self, passage: &Passage, wavelength_nm: f64) -> f64 {
-        let one = |met: &Met| {
+        let one = |met: &CrossedSurface| {
             let surface = &self.system.surfaces()[met.surface];
             let split = surface.split(wavelength_nm, met.cos, true);
             let (part, before) = match &surface.element {

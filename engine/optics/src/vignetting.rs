@@ -14,8 +14,8 @@ use crate::system::System;
 
 use beam::RimOfBeam;
 
-pub(crate) use beam::Probe;
-pub(crate) use survey::Window;
+pub(crate) use beam::RimlessLens;
+pub(crate) use survey::FieldWindow;
 
 /// The field angles at which the beam comes through. Angles are those of the chief ray before the lens, in degrees;
 /// more than 90 for what lies behind the first vertex. `None`: the lens has no such angle.
@@ -49,7 +49,9 @@ const SURE_STEPS: u32 = 4;
 impl Vignetting {
     /// The angles at a vacuum wavelength in nm, for the plane that `focus` has sharp.
     pub fn new(system: &System, wavelength_nm: f64, focus: &Focus) -> Self {
-        let Some(probe) = Probe::new(system, wavelength_nm, focus.object_plane_mm) else { return Self::default() };
+        let Some(probe) = RimlessLens::new(system, wavelength_nm, focus.object_plane_mm) else {
+            return Self::default();
+        };
         let azimuths: &[[f64; 2]] = match system.is_rotationally_symmetric() {
             true => &[[0.0, 1.0]],
             false => &[[0.0, 1.0], [0.0, -1.0], [1.0, 0.0], [-1.0, 0.0]],
@@ -58,7 +60,7 @@ impl Vignetting {
         azimuths.iter().map(one).reduce(Self::least).unwrap_or_default()
     }
 
-    fn towards(probe: &Probe, azimuth: [f64; 2]) -> Self {
+    fn towards(probe: &RimlessLens, azimuth: [f64; 2]) -> Self {
         let field = |degrees: f64| Field::new(degrees.to_radians(), azimuth);
         let (axial_beam_cut_by, free_field_deg) = free_field(probe, field);
         let [half_field_deg, largest_field_deg] = fields_by_area(probe, field);
@@ -112,7 +114,7 @@ fn follow<S>(
 }
 
 /// The rim that cuts the beam on the axis, and the angle up to which none does.
-fn free_field(probe: &Probe, field: impl Fn(f64) -> Field) -> (Option<usize>, Option<f64>) {
+fn free_field(probe: &RimlessLens, field: impl Fn(f64) -> Field) -> (Option<usize>, Option<f64>) {
     let passes = |rim: &RimOfBeam| rim.reach <= 1.0 + ROUNDING;
     let axial = match probe.rim_of_beam(&field(0.0), &probe.paraxial_rim()) {
         Ok(rim) if passes(&rim) => rim.points,
@@ -127,10 +129,10 @@ fn free_field(probe: &Probe, field: impl Fn(f64) -> Field) -> (Option<usize>, Op
 }
 
 /// The angles where half of the axial beam's area is left, and nothing.
-fn fields_by_area(probe: &Probe, field: impl Fn(f64) -> Field) -> [Option<f64>; 2] {
-    let axial = Window::about(probe.paraxial_rim().into_iter()).and_then(|window| window.find(probe, &field(0.0)));
+fn fields_by_area(probe: &RimlessLens, field: impl Fn(f64) -> Field) -> [Option<f64>; 2] {
+    let axial = FieldWindow::about(probe.paraxial_rim().into_iter()).and_then(|window| window.find(probe, &field(0.0)));
     let Some(axial) = axial else { return [None; 2] };
-    let last = |start: (f64, Window), least_area: f64| {
+    let last = |start: (f64, FieldWindow), least_area: f64| {
         follow(start, probe.widest_deg(), SHORTEST_STEP_BY_AREA_DEG, |degrees, window| {
             let found = window.find(probe, &field(degrees))?;
             (found.area >= least_area).then_some(found.window)

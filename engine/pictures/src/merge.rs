@@ -9,7 +9,7 @@
 use crate::channels::replace;
 use crate::error::MergeError;
 use crate::mattes;
-use crate::part::{COUNTS, Part};
+use crate::part::{COUNTS, PicturePart};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,7 @@ pub fn merge(files: &[PathBuf], output: &Path, memory_bytes: u64) -> Result<Merg
     }
     let (mut parts, mut left) = (Vec::new(), memory_bytes);
     for file in files {
-        let (part, bytes) = Part::read(file, left)?;
+        let (part, bytes) = PicturePart::read(file, left)?;
         left = left.saturating_sub(bytes);
         parts.push(part);
     }
@@ -57,7 +57,7 @@ pub fn merge(files: &[PathBuf], output: &Path, memory_bytes: u64) -> Result<Merg
         passes.entry((layer, pass.to_owned())).or_default().push(name.clone());
     }
     let layers: BTreeSet<Option<String>> = passes.keys().map(|(layer, _)| layer.clone()).collect();
-    let (mut samples, mut is_exact) = (0.0, parts.iter().all(Part::is_lossless));
+    let (mut samples, mut is_exact) = (0.0, parts.iter().all(PicturePart::is_lossless));
     for layer in &layers {
         let counts = parts.iter().map(|part| part.counts(layer.as_deref())).collect::<Result<Vec<_>, _>>()?;
         let joining = Joining { counts: &counts, totals: totals(&counts) };
@@ -73,7 +73,7 @@ pub fn merge(files: &[PathBuf], output: &Path, memory_bytes: u64) -> Result<Merg
         }
     }
 
-    let even = parts.iter().map(Part::even_samples).sum::<Option<f64>>();
+    let even = parts.iter().map(PicturePart::even_samples).sum::<Option<f64>>();
     let ranges: Vec<_> = parts.iter().flat_map(|part| part.ranges.clone()).collect();
     let is_known = parts.iter().all(|part| !part.ranges.is_empty());
     parts[0].tell(even, if is_known { &ranges } else { &[] });
@@ -94,14 +94,14 @@ fn colour_of(pass: &str) -> Option<String> {
     None
 }
 
-fn write(part: &Part, output: &Path) -> Result<(), MergeError> {
+fn write(part: &PicturePart, output: &Path) -> Result<(), MergeError> {
     use exr::prelude::WritableImage;
     // It may be one of those that were read: they are whole in memory.
     replace(output, |file| part.picture.write().to_buffered(file))
 }
 
 /// Checks that the files are parts of one picture, none of them twice.
-fn check(parts: &[Part]) -> Result<(), MergeError> {
+fn check(parts: &[PicturePart]) -> Result<(), MergeError> {
     let first = &parts[0];
     let names: BTreeSet<&String> = first.names().collect();
     for part in &parts[1..] {
@@ -139,7 +139,7 @@ fn check(parts: &[Part]) -> Result<(), MergeError> {
 }
 
 /// The first thing in which the pictures of two parts differ, if they do.
-fn difference(first: &Part, part: &Part) -> Option<String> {
+fn difference(first: &PicturePart, part: &PicturePart) -> Option<String> {
     let mut names: Vec<&String> = first.picture_of.keys().chain(part.picture_of.keys()).collect();
     // Another lens has other settings, and another camera may have another scene: the cause first.
     let rank = |name: &String| match name.as_str() {
@@ -182,7 +182,7 @@ struct Joining<'a> {
 
 impl Joining<'_> {
     /// Joins a pass; false if it is the picture, and is exact to its rounding only.
-    fn pass(&self, parts: &[Part], pass: &str, channels: &[String], done: &mut Vec<(String, Vec<f32>)>) -> bool {
+    fn pass(&self, parts: &[PicturePart], pass: &str, channels: &[String], done: &mut Vec<(String, Vec<f32>)>) -> bool {
         if REMAINDERS.contains(&pass) {
             // With the picture.
             return true;
@@ -228,7 +228,7 @@ impl Joining<'_> {
     }
 
     /// Means of light that is divided by a colour, which stay that of the joined colour; `None` where no colour is there.
-    fn over_colour(&self, parts: &[Part], name: &str, pass: &str, colour: &str) -> Option<Vec<f32>> {
+    fn over_colour(&self, parts: &[PicturePart], name: &str, pass: &str, colour: &str) -> Option<Vec<f32>> {
         let (before, channel) = name.rsplit_once(pass)?;
         let colour = format!("{before}{colour}{channel}");
         let (mut light, mut weights) = (vec![0.0; self.totals.len()], vec![0.0; self.totals.len()]);
@@ -245,7 +245,7 @@ impl Joining<'_> {
     }
 
     /// The value by pixel that most samples have; of two that have as many, the lesser.
-    fn most(&self, parts: &[Part], name: &str) -> Vec<f32> {
+    fn most(&self, parts: &[PicturePart], name: &str) -> Vec<f32> {
         let values: Vec<Vec<f32>> = parts.iter().filter_map(|part| part.channel(name)).collect();
         let of_pixel = |i: usize| {
             let votes = |value: f32| -> f64 {
@@ -287,7 +287,7 @@ impl Joining<'_> {
     }
 
     /// Joins a channel of the picture with what its numbers leave out; false if a part has no such remainder.
-    fn exact(&self, parts: &[Part], name: &str, done: &mut Vec<(String, Vec<f32>)>) -> bool {
+    fn exact(&self, parts: &[PicturePart], name: &str, done: &mut Vec<(String, Vec<f32>)>) -> bool {
         let Some((before, channel)) = name.rsplit_once(&format!("{COMBINED}.")) else { return false };
         let rests = REMAINDERS.map(|rest| format!("{before}{rest}.{channel}"));
         let mut sums = vec![0.0f64; self.totals.len()];
@@ -313,7 +313,7 @@ impl Joining<'_> {
     }
 
     /// A pass of mattes: all of its layer's are joined when the first of them comes.
-    fn mattes(&self, parts: &[Part], pass: &str, channels: &[String], done: &mut Vec<(String, Vec<f32>)>) {
+    fn mattes(&self, parts: &[PicturePart], pass: &str, channels: &[String], done: &mut Vec<(String, Vec<f32>)>) {
         let kind = pass.trim_end_matches(|c: char| c.is_ascii_digit());
         if pass != format!("{kind}00") {
             return;
@@ -333,7 +333,7 @@ impl Joining<'_> {
         } {
             ranks.extend([[r, g], [b, a]]);
         }
-        let read = |part: &Part| -> Vec<[Vec<f32>; 2]> {
+        let read = |part: &PicturePart| -> Vec<[Vec<f32>; 2]> {
             ranks.iter().map(|rank| rank.each_ref().map(|name| part.channel(name).unwrap_or_default())).collect()
         };
         let values: Vec<_> = parts.iter().map(read).collect();

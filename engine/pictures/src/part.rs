@@ -21,7 +21,7 @@ const PICTURE: &str = "petzval/picture";
 pub(crate) type Picture = Image<Layers<AnyChannels<FlatSamples>>>;
 
 /// A picture to be joined with others.
-pub(crate) struct Part {
+pub(crate) struct PicturePart {
     pub(crate) file: PathBuf,
     pub(crate) picture: Picture,
     /// Layer and place in it of each channel, by its whole name ("ViewLayer.Combined.R").
@@ -36,7 +36,7 @@ pub(crate) struct Part {
     pub(crate) picture_of: BTreeMap<String, String>,
 }
 
-impl Part {
+impl PicturePart {
     /// Reads a picture, if it fits into so many bytes of memory; gives the bytes that it took, too.
     pub(crate) fn read(file: &Path, memory_bytes: u64) -> std::result::Result<(Self, u64), MergeError> {
         let bytes = bytes_in_memory(file, memory_bytes)?;

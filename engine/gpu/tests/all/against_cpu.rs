@@ -13,7 +13,7 @@ use petzval_gpu::shader::{self, GROUP, Style};
 use petzval_optics::diaphragm::ApertureMask;
 use petzval_optics::formats::lens;
 use petzval_optics::glass::Catalogue;
-use petzval_optics::system::{System, LensSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Travel};
 
 use crate::common::{gpu, lens_paths, shipped, system};

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 
 use glam::DVec3;
-use petzval_gpu::device::{Choice, Gpu};
+use petzval_gpu::device::{DeviceChoice, Gpu};
 use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
-use petzval_optics::system::{System, LensSettings};
+use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Travel};
 
 /// The folder of the library: that of the repository, or where this program runs without one, what PETZVAL_LENSES says.
@@ -39,7 +39,7 @@ pub(crate) fn shipped(name: &str) -> System {
 /// The device that PETZVAL_GPU names, or any; `None`, and a line, where there is none.
 pub(crate) fn gpu() -> Option<Gpu> {
     let asked = std::env::var("PETZVAL_GPU").unwrap_or_else(|_| "any".to_owned());
-    let choice: Choice = asked.parse().expect("every word is a choice");
+    let choice: DeviceChoice = asked.parse().expect("every word is a choice");
     match Gpu::open(&choice) {
         Ok(Some(gpu)) => Some(gpu),
         Ok(None) => None,

@@ -3,7 +3,7 @@
 
 use crate::common::{gpu, rays, shipped};
 use glam::DVec3;
-use petzval_gpu::device::{Choice, Gpu, devices};
+use petzval_gpu::device::{DeviceChoice, Gpu, devices};
 use petzval_gpu::error::GpuError;
 use petzval_gpu::flood::{Beam, Cut, Flood};
 use petzval_gpu::kernel::LensKernel;
@@ -19,12 +19,12 @@ fn kernel(gpu: &Gpu) -> LensKernel<f32> {
 
 #[test]
 fn the_cpu_is_no_device() {
-    assert!(Gpu::open(&Choice::Cpu).is_ok_and(|gpu| gpu.is_none()));
+    assert!(Gpu::open(&DeviceChoice::Cpu).is_ok_and(|gpu| gpu.is_none()));
 }
 
 #[test]
 fn an_unknown_name_lists_the_devices() {
-    let error = Gpu::open(&Choice::Named("no such card".to_owned())).expect_err("no device has this name");
+    let error = Gpu::open(&DeviceChoice::Named("no such card".to_owned())).expect_err("no device has this name");
     match devices().first() {
         None => assert_eq!(error, GpuError::NoDevice),
         Some(device) => assert!(error.to_string().contains(&device.name), "{error}"),

@@ -7,6 +7,7 @@ use crate::program::{Operand, Operation};
 use crate::table::Table;
 use glam::Vec4;
 
+#[expect(clippy::too_many_lines, reason = "an arm for each node")]
 pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
     Some(match at.node.kind.as_str() {
         "ShaderNodeMix" => mix(at),

@@ -1,6 +1,6 @@
 //! The shader nodes above an output, flattened to closures that add up.
 
-use super::{At, Compiler, DEEPEST, Kind};
+use super::{At, Compiler, DEEPEST, ValueKind};
 use crate::context::Shift;
 use crate::graph::{Input, Link};
 use crate::math::MathKind;
@@ -13,36 +13,8 @@ const MOST_WAYS: usize = 10_000;
 /// Limit of closures: more than any material has that a person made.
 const MOST_LAYERS: usize = 128;
 
-/// The closure of a shader node.
-fn closure(kind: &str) -> Option<LayerKind> {
-    Some(match kind {
-        "ShaderNodeBsdfPrincipled" => LayerKind::Principled,
-        "ShaderNodeBsdfDiffuse" => LayerKind::Diffuse,
-        "ShaderNodeBsdfGlossy" | "ShaderNodeBsdfAnisotropic" => LayerKind::Glossy,
-        "ShaderNodeBsdfMetallic" => LayerKind::Metallic,
-        "ShaderNodeBsdfGlass" => LayerKind::Glass,
-        "ShaderNodeBsdfRefraction" => LayerKind::Refraction,
-        "ShaderNodeBsdfTransparent" => LayerKind::Transparent,
-        "ShaderNodeBsdfTranslucent" => LayerKind::Translucent,
-        "ShaderNodeEmission" => LayerKind::Emission,
-        "ShaderNodeBackground" => LayerKind::Background,
-        "ShaderNodeBsdfSheen" | "ShaderNodeBsdfVelvet" => LayerKind::Sheen,
-        "ShaderNodeBsdfToon" => LayerKind::Toon,
-        "ShaderNodeBsdfHair" => LayerKind::Hair,
-        "ShaderNodeBsdfHairPrincipled" => LayerKind::PrincipledHair,
-        "ShaderNodeSubsurfaceScattering" => LayerKind::Subsurface,
-        "ShaderNodeHoldout" => LayerKind::Holdout,
-        "ShaderNodeBsdfRayPortal" => LayerKind::RayPortal,
-        "ShaderNodeVolumePrincipled" => LayerKind::PrincipledVolume,
-        "ShaderNodeVolumeScatter" => LayerKind::VolumeScatter,
-        "ShaderNodeVolumeAbsorption" => LayerKind::VolumeAbsorption,
-        "ShaderNodeVolumeCoefficients" => LayerKind::VolumeCoefficients,
-        _ => return None,
-    })
-}
-
 /// The kind of a closure's input: of three parts, or a number.
-fn kind_of_input(layer: LayerKind, identifier: &str) -> Kind {
+fn kind_of_input(layer: LayerKind, identifier: &str) -> ValueKind {
     const PARTS: [&str; 9] = [
         "Color",
         "Tint",
@@ -56,19 +28,19 @@ fn kind_of_input(layer: LayerKind, identifier: &str) -> Kind {
     ];
     let whole = (layer == LayerKind::Metallic && identifier == "IOR")
         || (layer == LayerKind::Subsurface && identifier == "Radius");
-    if whole || PARTS.iter().any(|part| identifier.contains(part)) { Kind::Vector } else { Kind::Number }
+    if whole || PARTS.iter().any(|part| identifier.contains(part)) { ValueKind::Vector } else { ValueKind::Number }
 }
 
 /// Shader nodes that have been walked through to reach a closure, and its share.
 #[derive(Default)]
-struct Walk {
+struct LayerWalk {
     layers: Vec<(usize, Layer)>,
     ways: usize,
 }
 
 impl Compiler<'_> {
     pub(super) fn layers(&mut self, start: Option<&Link>) -> Vec<Layer> {
-        let mut walk = Walk::default();
+        let mut walk = LayerWalk::default();
         if let Some(link) = start {
             let whole = self.constant(Vec3A::ONE);
             self.walk(link, whole, &mut walk);
@@ -76,7 +48,7 @@ impl Compiler<'_> {
         walk.layers.into_iter().map(|(_, layer)| layer).collect()
     }
 
-    fn walk(&mut self, link: &Link, weight: Operand, walk: &mut Walk) {
+    fn walk(&mut self, link: &Link, weight: Operand, walk: &mut LayerWalk) {
         if self.known(weight) == Some(Vec3A::ZERO) {
             return;
         }
@@ -111,7 +83,7 @@ impl Compiler<'_> {
                     self.walk_input(index, socket, weight, walk);
                 }
             }
-            kind => match closure(kind) {
+            node => match LayerKind::of_node(node) {
                 Some(kind) => self.add_closure(index, kind, weight, walk),
                 None => {
                     self.open.pop();
@@ -122,14 +94,14 @@ impl Compiler<'_> {
         self.open.pop();
     }
 
-    fn walk_input(&mut self, index: usize, socket: &str, weight: Operand, walk: &mut Walk) {
+    fn walk_input(&mut self, index: usize, socket: &str, weight: Operand, walk: &mut LayerWalk) {
         // An empty shader socket is black.
         if let Some(Input::Link(link)) = self.graph.nodes[index].input(socket) {
             self.walk(link, weight, walk);
         }
     }
 
-    fn add_closure(&mut self, index: usize, kind: LayerKind, weight: Operand, walk: &mut Walk) {
+    fn add_closure(&mut self, index: usize, kind: LayerKind, weight: Operand, walk: &mut LayerWalk) {
         if let Some((_, same)) = walk.layers.iter_mut().find(|(other, _)| *other == index) {
             let zero = self.constant(Vec3A::ZERO);
             same.weight = self.emit(Operation::Math(MathKind::Add, false), &[same.weight, weight, zero]);
@@ -147,8 +119,8 @@ impl Compiler<'_> {
     }
 
     /// A colour where a shader belongs emits that colour.
-    fn bare_colour(&mut self, link: &Link, weight: Operand, walk: &mut Walk) {
-        let Some(colour) = self.linked(link, Kind::Colour, Shift::NONE) else { return };
+    fn bare_colour(&mut self, link: &Link, weight: Operand, walk: &mut LayerWalk) {
+        let Some(colour) = self.linked(link, ValueKind::Colour, Shift::NONE) else { return };
         let one = self.constant(Vec3A::ONE);
         let inputs = vec![("Color".to_owned(), colour), ("Strength".to_owned(), one)];
         // Each place where a bare colour enters is a closure of its own.

@@ -34,7 +34,7 @@ impl std::fmt::Display for Report {
 
 /// The kind of value of an output, which decides the conversions from and to a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum ValueKind {
     Number,
     Vector,
     Colour,
@@ -43,7 +43,7 @@ pub(crate) enum Kind {
 /// The value of a node's output in a program.
 #[derive(Clone, Copy, Debug)]
 struct Value {
-    kind: Kind,
+    kind: ValueKind,
     operand: Operand,
 }
 
@@ -51,7 +51,7 @@ struct Value {
 type Outputs = Vec<(&'static str, Value)>;
 
 /// The output that a link leads to.
-enum Found {
+enum LinkedOutput {
     Value(Value),
     /// Nothing, which is black.
     Nothing,
@@ -70,7 +70,8 @@ pub fn compile(graph: &Graph) -> (Program, Vec<Report>) {
     let mut compiler = Compiler::new(graph);
     let surface = compiler.layers(graph.surface.as_ref());
     let volume = compiler.layers(graph.volume.as_ref());
-    let displacement = graph.displacement.as_ref().and_then(|link| compiler.linked(link, Kind::Vector, Shift::NONE));
+    let displacement =
+        graph.displacement.as_ref().and_then(|link| compiler.linked(link, ValueKind::Vector, Shift::NONE));
     compiler.finish(surface, volume, displacement)
 }
 
@@ -114,39 +115,39 @@ impl<'g> Compiler<'g> {
 
     /// The value of a link, converted to the kind that its reader wants. As in Cycles, a link from a node that is not known does not count:
     /// `None` where its reader has no value of its own.
-    fn linked(&mut self, link: &Link, wanted: Kind, shift: Shift) -> Option<Operand> {
+    fn linked(&mut self, link: &Link, wanted: ValueKind, shift: Shift) -> Option<Operand> {
         let value = match self.output(link, shift) {
-            Found::Value(value) => value,
-            Found::Nothing => return Some(self.constant(Vec3A::ZERO)),
-            Found::Unknown => return link.unlinked.map(|parts| self.constant(Vec3A::from_array(parts))),
+            LinkedOutput::Value(value) => value,
+            LinkedOutput::Nothing => return Some(self.constant(Vec3A::ZERO)),
+            LinkedOutput::Unknown => return link.unlinked.map(|parts| self.constant(Vec3A::from_array(parts))),
         };
         Some(match (value.kind, wanted) {
-            (Kind::Colour, Kind::Number) => self.emit(Operation::Luminance, &[value.operand]),
-            (Kind::Vector, Kind::Number) => self.emit(Operation::Mean, &[value.operand]),
+            (ValueKind::Colour, ValueKind::Number) => self.emit(Operation::Luminance, &[value.operand]),
+            (ValueKind::Vector, ValueKind::Number) => self.emit(Operation::Mean, &[value.operand]),
             // Numbers stand in all three parts already.
             _ => value.operand,
         })
     }
 
-    fn output(&mut self, link: &Link, shift: Shift) -> Found {
+    fn output(&mut self, link: &Link, shift: Shift) -> LinkedOutput {
         let key = (link.node, [shift.x.to_bits(), shift.y.to_bits()]);
         if !self.lowered.contains_key(&key) {
             if self.open.contains(&link.node) {
                 self.report(link.node, "its output leads back into itself, it is black");
-                return Found::Nothing;
+                return LinkedOutput::Nothing;
             }
             if self.open.len() >= DEEPEST {
                 self.report(link.node, "too many nodes in a row, it is black");
-                return Found::Nothing;
+                return LinkedOutput::Nothing;
             }
             self.open.push(link.node);
             let outputs = self.lower(link.node, shift);
             self.open.pop();
             self.lowered.insert(key, outputs);
         }
-        let Some(outputs) = &self.lowered[&key] else { return Found::Unknown };
+        let Some(outputs) = &self.lowered[&key] else { return LinkedOutput::Unknown };
         let found = outputs.iter().find(|(name, _)| *name == link.socket);
-        found.map_or(Found::Nothing, |(_, value)| Found::Value(*value))
+        found.map_or(LinkedOutput::Nothing, |(_, value)| LinkedOutput::Value(*value))
     }
 
     fn lower(&mut self, index: usize, shift: Shift) -> Option<Outputs> {
@@ -177,7 +178,7 @@ struct At<'c, 'g> {
 }
 
 impl At<'_, '_> {
-    fn input(&mut self, identifier: &str, wanted: Kind, shift: Shift) -> Option<Operand> {
+    fn input(&mut self, identifier: &str, wanted: ValueKind, shift: Shift) -> Option<Operand> {
         match self.node.input(identifier)? {
             Input::Constant(parts) => Some(self.compiler.constant(Vec3A::from_array(*parts))),
             Input::Link(link) => self.compiler.linked(link, wanted, shift),
@@ -190,7 +191,7 @@ impl At<'_, '_> {
     }
 
     fn number_or(&mut self, identifier: &str, default: f32) -> Operand {
-        match self.input(identifier, Kind::Number, self.shift) {
+        match self.input(identifier, ValueKind::Number, self.shift) {
             Some(operand) => operand,
             None => self.constant(default),
         }
@@ -198,7 +199,7 @@ impl At<'_, '_> {
 
     /// An input that is a vector or colour; 0 where Blender hides it.
     fn vector(&mut self, identifier: &str) -> Operand {
-        match self.input(identifier, Kind::Vector, self.shift) {
+        match self.input(identifier, ValueKind::Vector, self.shift) {
             Some(operand) => operand,
             None => self.constant(0.0),
         }
@@ -206,7 +207,7 @@ impl At<'_, '_> {
 
     /// A vector; where none is given, what the node takes from the surface.
     fn vector_or(&mut self, identifier: &str, default: impl FnOnce(&mut Self) -> Operand) -> Operand {
-        match self.input(identifier, Kind::Vector, self.shift) {
+        match self.input(identifier, ValueKind::Vector, self.shift) {
             Some(operand) => operand,
             None => default(self),
         }
@@ -245,13 +246,13 @@ impl At<'_, '_> {
 }
 
 fn number(identifier: &'static str, operand: Operand) -> (&'static str, Value) {
-    (identifier, Value { kind: Kind::Number, operand })
+    (identifier, Value { kind: ValueKind::Number, operand })
 }
 
 fn vector(identifier: &'static str, operand: Operand) -> (&'static str, Value) {
-    (identifier, Value { kind: Kind::Vector, operand })
+    (identifier, Value { kind: ValueKind::Vector, operand })
 }
 
 fn colour(identifier: &'static str, operand: Operand) -> (&'static str, Value) {
-    (identifier, Value { kind: Kind::Colour, operand })
+    (identifier, Value { kind: ValueKind::Colour, operand })
 }

@@ -1,6 +1,6 @@
 //! Nodes about the surface: Fresnel, bumps, normal maps, displacement, Light Falloff.
 
-use super::{At, Kind, Lowered, number, vector};
+use super::{At, Lowered, ValueKind, number, vector};
 use crate::context::{AttributeKind, Field, Shift, Space};
 use crate::graph::Input;
 use crate::math::MathKind;
@@ -64,7 +64,7 @@ fn bump(at: &mut At<'_, '_>) -> super::Outputs {
     };
     let shifts = [Shift::NONE, Shift { x: width, y: 0.0 }, Shift { x: 0.0, y: width }];
     let heights = shifts.map(|shift| {
-        let height = at.input("Height", Kind::Number, shift);
+        let height = at.input("Height", ValueKind::Number, shift);
         height.unwrap_or_else(|| at.constant(0.0))
     });
     let zero = at.constant(0.0);

@@ -4,13 +4,13 @@ use super::{At, Lowered, colour, number, vector};
 use crate::context::{Extension, Field, Interpolation, Shift};
 use crate::gabor::GaborKind;
 use crate::ies::Ies;
-use crate::image::{EnvironmentProjection, Picture, Projection};
+use crate::image::{EnvironmentProjection, ImageTexture, Projection};
 use crate::mix::Blend;
 use crate::noise::{Dimensions, Fractal};
 use crate::patterns::{GradientKind, WaveAxis, WaveKind, WaveProfile};
 use crate::program::{Operand, Operation};
 use crate::sky::Sky;
-use crate::sky::atmosphere::{Atmosphere, AtmosphereSettings, Scattering};
+use crate::sky::atmosphere::{Atmosphere, AtmosphereSettings, ScatteringOrders};
 use crate::sky::hosek::Hosek;
 use crate::sky::preetham::Preetham;
 use crate::voronoi::{CellHash, Feature, Metric};
@@ -205,8 +205,8 @@ fn sky(at: &mut At<'_, '_>) -> Lowered {
         kind @ ("NISHITA" | "SINGLE_SCATTERING" | "MULTIPLE_SCATTERING") => {
             Sky::Atmosphere(Box::new(Atmosphere::new(AtmosphereSettings {
                 scattering: match kind {
-                    "MULTIPLE_SCATTERING" => Scattering::Multiple,
-                    _ => Scattering::Once { older: kind == "NISHITA" },
+                    "MULTIPLE_SCATTERING" => ScatteringOrders::Multiple,
+                    _ => ScatteringOrders::Once { older: kind == "NISHITA" },
                 },
                 sun_disc: node.truth("sun_disc", true),
                 sun_diameter_rad: node.number("sun_size", 0.009_512),
@@ -236,7 +236,7 @@ fn image(at: &mut At<'_, '_>) -> Lowered {
         let pink = at.compiler.constant(MISSING.into());
         return Ok(vec![colour("Color", pink), number("Alpha", at.constant(1.0))]);
     };
-    let picture = Picture {
+    let picture = ImageTexture {
         image,
         interpolation: at.node.choice("interpolation", Interpolation::Linear)?,
         extension: at.node.choice("extension", Extension::Repeat)?,
@@ -254,7 +254,7 @@ fn environment(at: &mut At<'_, '_>) -> Lowered {
         let pink = at.compiler.constant(MISSING.into());
         return Ok(vec![colour("Color", pink)]);
     };
-    let picture = Picture {
+    let picture = ImageTexture {
         image,
         interpolation: at.node.choice("interpolation", Interpolation::Linear)?,
         extension: Extension::Repeat,

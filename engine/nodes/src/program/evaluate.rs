@@ -3,7 +3,7 @@
 use super::{Instruction, Operation, Program, Registers};
 use crate::context::{Context, Direction, Field, Shift, Space, Textures};
 use crate::gabor::Gabor;
-use crate::image::{self, Picture, Projection};
+use crate::image::{self, ImageTexture, Projection};
 use crate::math::{clamp_between, clamp_in_order, map_range};
 use crate::mix::interpolate;
 use crate::noise::{Octaves, noise_texture};
@@ -16,6 +16,7 @@ use glam::{Vec2, Vec3A};
 
 impl Program {
     #[inline]
+    #[expect(clippy::too_many_lines, reason = "an arm for each operation")]
     pub(crate) fn step<C: Context, T: Textures>(
         &self,
         instruction: &Instruction,
@@ -264,7 +265,7 @@ fn backfacing(context: &impl Context) -> bool {
 }
 
 fn image_texture<C: Context, T: Textures>(
-    picture: Picture,
+    picture: ImageTexture,
     projection: Projection,
     unassociate: bool,
     p: Vec3A,

@@ -3,7 +3,7 @@
 use crate::colour::ColourModel;
 use crate::context::{Direction, Field, Occlusion, Shift, Space};
 use crate::gabor::GaborKind;
-use crate::image::{EnvironmentProjection, Picture, Projection};
+use crate::image::{EnvironmentProjection, ImageTexture, Projection};
 use crate::math::{MathKind, RangeKind};
 use crate::mix::Blend;
 use crate::noise::{Dimensions, Fractal};
@@ -105,8 +105,8 @@ pub(crate) enum Operation {
     /// Direction, strength.
     Luminaire(u16),
     /// Vector, blend. Further: alpha.
-    Image(Picture, Projection, bool),
-    Environment(Picture, EnvironmentProjection),
+    Image(ImageTexture, Projection, bool),
+    Environment(ImageTexture, EnvironmentProjection),
     /// Vector, location, rotation, scale.
     Mapping(MappingKind),
     /// Vector, centre, axis, angle, angles.

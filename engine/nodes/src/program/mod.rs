@@ -2,10 +2,12 @@
 
 mod evaluate;
 mod instruction;
+mod layer;
 mod slice;
 
 pub use instruction::Operand;
 pub(crate) use instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operation};
+pub use layer::{Layer, LayerKind};
 pub use slice::Slice;
 
 use crate::context::{Attribute, Context, Field, Textures};
@@ -34,58 +36,6 @@ impl Registers {
 impl Default for Registers {
     fn default() -> Self {
         Self { values: [Vec3A::ZERO; REGISTERS], further: [Vec3A::ZERO; 3] }
-    }
-}
-
-/// The kind of a layer's closure. Inputs and options have Blender's names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "named after Blender's nodes")]
-pub enum LayerKind {
-    Principled,
-    Diffuse,
-    Glossy,
-    Metallic,
-    Glass,
-    Refraction,
-    Transparent,
-    Translucent,
-    Emission,
-    Background,
-    Sheen,
-    Toon,
-    Hair,
-    PrincipledHair,
-    Subsurface,
-    Holdout,
-    RayPortal,
-    PrincipledVolume,
-    VolumeScatter,
-    VolumeAbsorption,
-    VolumeCoefficients,
-}
-
-/// One closure of a surface or volume. Layers add up.
-#[derive(Clone, Debug)]
-pub struct Layer {
-    /// The kind of the closure.
-    pub kind: LayerKind,
-    /// The layer's share: the factors of all Mix Shaders above it, multiplied.
-    pub weight: Operand,
-    /// Inputs by socket identifier. A normal or tangent that is not here is the surface's own.
-    pub inputs: Vec<(String, Operand)>,
-    /// Options that are words, such as `distribution`.
-    pub options: Vec<(String, String)>,
-}
-
-impl Layer {
-    /// An input by its socket's identifier.
-    pub fn input(&self, identifier: &str) -> Option<Operand> {
-        self.inputs.iter().find(|(name, _)| name == identifier).map(|(_, operand)| *operand)
-    }
-
-    /// An option by name.
-    pub fn option(&self, name: &str) -> Option<&str> {
-        self.options.iter().find(|(own, _)| own == name).map(|(_, word)| word.as_str())
     }
 }
 

@@ -1,6 +1,6 @@
 //! A sky computed from what the air holds: a table of its light, and the sun's disc.
 
-use super::panorama::{Panorama, Place};
+use super::panorama::{Panorama, RowPlace};
 use super::{SunDisc, multiple_scattering, single_scattering};
 use crate::spectral::rec709;
 use glam::Vec3A;
@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 /// Number of scatterings of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Scattering {
+pub(crate) enum ScatteringOrders {
     /// Single scattering, as Blender 4 tabulates it or as Blender 5 does.
     Once {
         /// True for Blender 4's tables, false for Blender 5's.
@@ -22,7 +22,7 @@ pub(crate) enum Scattering {
 /// The settings of a Sky Texture node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct AtmosphereSettings {
-    pub(crate) scattering: Scattering,
+    pub(crate) scattering: ScatteringOrders,
     pub(crate) sun_disc: bool,
     pub(crate) sun_diameter_rad: f32,
     pub(crate) sun_intensity: f32,
@@ -46,7 +46,7 @@ pub(crate) struct Atmosphere {
 }
 
 /// The values that the tables depend on: the kind, the sun's elevation, altitude, densities.
-type Key = (Scattering, [f32; 5]);
+type Key = (ScatteringOrders, [f32; 5]);
 
 /// The last tables made: a sync after a change elsewhere need not wait for them. Newest last.
 static TABLES: Mutex<Vec<(Key, Arc<Panorama>)>> = Mutex::new(Vec::new());
@@ -66,10 +66,10 @@ impl Atmosphere {
         let diameter = settings.sun_diameter_rad;
         let densities = Vec3A::from(settings.densities);
         let disc = match settings.scattering {
-            Scattering::Multiple => {
+            ScatteringOrders::Multiple => {
                 multiple_scattering::Air::new(densities, settings.altitude_m).sun(elevation, diameter)
             }
-            Scattering::Once { older } => once(densities, settings.altitude_m, older).sun(elevation, diameter),
+            ScatteringOrders::Once { older } => once(densities, settings.altitude_m, older).sun(elevation, diameter),
         };
         // The Earth of the multiple scattering, for both.
         let height_km = settings.altitude_m / 1000.0;
@@ -89,13 +89,13 @@ impl Atmosphere {
         let elevation_rad = direction.z.clamp(-1.0, 1.0).asin();
         let azimuth_rad = direction.x.atan2(direction.y) - self.settings.sun_rotation_rad + PI;
         let scattering = self.settings.scattering;
-        let sky = if direction.z < 0.0 && scattering == (Scattering::Once { older: true }) {
+        let sky = if direction.z < 0.0 && scattering == (ScatteringOrders::Once { older: true }) {
             // The table has only the horizon, which fades out; where it fades, 5's table is read as roughly as it is made.
             rec709(self.table.at_row(azimuth_rad, 0.508)).max(Vec3A::ZERO) * (1.0 + 2.5 * direction.z).max(0.0).powi(3)
         } else {
             rec709(self.table.at(azimuth_rad, elevation_rad)).max(Vec3A::ZERO)
         };
-        let hidden = direction.z < 0.0 && scattering != Scattering::Multiple;
+        let hidden = direction.z < 0.0 && scattering != ScatteringOrders::Multiple;
         if with_sun && self.settings.sun_disc && !hidden { sky + self.disc_at(direction, elevation_rad) } else { sky }
     }
 
@@ -113,8 +113,12 @@ impl Atmosphere {
     }
 }
 
-fn once(densities: Vec3A, altitude_m: f32, older: bool) -> single_scattering::Air {
-    single_scattering::Air::new(densities, altitude_m, if older { Place::CornerBeyond } else { Place::Corner })
+fn once(densities: Vec3A, altitude_m: f32, older: bool) -> single_scattering::AirContents {
+    single_scattering::AirContents::new(
+        densities,
+        altitude_m,
+        if older { RowPlace::CornerBeyond } else { RowPlace::Corner },
+    )
 }
 
 fn table(settings: &AtmosphereSettings) -> Arc<Panorama> {
@@ -127,8 +131,8 @@ fn table(settings: &AtmosphereSettings) -> Arc<Panorama> {
     }
     let densities = Vec3A::from(settings.densities);
     let made = Arc::new(match scattering {
-        Scattering::Multiple => multiple_scattering::Air::new(densities, altitude_m).panorama(sun_elevation_rad),
-        Scattering::Once { older } => once(densities, altitude_m, older).panorama(sun_elevation_rad),
+        ScatteringOrders::Multiple => multiple_scattering::Air::new(densities, altitude_m).panorama(sun_elevation_rad),
+        ScatteringOrders::Once { older } => once(densities, altitude_m, older).panorama(sun_elevation_rad),
     });
     let mut tables = lock();
     if tables.len() >= KEPT {

@@ -4,7 +4,7 @@
 //! Blender 5 uses (intern/sky): four wavelengths that sum up the visible ones, and a fit for all light that has been scattered
 //! before. Its numbers are kept, so that the same sky appears. Lengths are kilometres.
 
-use super::panorama::{Panorama, Place};
+use super::panorama::{Panorama, RowPlace};
 use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};
@@ -122,7 +122,7 @@ impl Air {
         let table = Transmittances::new(self);
         let sun = towards(sun_elevation_rad.sin());
         let viewer = Vec3A::new(0.0, 0.0, GROUND_RADIUS_KM + self.altitude_km);
-        Panorama::new(Place::Middle, |azimuth_rad, elevation_rad| {
+        Panorama::new(RowPlace::Middle, |azimuth_rad, elevation_rad| {
             let ((sin_e, cos_e), (sin_a, cos_a)) = (elevation_rad.sin_cos(), azimuth_rad.sin_cos());
             let ray = Vec3A::new(cos_e * cos_a, cos_e * sin_a, sin_e);
             let end = to_sphere_km(viewer, ray, GROUND_RADIUS_KM).or_else(|| to_sphere_km(viewer, ray, TOP_RADIUS_KM));

@@ -16,7 +16,7 @@ pub(super) struct Panorama {
 
 /// The place at which a row's values are taken.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Place {
+pub(super) enum RowPlace {
     /// Values in the middle of each pixel.
     Middle,
     /// Values at the lower left corner of each pixel; values read between them are then half a pixel off.
@@ -27,11 +27,11 @@ pub(super) enum Place {
 
 impl Panorama {
     /// A panorama of the light from an azimuth from the sun's opposite, and an elevation, radians. Both sides of the sun are alike.
-    pub(super) fn new(place: Place, shine: impl Fn(f32, f32) -> Vec3A + Sync) -> Self {
+    pub(super) fn new(place: RowPlace, shine: impl Fn(f32, f32) -> Vec3A + Sync) -> Self {
         let (shift, most_rad) = match place {
-            Place::Middle => (0.5, FRAC_PI_2),
-            Place::Corner => (0.0, FRAC_PI_2),
-            Place::CornerBeyond => (0.0, FRAC_PI_2 * (1.0 + 1.0 / ROWS as f32)),
+            RowPlace::Middle => (0.5, FRAC_PI_2),
+            RowPlace::Corner => (0.0, FRAC_PI_2),
+            RowPlace::CornerBeyond => (0.0, FRAC_PI_2 * (1.0 + 1.0 / ROWS as f32)),
         };
         let mut pixels = vec![Vec3A::ZERO; COLUMNS * ROWS];
         pixels.par_chunks_mut(COLUMNS).enumerate().for_each(|(row, pixels)| {
@@ -74,7 +74,7 @@ mod tests {
     fn it_is_read_where_it_was_written() {
         // Linear in the table's own coordinates, away from the seams.
         let shine = |azimuth: f32, elevation: f32| Vec3A::new(azimuth, (elevation.abs() / FRAC_PI_2).sqrt(), 1.0);
-        let table = Panorama::new(Place::Middle, shine);
+        let table = Panorama::new(RowPlace::Middle, shine);
         for (azimuth, elevation) in [(0.5, 0.7), (2.9, 0.01), (1.0, -0.3), (3.0, 1.5)] {
             let error = table.at(azimuth, elevation) - shine(azimuth, elevation);
             assert!(error.abs().max_element() < 1e-4, "{azimuth} {elevation} {error}");

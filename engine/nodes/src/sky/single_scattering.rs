@@ -4,7 +4,7 @@
 //! scattering", SIGGRAPH 1993, with ozone; the numbers are those of Blender's model of it (intern/sky, Lukas Stockner and
 //! Marco Pavanello), so that the same sky appears. Lengths are metres.
 
-use super::panorama::{COLUMNS, Panorama, Place};
+use super::panorama::{COLUMNS, Panorama, RowPlace};
 use glam::Vec3A;
 use std::f32::consts::{PI, TAU};
 
@@ -23,19 +23,19 @@ const LINE_STEP_NM: f32 = 20.0;
 
 /// The data of a wavelength: the sun's irradiance above the air (W/m²/nm), what air scatters and what ozone absorbs (1/m), and the CIE 1931
 /// observer. From 380 nm, every 20 nm.
-struct Line {
+struct SkyWavelength {
     sun: f32,
     air: f32,
     ozone: f32,
     observer: [f32; 3],
 }
 
-const fn line(sun: f32, air: f32, ozone: f32, observer: [f32; 3]) -> Line {
-    Line { sun, air, ozone, observer }
+const fn line(sun: f32, air: f32, ozone: f32, observer: [f32; 3]) -> SkyWavelength {
+    SkyWavelength { sun, air, ozone, observer }
 }
 
 #[rustfmt::skip]
-const SPECTRUM: [Line; LINES] = [
+const SPECTRUM: [SkyWavelength; LINES] = [
     line(1.457_568_3, 5.424_82e-5, 3.251_268_5e-9, [0.001_368, 0.000_039, 0.006_450_001]),
     line(1.565_963_1, 4.418_549_9e-5, 5.853_953_7e-9, [0.014_31, 0.000_396, 0.067_850_01]),
     line(1.651_484_5, 3.635_151_9e-5, 1.977_191_2e-8, [0.134_38, 0.004, 0.645_6]),
@@ -74,11 +74,11 @@ const PLACES: [[f32; 2]; 8] = [
 
 /// The contents of the air, as shares of the Earth's.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Air {
+pub(super) struct AirContents {
     /// Densities of molecules, aerosols and ozone.
     densities: Vec3A,
     altitude_m: f32,
-    place: Place,
+    place: RowPlace,
 }
 
 /// Densities of molecules, aerosols and ozone, as shares of the most.
@@ -117,12 +117,12 @@ fn direction(elevation_rad: f32, azimuth_rad: f32) -> Vec3A {
     Vec3A::new(cos_e * cos_a, cos_e * sin_a, sin_e)
 }
 
-fn xyz(mut spectrum: impl FnMut(&Line) -> f32) -> Vec3A {
+fn xyz(mut spectrum: impl FnMut(&SkyWavelength) -> f32) -> Vec3A {
     SPECTRUM.iter().map(|line| Vec3A::from(line.observer) * spectrum(line)).sum::<Vec3A>() * LINE_STEP_NM
 }
 
-impl Air {
-    pub(super) fn new(densities: Vec3A, altitude_m: f32, place: Place) -> Self {
+impl AirContents {
+    pub(super) fn new(densities: Vec3A, altitude_m: f32, place: RowPlace) -> Self {
         // Below the ground and above the air the formulas have no meaning.
         Self { densities, altitude_m: altitude_m.clamp(1.0, 59_999.0), place }
     }

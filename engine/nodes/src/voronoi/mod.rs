@@ -58,7 +58,7 @@ pub(crate) struct Nearest {
 }
 
 /// The result of one octave.
-struct Found<P> {
+struct OctaveResult<P> {
     distance: f32,
     colour: Vec3A,
     position: P,
@@ -157,7 +157,7 @@ impl Voronoi {
         offset + P::point(cell + offset, self.hash) * self.randomness
     }
 
-    fn first<P: Space>(&self, p: P) -> Found<P> {
+    fn first<P: Space>(&self, p: P) -> OctaveResult<P> {
         let cell = p.floor();
         let local = p - cell;
         let (mut least, mut nearest, mut at) = (f32::MAX, P::ZERO, P::ZERO);
@@ -167,10 +167,10 @@ impl Voronoi {
                 (least, nearest, at) = (distance, offset, point);
             }
         }
-        Found { distance: least, colour: P::colour(cell + nearest, self.hash), position: at + cell }
+        OctaveResult { distance: least, colour: P::colour(cell + nearest, self.hash), position: at + cell }
     }
 
-    fn second<P: Space>(&self, p: P) -> Found<P> {
+    fn second<P: Space>(&self, p: P) -> OctaveResult<P> {
         let cell = p.floor();
         let local = p - cell;
         let mut first = (f32::MAX, P::ZERO, P::ZERO);
@@ -184,10 +184,10 @@ impl Voronoi {
                 second = (distance, offset, point);
             }
         }
-        Found { distance: second.0, colour: P::colour(cell + second.1, self.hash), position: second.2 + cell }
+        OctaveResult { distance: second.0, colour: P::colour(cell + second.1, self.hash), position: second.2 + cell }
     }
 
-    fn smooth_first<P: Space>(&self, p: P) -> Found<P> {
+    fn smooth_first<P: Space>(&self, p: P) -> OctaveResult<P> {
         let cell = p.floor();
         let local = p - cell;
         let (mut smooth, mut colour, mut position) = (0.0, Vec3A::ZERO, P::ZERO);
@@ -207,7 +207,7 @@ impl Voronoi {
             colour = mix(colour, P::colour(cell + offset, self.hash), share) - correction;
             position = mix(position, point, share) - correction;
         }
-        Found { distance: smooth, colour, position: cell + position }
+        OctaveResult { distance: smooth, colour, position: cell + position }
     }
 
     fn edge_octaves<P: Space>(&self, p: P) -> f32 {

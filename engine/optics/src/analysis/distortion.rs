@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use serde::Serialize;
 
-use super::{Analysis, View};
+use super::{Analysis, FieldView};
 use crate::trace::Ray;
 
 /// Rays beside the middle one, in radii of the entrance pupil: near enough to tell its own focus.
@@ -68,7 +68,7 @@ impl Analysis<'_> {
 
     /// The place at which the rays on both sides of the middle one along an axis of the field's plane are nearest to it, along z from the
     /// film.
-    fn focus_beside(&self, view: &View, axis: DVec2) -> Option<f64> {
+    fn focus_beside(&self, view: &FieldView, axis: DVec2) -> Option<f64> {
         let line = &self.lines[self.main];
         let chief = self.chief(self.main, view)?;
         let step = axis * (BESIDE * line.probe.pupil_radius_mm);

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::wavefront::Eikonal;
-use super::{Analysis, View};
+use super::{Analysis, FieldView};
 use crate::paraxial::Paraxial;
 
 /// The two fans of a field.
@@ -50,7 +50,7 @@ impl Analysis<'_> {
     }
 
     /// A fan along an axis of the field's plane, whose y lies in the plane of the field.
-    fn fan(&self, view: &View, axis: DVec2, count: usize) -> Option<Vec<FanLine>> {
+    fn fan(&self, view: &FieldView, axis: DVec2, count: usize) -> Option<Vec<FanLine>> {
         let frame = self.film.frame();
         let middle = DVec2::from(frame.meet(&self.chief_out(self.main, view)?)?);
         let of_line = |line: usize| {

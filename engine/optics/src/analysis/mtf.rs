@@ -10,7 +10,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::wavefront::Eikonal;
-use super::waves::{Beam, MESH, Waves};
+use super::waves::{ImageBeam, MESH, WaveLattice};
 use super::{Analysis, centroid};
 
 /// Cells of the lattice over the larger side of the beam: at least, and at most.
@@ -83,7 +83,7 @@ impl Analysis<'_> {
         for line in &self.lines {
             let eikonal = Eikonal::new(self.system, &line.tracer, self.touching(middle));
             let mesh = Eikonal::new(self.system, &line.probe.tracer, self.touching(middle));
-            let beam = Beam::new(&view, line, &eikonal, &mesh).ok_or(MtfError::Dark)?;
+            let beam = ImageBeam::new(&view, line, &eikonal, &mesh).ok_or(MtfError::Dark)?;
             let (width, shift) = (beam.width(), beam.wavelength_mm() * step_per_mm);
             let [least, most] = LATTICE;
             if width > shift * most {
@@ -108,8 +108,8 @@ impl Sum {
     }
 
     /// A wavelength, weighted by nothing but itself; a step of the frequency is so many cells of its lattice.
-    fn add(&mut self, lattice: &Waves, cells: usize, axis: DVec2, step_per_mm: f64) {
-        let Waves { columns, waves } = lattice;
+    fn add(&mut self, lattice: &WaveLattice, cells: usize, axis: DVec2, step_per_mm: f64) {
+        let WaveLattice { columns, waves } = lattice;
         let light: f64 = waves.iter().map(|wave| wave.amplitude.length_squared()).sum();
         if light <= 0.0 {
             return;

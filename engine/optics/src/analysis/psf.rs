@@ -13,7 +13,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use super::wavefront::Eikonal;
-use super::waves::{Beam, MESH, Waves};
+use super::waves::{ImageBeam, MESH, WaveLattice};
 use super::{Analysis, centroid};
 
 /// Cells of the lattice over the beam at the longest wavelength: at least, and at most.
@@ -91,14 +91,14 @@ impl Analysis<'_> {
             .iter()
             .map(|line| [&line.tracer, &line.probe.tracer].map(|tracer| Eikonal::new(self.system, tracer, touching)))
             .collect();
-        let beams: Option<Vec<Beam<'_>>> = self
+        let beams: Option<Vec<ImageBeam<'_>>> = self
             .lines
             .iter()
             .zip(&eikonals)
-            .map(|(line, [eikonal, mesh])| Beam::new(&view, line, eikonal, mesh))
+            .map(|(line, [eikonal, mesh])| ImageBeam::new(&view, line, eikonal, mesh))
             .collect();
         let beams = beams.ok_or(PsfError::Dark)?;
-        let times_n = |beam: &Beam<'_>| beam.wavelength_mm() / beam.width();
+        let times_n = |beam: &ImageBeam<'_>| beam.wavelength_mm() / beam.width();
         let (least, most) = beams.iter().map(times_n).fold((f64::INFINITY, 0.0f64), |(a, b), x| (a.min(x), b.max(x)));
         let field_mm = (CELLS[0] * most).max(2.0 * ROOM * farthest_mm);
         if field_mm > CELLS[1] * most {
@@ -122,7 +122,7 @@ impl Analysis<'_> {
             }
         }
         let step_mm = field_mm / side as f64;
-        let grid = Grid { side, step_mm, light };
+        let grid = LightGrid { side, step_mm, light };
         let reach_mm = (AROUND[0] * most).max(AROUND[1] * farthest_mm).min(0.5 * field_mm);
         let (radii_mm, encircled) = grid.encircled(reach_mm);
         let (side, step_mm, values) = grid.picture(reach_mm);
@@ -131,7 +131,7 @@ impl Analysis<'_> {
 }
 
 /// Amplitudes on the film, of `side` by `side` places; the first is (0, 0), and the second half of rows and columns lies before it.
-fn transformed(waves: &Waves, side: usize) -> Vec<Complex<f64>> {
+fn transformed(waves: &WaveLattice, side: usize) -> Vec<Complex<f64>> {
     let fft = complex_f64(side, Direction::Back);
     let mut columns = vec![Complex::default(); side * side];
     // Rows of the pupil, then turned, so that the second transform, too, goes along rows.
@@ -157,7 +157,7 @@ fn transformed(waves: &Waves, side: usize) -> Vec<Complex<f64>> {
 }
 
 /// The largest |amplitude|²: from the brightest place of the grid uphill, by the waves themselves.
-fn peak(waves: &Waves, amplitudes: &[Complex<f64>], side: usize) -> f64 {
+fn peak(waves: &WaveLattice, amplitudes: &[Complex<f64>], side: usize) -> f64 {
     let brightest =
         (0..amplitudes.len()).max_by(|&a, &b| amplitudes[a].norm_sqr().total_cmp(&amplitudes[b].norm_sqr()));
     let Some(start) = brightest else { return 0.0 };
@@ -196,13 +196,13 @@ fn peak(waves: &Waves, amplitudes: &[Complex<f64>], side: usize) -> f64 {
 }
 
 /// Light by place; the first is (0, 0), and the second half of rows and columns lies before it.
-struct Grid {
+struct LightGrid {
     side: usize,
     step_mm: f64,
     light: Vec<f64>,
 }
 
-impl Grid {
+impl LightGrid {
     /// The value in column x and row y, counted from (0, 0), to both sides.
     fn at(&self, x: i64, y: i64) -> f64 {
         let wrap = |i: i64| i.rem_euclid(self.side as i64) as usize;

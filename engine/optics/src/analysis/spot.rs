@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use serde::Serialize;
 
-use super::{Analysis, Line, centroid};
+use super::{AnalysedWavelength, Analysis, centroid};
 
 /// The spot of a field. Places are [sagittal, tangential], mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -83,7 +83,7 @@ impl Analysis<'_> {
     /// tangential, mm from the film's middle. `None`: a rim or a surface keeps that ray.
     pub fn through_stop(&self, angle_deg: f64, stops: &[[f64; 2]]) -> Vec<Option<[f64; 2]>> {
         let Some(view) = self.view(angle_deg) else { return vec![None; stops.len()] };
-        let Line { tracer, probe, .. } = &self.lines[self.main];
+        let AnalysedWavelength { tracer, probe, .. } = &self.lines[self.main];
         let land = |stop: &[f64; 2]| {
             let target = self.sagittal() * stop[0] + self.azimuth * stop[1];
             let at = probe.aim(&view.field, target, view.window.centre).ok()?;

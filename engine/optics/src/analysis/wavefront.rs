@@ -22,7 +22,7 @@ pub(super) struct Eikonal<'a> {
 
 /// A ray behind the lens.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Path {
+pub(super) struct ImageRay {
     pub(super) out: Ray,
     /// Optical path length to the foot of the perpendicular from the film's place.
     pub(super) path_mm: f64,
@@ -47,14 +47,14 @@ impl<'a> Eikonal<'a> {
 
     /// The path of a ray on the scene's side, which starts at its source, or for one at infinity on the plane wave through the first
     /// vertex. `None`: it does not come through.
-    pub(super) fn of(&self, ray: Ray) -> Option<Path> {
+    pub(super) fn of(&self, ray: Ray) -> Option<ImageRay> {
         let mut lengths = Vec::with_capacity(self.indices.len());
         let out = self.tracer.from_scene_measuring(ray, &mut lengths).ok()?;
         let image_index = *self.indices.last()?;
         let through: f64 = lengths.iter().zip(&self.indices).map(|(length, index)| length * index).sum();
         let to_film = self.touching.point - out.origin;
         let along = to_film.dot(out.direction);
-        Some(Path {
+        Some(ImageRay {
             out,
             path_mm: through + image_index * along,
             crossing: self.touching.crossing(&out),
@@ -74,7 +74,7 @@ impl<'a> Eikonal<'a> {
     }
 }
 
-impl Path {
+impl ImageRay {
     /// The path to the sphere of that radius about the film's place, as long for a ray through that place as `path_mm` is. The radius is
     /// negative if light comes to the sphere after the film, infinite for a plane.
     pub(super) fn to_sphere_mm(self, radius_mm: f64) -> f64 {

@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 
 use glam::{DMat2, DVec2};
 
-use super::wavefront::{Eikonal, Path};
-use super::{Line, View, weight};
+use super::wavefront::{Eikonal, ImageRay};
+use super::{AnalysedWavelength, FieldView, weight};
 
 /// Rays over the window by which those of the lattice are found, and by which the middle of the light is.
 pub(super) const MESH: usize = 41;
@@ -18,7 +18,7 @@ const SOFT: usize = 5;
 
 /// A wave of the lattice.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Wave {
+pub(super) struct LatticeWave {
     /// Amplitude, by real and imaginary part.
     pub(super) amplitude: DVec2,
     /// The point at which its ray crosses the film: sagittal and tangential, mm.
@@ -26,42 +26,42 @@ pub(super) struct Wave {
 }
 
 /// The waves of a wavelength, row by row.
-pub(super) struct Waves {
+pub(super) struct WaveLattice {
     pub(super) columns: usize,
-    pub(super) waves: Vec<Wave>,
+    pub(super) waves: Vec<LatticeWave>,
 }
 
 /// A ray of the mesh: its place in the field's plane, and its direction cosines behind the lens times the index.
 #[derive(Clone, Copy)]
-struct Node {
+struct MeshRay {
     at: DVec2,
     cosines: DVec2,
 }
 
 /// A beam of one wavelength behind the lens.
-pub(super) struct Beam<'a> {
-    view: &'a View,
-    line: &'a Line<'a>,
+pub(super) struct ImageBeam<'a> {
+    view: &'a FieldView,
+    line: &'a AnalysedWavelength<'a>,
     eikonal: &'a Eikonal<'a>,
-    nodes: Vec<Option<Node>>,
+    nodes: Vec<Option<MeshRay>>,
     low: DVec2,
     high: DVec2,
 }
 
-impl<'a> Beam<'a> {
+impl<'a> ImageBeam<'a> {
     /// The beam of a field; `eikonal` is that of the lens, `mesh` that of the lens without rims. `None`: the field is dark.
     pub(super) fn new(
-        view: &'a View,
-        line: &'a Line<'_>,
+        view: &'a FieldView,
+        line: &'a AnalysedWavelength<'_>,
         eikonal: &'a Eikonal<'_>,
         mesh: &Eikonal<'_>,
     ) -> Option<Self> {
         let node = |i: usize| {
             let at = view.corner([i % MESH, i / MESH], MESH);
             let path = mesh.of(line.probe.origin.ray(&view.field, at))?;
-            Some(Node { at, cosines: cosines(eikonal, &path) })
+            Some(MeshRay { at, cosines: cosines(eikonal, &path) })
         };
-        let nodes: Vec<Option<Node>> = (0..MESH * MESH).map(node).collect();
+        let nodes: Vec<Option<MeshRay>> = (0..MESH * MESH).map(node).collect();
         // The beam's own, and its neighbours: others may go far aside.
         let is_lit: Vec<bool> = nodes
             .iter()
@@ -86,13 +86,13 @@ impl<'a> Beam<'a> {
     }
 
     /// The waves on a lattice with this step of the direction cosines.
-    pub(super) fn waves(&self, cell: f64) -> Waves {
+    pub(super) fn waves(&self, cell: f64) -> WaveLattice {
         self.lattice(cell).0
     }
 
     /// The waves on a lattice with this step of the direction cosines, those on the pupil's edge averaged over their cells: a pupil with
     /// steps would scatter light.
-    pub(super) fn waves_with_soft_edge(&self, cell: f64) -> Waves {
+    pub(super) fn waves_with_soft_edge(&self, cell: f64) -> WaveLattice {
         let (lattice, mut found) = self.lattice(cell);
         let columns = lattice.columns;
         let rows = lattice.waves.len() / columns;
@@ -114,11 +114,11 @@ impl<'a> Beam<'a> {
                 soft[y * columns + x].amplitude = sum / (SOFT * SOFT) as f64;
             }
         }
-        Waves { columns, waves: soft }
+        WaveLattice { columns, waves: soft }
     }
 
     /// The wave with these cosines, if a ray finds it in or beside that cell of the mesh. The first that is found has no phase.
-    fn wave(&self, target: DVec2, quad: Option<usize>, start_mm: &mut Option<f64>) -> Option<Wave> {
+    fn wave(&self, target: DVec2, quad: Option<usize>, start_mm: &mut Option<f64>) -> Option<LatticeWave> {
         let quad = quad?;
         let [column, row] = [quad % (MESH - 1), quad / (MESH - 1)];
         let around = |i: usize| [i, i.saturating_sub(1), (i + 1).min(MESH - 2)];
@@ -128,7 +128,7 @@ impl<'a> Beam<'a> {
     }
 
     /// The wave of a ray that was found near the cosines.
-    fn ray(&self, target: DVec2, at: DVec2, area: f64, start_mm: &mut Option<f64>) -> Option<Wave> {
+    fn ray(&self, target: DVec2, at: DVec2, area: f64, start_mm: &mut Option<f64>) -> Option<LatticeWave> {
         let Self { view, line, eikonal, .. } = self;
         let ray = line.probe.origin.ray(&view.field, at);
         let path = eikonal.of(ray)?;
@@ -136,20 +136,20 @@ impl<'a> Beam<'a> {
         let path_mm = path.path_mm - path.crossing.dot(target - cosines(eikonal, &path));
         let phase = TAU * (path_mm - *start_mm.get_or_insert(path_mm)) / self.wavelength_mm();
         let light = weight(&line.probe.origin, &view.field, &ray) * area;
-        Some(Wave { amplitude: DVec2::from_angle(phase) * light.sqrt(), crossing: path.crossing })
+        Some(LatticeWave { amplitude: DVec2::from_angle(phase) * light.sqrt(), crossing: path.crossing })
     }
 
     /// The corners of a cell of the mesh.
-    fn quad(&self, [column, row]: [usize; 2]) -> Option<[Node; 4]> {
+    fn quad(&self, [column, row]: [usize; 2]) -> Option<[MeshRay; 4]> {
         let corner = |dx: usize, dy: usize| self.nodes[(row + dy) * MESH + column + dx];
         Some([corner(0, 0)?, corner(1, 0)?, corner(0, 1)?, corner(1, 1)?])
     }
 
-    fn lattice(&self, cell: f64) -> (Waves, Found) {
+    fn lattice(&self, cell: f64) -> (WaveLattice, MeshCells) {
         let low = self.low;
         let [columns, rows] = ((self.high - low) / cell).ceil().to_array().map(|n| n as usize + 1);
-        let mut lattice = Waves { columns, waves: vec![Wave::default(); columns * rows] };
-        let mut found = Found { columns, quads: vec![None; columns * rows], start_mm: None };
+        let mut lattice = WaveLattice { columns, waves: vec![LatticeWave::default(); columns * rows] };
+        let mut found = MeshCells { columns, quads: vec![None; columns * rows], start_mm: None };
         for i in 0..(MESH - 1) * (MESH - 1) {
             let Some(quad) = self.quad([i % (MESH - 1), i / (MESH - 1)]) else { continue };
             let [from, to] = [DVec2::min, DVec2::max].map(|end: fn(DVec2, DVec2) -> DVec2| {
@@ -173,13 +173,13 @@ impl<'a> Beam<'a> {
 }
 
 /// The cells of the mesh in which the points of a lattice were found, and the path that counts as none.
-struct Found {
+struct MeshCells {
     columns: usize,
     quads: Vec<Option<usize>>,
     start_mm: Option<f64>,
 }
 
-impl Found {
+impl MeshCells {
     /// The quad of a point, or else of a neighbour.
     fn quad_at(&self, x: usize, y: usize) -> Option<usize> {
         let rows = self.quads.len() / self.columns;
@@ -190,14 +190,14 @@ impl Found {
 }
 
 /// Direction cosines in the plane at the film, times the index.
-fn cosines(eikonal: &Eikonal<'_>, path: &Path) -> DVec2 {
+fn cosines(eikonal: &Eikonal<'_>, path: &ImageRay) -> DVec2 {
     eikonal.touching().cosines(path.out.direction) * eikonal.image_index()
 }
 
 /// The place of the field's plane whose ray has these cosines, if it lies in a cell of the mesh, and the plane's area for an area of
 /// cosines.
-fn find([a, b, c, d]: &[Node; 4], target: DVec2) -> Option<(DVec2, f64)> {
-    let blend = |of: fn(&Node) -> DVec2, s: DVec2| {
+fn find([a, b, c, d]: &[MeshRay; 4], target: DVec2) -> Option<(DVec2, f64)> {
+    let blend = |of: fn(&MeshRay) -> DVec2, s: DVec2| {
         let [a, b, c, d] = [a, b, c, d].map(of);
         let value = a + (b - a) * s.x + (c - a) * s.y + (a - b - c + d) * (s.x * s.y);
         let slope = DMat2::from_cols(b - a + (a - b - c + d) * s.y, c - a + (a - b - c + d) * s.x);
@@ -216,7 +216,7 @@ fn find([a, b, c, d]: &[Node; 4], target: DVec2) -> Option<(DVec2, f64)> {
     (is_inside && area.is_finite()).then_some((at, area))
 }
 
-impl View {
+impl FieldView {
     /// A place of the window, `side` by `side` from corner to corner.
     fn corner(&self, [x, y]: [usize; 2], side: usize) -> DVec2 {
         let unit = |i: usize| 2.0 * i as f64 / (side - 1) as f64 - 1.0;

@@ -39,7 +39,7 @@ impl Outline {
         index: f64,
         tolerance: f64,
     ) -> Option<Self> {
-        let seen = Seen::new(tracer, map, frame, place)?;
+        let seen = FilmView::new(tracer, map, frame, place)?;
         let mut window = seen.window;
         for _ in 0..GROWTHS {
             let lattice = Lattice::new(&seen, window);
@@ -82,7 +82,7 @@ fn signed_area(polygon: &[DVec2]) -> f64 {
 }
 
 /// A place of the film that looks at the lens.
-struct Seen<'a> {
+struct FilmView<'a> {
     tracer: &'a Tracer,
     touching: Touching,
     normal: DVec3,
@@ -90,7 +90,7 @@ struct Seen<'a> {
     window: [DVec2; 2],
 }
 
-impl<'a> Seen<'a> {
+impl<'a> FilmView<'a> {
     fn new(tracer: &'a Tracer, map: &PupilMap, frame: &FilmFrame, place: DVec2) -> Option<Self> {
         let film = frame.at(place.x, place.y);
         let touching = Touching::new(frame, place, [DVec2::X, DVec2::Y]);
@@ -138,7 +138,7 @@ struct Lattice {
 type Side = (usize, bool);
 
 impl Lattice {
-    fn new(seen: &Seen<'_>, [low, high]: [DVec2; 2]) -> Self {
+    fn new(seen: &FilmView<'_>, [low, high]: [DVec2; 2]) -> Self {
         let step = (high - low) / (LATTICE - 1) as f64;
         let mut lattice = Self { low, step, is_open: Vec::new() };
         let places: Vec<DVec2> = (0..LATTICE * LATTICE).map(|i| lattice.place(i)).collect();
@@ -159,7 +159,7 @@ impl Lattice {
     }
 
     /// The edge as closed polygons, with the open side on their left.
-    fn loops(&self, seen: &Seen<'_>) -> Vec<Vec<DVec2>> {
+    fn loops(&self, seen: &FilmView<'_>) -> Vec<Vec<DVec2>> {
         let (sides, points) = self.crossings(seen);
         let number = |side: Side| sides.binary_search(&side).ok();
         // Where the edge goes on from each crossing.
@@ -190,7 +190,7 @@ impl Lattice {
     }
 
     /// The sides whose ends differ, in order, and where the edge crosses them.
-    fn crossings(&self, seen: &Seen<'_>) -> (Vec<Side>, Vec<DVec2>) {
+    fn crossings(&self, seen: &FilmView<'_>) -> (Vec<Side>, Vec<DVec2>) {
         let mut sides: Vec<Side> = Vec::new();
         for i in 0..self.is_open.len() {
             if i % LATTICE + 1 < LATTICE && self.is_open[i] != self.is_open[i + 1] {
@@ -220,7 +220,7 @@ impl Lattice {
     }
 
     /// The ways of the edge through the cell above and right of a point, open on its left: none, one or two ways.
-    fn ways(&self, first: usize, seen: &Seen<'_>) -> Vec<(Side, Side)> {
+    fn ways(&self, first: usize, seen: &FilmView<'_>) -> Vec<(Side, Side)> {
         let corners = [first, first + 1, first + 1 + LATTICE, first + LATTICE].map(|i| self.is_open[i]);
         // Counter-clockwise from below.
         let sides = [(first, false), (first + 1, true), (first + LATTICE, false), (first, true)];

@@ -44,7 +44,7 @@ impl Shifts {
 }
 
 /// An edge that a line in the direction of the shift can cross: across and along the direction.
-struct Edge {
+struct CrossedEdge {
     low: DVec2,
     high: DVec2,
 }
@@ -71,7 +71,7 @@ pub fn loss_per_shift(outline: &Outline, [number, count]: [usize; 2], shifts: &S
             }
             let (low, high) = if here.x < after.x { (here, after) } else { (after, here) };
             if low.x < high.x {
-                edges.push(Edge { low, high });
+                edges.push(CrossedEdge { low, high });
             }
         }
     }
@@ -99,7 +99,7 @@ pub fn loss_per_shift(outline: &Outline, [number, count]: [usize; 2], shifts: &S
             active.retain(|&i| edges[i].high.x > line);
             cuts.clear();
             cuts.extend(active.iter().map(|&i| {
-                let Edge { low, high } = &edges[i];
+                let CrossedEdge { low, high } = &edges[i];
                 low.y + (high.y - low.y) * ((line - low.x) / (high.x - low.x))
             }));
             cuts.sort_by(f64::total_cmp);

@@ -29,7 +29,7 @@ const PRINTED: f64 = 2e-5;
 const MOST_GLASSES: usize = 20_000;
 
 /// A glass while its lines are read.
-struct Entry {
+struct GlassLines {
     name: String,
     place: Place,
     formula: u32,
@@ -38,6 +38,14 @@ struct Entry {
     numbers: Vec<f64>,
     range_um: Option<[f64; 2]>,
     transmittance: Vec<[f64; 3]>,
+}
+
+impl GlassLines {
+    /// A glass of which only the first line is read.
+    fn new(name: &str, place: Place, formula: u32, nd: Option<f64>) -> Self {
+        let (numbers, transmittance) = (Vec::new(), Vec::new());
+        Self { name: name.to_owned(), place, formula, nd, numbers, range_um: None, transmittance }
+    }
 }
 
 /// The glasses of a catalogue, with remarks on those that could not be used and are left out.
@@ -49,7 +57,7 @@ pub fn parse_bytes(bytes: &[u8], file: &str) -> Result<(Vec<Medium>, Vec<Remark>
 pub fn parse(text: &str, file: &str) -> Result<(Vec<Medium>, Vec<Remark>), LensFileError> {
     let mut remarks = Remarks::default();
     let mut media = Vec::new();
-    let mut entry: Option<Entry> = None;
+    let mut entry: Option<GlassLines> = None;
     for (i, line) in text.lines().enumerate() {
         let words = tokens(line);
         let Some((key, rest)) = words.split_first() else { continue };
@@ -62,25 +70,13 @@ pub fn parse(text: &str, file: &str) -> Result<(Vec<Medium>, Vec<Remark>), LensF
                 media.extend(entry.take().and_then(|entry| finished(entry, file, &mut remarks)));
                 let [name, formula, ..] = rest else {
                     let expected = "name, formula, number, nd and Vd of the glass".to_owned();
-                    return Err(at(
-                        file,
-                        i + 1,
-                        key.column,
-                        Problem::Malformed { found: line.trim().to_owned(), expected },
-                    ));
+                    let problem = Problem::Malformed { found: line.trim().to_owned(), expected };
+                    return Err(at(file, i + 1, key.column, problem));
                 };
                 // Some programs write the number of the formula as 2.000000.
                 let formula = number(formula, "number of the formula")?.clamp(0.0, 99.0) as u32;
                 let nd = rest.get(3).and_then(|word| finite(word.text)).filter(|nd| *nd > 0.5);
-                entry = Some(Entry {
-                    name: name.text.to_owned(),
-                    place: place(name),
-                    formula,
-                    nd,
-                    numbers: Vec::new(),
-                    range_um: None,
-                    transmittance: Vec::new(),
-                });
+                entry = Some(GlassLines::new(name.text, place(name), formula, nd));
                 if media.len() > MOST_GLASSES {
                     return Err(at(file, i + 1, 1, Problem::TooLong { largest: bytes_of(text) }));
                 }
@@ -123,7 +119,7 @@ fn bytes_of(text: &str) -> usize {
 }
 
 /// The glass of an entry; `None`, with a remark, if there is none.
-fn finished(entry: Entry, file: &str, remarks: &mut Remarks) -> Option<Medium> {
+fn finished(entry: GlassLines, file: &str, remarks: &mut Remarks) -> Option<Medium> {
     let mut left_out = |why: &str| remarks.say(entry.place, format!("'{}' is left out: {why}", entry.name));
     let Some(dispersion) = dispersion(entry.formula, &entry.numbers) else {
         left_out(&format!("formula {} with {} coefficients is not known", entry.formula, entry.numbers.len()));

@@ -27,7 +27,7 @@ const MOST_POSITIONS: usize = 100;
 
 /// Reads the text of a table.
 pub fn parse(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, LensFileError> {
-    let mut reader = Reader::new(file, catalogue);
+    let mut reader = BenchReader::new(file, catalogue);
     let mut section = String::new();
     for (i, line) in text.lines().enumerate() {
         let cells = cells(line);
@@ -82,7 +82,7 @@ struct Variable {
     place: Place,
 }
 
-struct Reader<'a> {
+struct BenchReader<'a> {
     draft: Draft<'a>,
     glasses: Glasses<'a>,
     constants: Vec<String>,
@@ -93,7 +93,7 @@ struct Reader<'a> {
     named: Vec<(usize, String, Place)>,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> BenchReader<'a> {
     fn new(file: &'a str, catalogue: &'a Catalogue) -> Self {
         Self {
             draft: Draft::new(file),

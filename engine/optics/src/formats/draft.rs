@@ -25,7 +25,7 @@ const INFINITELY_FAR_MM: f64 = 1e8;
 
 /// A file's statement of the width of the beam on the axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Beam {
+pub(super) enum StatedBeam {
     /// Diameter of the entrance pupil, mm.
     EntrancePupil(f64),
     /// Focal length over the diameter of the entrance pupil.
@@ -56,7 +56,7 @@ pub(super) struct Draft<'a> {
     pub(super) name: Option<String>,
     pub(super) rows: Vec<DraftRow>,
     pub(super) stop: Option<usize>,
-    pub(super) beam: Option<Beam>,
+    pub(super) beam: Option<StatedBeam>,
     pub(super) field_kind: FieldKind,
     pub(super) fields: Vec<FieldPoint>,
     /// Distance from the object to the first surface; infinite for most.
@@ -121,7 +121,7 @@ impl<'a> Draft<'a> {
         if self.field_kind != FieldKind::Degrees {
             self.fields.iter_mut().for_each(|field| field.y *= mm);
         }
-        if let Some(Beam::EntrancePupil(diameter)) = &mut self.beam {
+        if let Some(StatedBeam::EntrancePupil(diameter)) = &mut self.beam {
             *diameter *= mm;
         }
     }
@@ -173,6 +173,29 @@ impl<'a> Draft<'a> {
         self.open_rims(stop);
         self.note_design();
 
+        let surfaces = self.surfaces()?;
+        let moving = self.moving_parts(&surfaces)?;
+        let prescription = Prescription {
+            name: self.name.take().filter(|name| !name.is_empty()).unwrap_or_else(|| stem(self.file)),
+            surfaces,
+            stop,
+            metadata: std::mem::take(&mut self.metadata),
+            film_radius_mm: self.film_radius_mm,
+            moving,
+            source_file: self.file.to_owned(),
+        };
+        let mut prescription = prescription.in_first_position();
+        if let Some(coating) = &self.coating {
+            prescription.coat(coating);
+        }
+        if let Err(error) = prescription.check() {
+            return self.fail(start, error.into());
+        }
+        Ok(Reading { prescription, remarks: self.remarks.finish(self.file) })
+    }
+
+    /// The surfaces of all rows, checked.
+    fn surfaces(&self) -> Result<Vec<SurfaceRow>, LensFileError> {
         let mut surfaces = Vec::with_capacity(self.rows.len());
         for (i, row) in self.rows.iter().enumerate() {
             let base = Conic { curvature: row.curvature, conic: row.conic };
@@ -191,36 +214,20 @@ impl<'a> Draft<'a> {
             }
             surfaces.push(surface);
         }
-        let moving = match self.moving.take() {
-            None => None,
-            Some((parts, positions, places)) => {
-                let moving = MovingParts::new(parts, &positions, surfaces.len());
-                match moving.and_then(|moving| moving.check(&surfaces, &positions).map(|()| moving)) {
-                    Ok(moving) => Some(moving),
-                    Err((about, error)) => {
-                        let place = about.and_then(|i| places.get(i)).or(places.first()).copied().unwrap_or(start);
-                        return self.fail(place, error.into());
-                    }
-                }
+        Ok(surfaces)
+    }
+
+    /// The moving parts of these surfaces, checked.
+    fn moving_parts(&mut self, surfaces: &[SurfaceRow]) -> Result<Option<MovingParts>, LensFileError> {
+        let Some((parts, positions, places)) = self.moving.take() else { return Ok(None) };
+        let moving = MovingParts::new(parts, &positions, surfaces.len());
+        match moving.and_then(|moving| moving.check(surfaces, &positions).map(|()| moving)) {
+            Ok(moving) => Ok(Some(moving)),
+            Err((about, error)) => {
+                let place = about.and_then(|i| places.get(i)).or(places.first()).copied();
+                self.fail(place.unwrap_or(Place { line: 1, column: 1 }), error.into())
             }
-        };
-        let prescription = Prescription {
-            name: self.name.take().filter(|name| !name.is_empty()).unwrap_or_else(|| stem(self.file)),
-            surfaces,
-            stop,
-            metadata: std::mem::take(&mut self.metadata),
-            film_radius_mm: self.film_radius_mm,
-            moving,
-            source_file: self.file.to_owned(),
-        };
-        let mut prescription = prescription.in_first_position();
-        if let Some(coating) = &self.coating {
-            prescription.coat(coating);
         }
-        if let Err(error) = prescription.check() {
-            return self.fail(start, error.into());
-        }
-        Ok(Reading { prescription, remarks: self.remarks.finish(self.file) })
     }
 
     /// Takes out planes between one medium and the same that neither are the stop nor have a rim: marks of the design program.
@@ -275,9 +282,9 @@ impl<'a> Draft<'a> {
         let front = front_of(&thin, stop);
         let semi = match self.beam {
             None => return,
-            Some(Beam::EntrancePupil(diameter)) => 0.5 * diameter * front.a.abs(),
-            Some(Beam::FNumber(number)) => 0.5 * front.a.abs() / (between_vertices(&thin).c * number).abs(),
-            Some(Beam::ObjectNa(na)) => {
+            Some(StatedBeam::EntrancePupil(diameter)) => 0.5 * diameter * front.a.abs(),
+            Some(StatedBeam::FNumber(number)) => 0.5 * front.a.abs() / (between_vertices(&thin).c * number).abs(),
+            Some(StatedBeam::ObjectNa(na)) => {
                 let slope = na / (1.0 - na * na).max(0.0).sqrt();
                 ((front.a * self.object_mm + front.b) * slope).abs()
             }
@@ -366,7 +373,7 @@ impl<'a> Draft<'a> {
 
     /// Writes the conditions of the design into the header.
     fn note_design(&mut self) {
-        if let Some(Beam::FNumber(number)) = self.beam {
+        if let Some(StatedBeam::FNumber(number)) = self.beam {
             self.metadata.f_number = Some(number);
             self.header("f_number", number);
         }

@@ -157,7 +157,7 @@ pub(super) fn reading(
         return Err(at(file, 1, 1, Problem::TooLong { largest: LARGEST_FILE }));
     }
     let text = text::utf8(bytes, file)?;
-    let mut reader = Reader::new(file, catalogue, folder);
+    let mut reader = LensReader::new(file, catalogue, folder);
     for (i, line) in text.lines().enumerate() {
         match line.find('#') {
             Some(0) => reader.header(i + 1, line)?,
@@ -168,7 +168,7 @@ pub(super) fn reading(
     Ok(Reading { prescription: reader.finish()?, remarks })
 }
 
-struct Reader<'a> {
+struct LensReader<'a> {
     file: &'a str,
     glasses: Glasses<'a>,
     remarks: Remarks,
@@ -183,7 +183,7 @@ struct Reader<'a> {
     metadata: Metadata,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> LensReader<'a> {
     fn new(file: &'a str, catalogue: &'a Catalogue, folder: Option<PathBuf>) -> Self {
         Self {
             file,

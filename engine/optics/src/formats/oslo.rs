@@ -7,7 +7,7 @@
 use crate::glass::{Catalogue, GlassError, Medium, line_nm};
 use crate::prescription::{NextMedium, Place};
 
-use super::draft::{Beam, Draft, FieldKind, FieldPoint, MOST_SURFACES};
+use super::draft::{Draft, FieldKind, FieldPoint, MOST_SURFACES, StatedBeam};
 use super::draft_row::DraftRow;
 use super::glass_names::Glasses;
 use super::problem::{LensFileError, Problem, at};
@@ -22,7 +22,7 @@ const SILENT: [&str; 27] = [
 
 /// Reads the text of a file.
 pub fn parse(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, LensFileError> {
-    let mut reader = Reader::new(file, catalogue);
+    let mut reader = OsloReader::new(file, catalogue);
     for (i, line) in text.lines().enumerate() {
         let line = line.split("//").next().unwrap_or("");
         let words = tokens(line);
@@ -35,7 +35,7 @@ pub fn parse(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, L
     reader.finish()
 }
 
-struct Reader<'a> {
+struct OsloReader<'a> {
     draft: Draft<'a>,
     glasses: Glasses<'a>,
     mm_per_unit: f64,
@@ -50,7 +50,7 @@ struct Reader<'a> {
     ended: bool,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> OsloReader<'a> {
     fn new(file: &'a str, catalogue: &'a Catalogue) -> Self {
         Self {
             draft: Draft::new(file),
@@ -90,10 +90,10 @@ impl<'a> Reader<'a> {
                         .fail(place, Problem::Malformed { found: self.mm_per_unit.to_string(), expected });
                 }
             }
-            "EBR" => self.draft.beam = Some(Beam::EntrancePupil(2.0 * first(self)?)),
-            "FNO" => self.draft.beam = Some(Beam::FNumber(first(self)?)),
-            "NAO" => self.draft.beam = Some(Beam::ObjectNa(first(self)?)),
-            "NAP" => self.draft.beam = Some(Beam::FNumber(0.5 / first(self)?)),
+            "EBR" => self.draft.beam = Some(StatedBeam::EntrancePupil(2.0 * first(self)?)),
+            "FNO" => self.draft.beam = Some(StatedBeam::FNumber(first(self)?)),
+            "NAO" => self.draft.beam = Some(StatedBeam::ObjectNa(first(self)?)),
+            "NAP" => self.draft.beam = Some(StatedBeam::FNumber(0.5 / first(self)?)),
             "ANG" => self.field(FieldKind::Degrees, first(self)?),
             "OBH" => self.field(FieldKind::ObjectHeight, first(self)?),
             "GIH" => self.field(FieldKind::ImageHeight, first(self)?),
@@ -134,6 +134,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    #[expect(clippy::too_many_lines, reason = "an arm for each command")]
     fn of_surface(
         &mut self,
         line: usize,

@@ -17,7 +17,7 @@ const PLATE_MM: f64 = 10.0;
 
 /// A block of data.
 #[derive(Default)]
-struct Block {
+struct DataBlock {
     kind: String,
     place: Place,
     range_um: Option<[f64; 2]>,
@@ -84,8 +84,8 @@ pub fn parse(text: &str, file: &str, name: &str) -> Result<Medium, LensFileError
     })
 }
 
-fn blocks(text: &str, file: &str) -> Result<Vec<Block>, LensFileError> {
-    let mut blocks: Vec<Block> = Vec::new();
+fn blocks(text: &str, file: &str) -> Result<Vec<DataBlock>, LensFileError> {
+    let mut blocks: Vec<DataBlock> = Vec::new();
     let mut in_data = false;
     for (i, line) in text.lines().enumerate() {
         let words = tokens(line);
@@ -106,7 +106,7 @@ fn blocks(text: &str, file: &str) -> Result<Vec<Block>, LensFileError> {
         }
         if let Some(kind) = trimmed.strip_prefix("type:") {
             let place = Place { line: i + 1, column: first.column };
-            blocks.push(Block { kind: kind.trim().trim_matches('"').to_owned(), place, ..Block::default() });
+            blocks.push(DataBlock { kind: kind.trim().trim_matches('"').to_owned(), place, ..DataBlock::default() });
             continue;
         }
         let Some(block) = blocks.last_mut() else { continue };

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use crate::glass::{Catalogue, GlassError, Medium};
 use crate::prescription::{NextMedium, Place};
 
-use super::draft::{Beam, Draft, FieldKind, FieldPoint, MOST_SURFACES};
+use super::draft::{Draft, FieldKind, FieldPoint, MOST_SURFACES, StatedBeam};
 use super::draft_row::DraftRow;
 use super::glass_names::Glasses;
 use super::problem::{LensFileError, Problem};
@@ -32,7 +32,7 @@ const OTHER_SHAPES: [&str; 28] = [
 
 /// Reads the text of a file.
 pub fn parse(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, LensFileError> {
-    let mut reader = Reader::new(file, catalogue);
+    let mut reader = SeqReader::new(file, catalogue);
     for command in commands(text) {
         if reader.ended {
             break;
@@ -44,22 +44,22 @@ pub fn parse(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, L
 
 /// A word, in quotes or not.
 #[derive(Clone, Debug)]
-struct Word {
+struct SeqWord {
     text: String,
     quoted: bool,
     place: Place,
 }
 
-impl Word {
+impl SeqWord {
     fn upper(&self) -> String {
         self.text.to_uppercase()
     }
 }
 
 /// The commands of a text: words between line ends and semicolons.
-fn commands(text: &str) -> Vec<Vec<Word>> {
+fn commands(text: &str) -> Vec<Vec<SeqWord>> {
     let mut all = Vec::new();
-    let mut words: Vec<Word> = Vec::new();
+    let mut words: Vec<SeqWord> = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let mut chars = line.chars().enumerate().peekable();
         let mut continued = false;
@@ -78,7 +78,7 @@ fn commands(text: &str) -> Vec<Vec<Word>> {
                 '\'' | '"' => {
                     chars.next();
                     let text: String = chars.by_ref().map(|(_, c)| c).take_while(|other| *other != c).collect();
-                    words.push(Word { text, quoted: true, place });
+                    words.push(SeqWord { text, quoted: true, place });
                 }
                 c if c.is_whitespace() => {
                     chars.next();
@@ -88,7 +88,7 @@ fn commands(text: &str) -> Vec<Vec<Word>> {
                     while let Some((_, c)) = chars.next_if(|(_, c)| !c.is_whitespace() && !";&!'\"".contains(*c)) {
                         text.push(c);
                     }
-                    words.push(Word { text, quoted: false, place });
+                    words.push(SeqWord { text, quoted: false, place });
                 }
             }
         }
@@ -101,7 +101,7 @@ fn commands(text: &str) -> Vec<Vec<Word>> {
     all
 }
 
-struct Reader<'a> {
+struct SeqReader<'a> {
     draft: Draft<'a>,
     glasses: Glasses<'a>,
     by_radius: bool,
@@ -121,7 +121,7 @@ struct Reader<'a> {
     ended: bool,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> SeqReader<'a> {
     fn new(file: &'a str, catalogue: &'a Catalogue) -> Self {
         Self {
             draft: Draft::new(file),
@@ -141,11 +141,11 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn fail<T>(&self, word: &Word, problem: Problem) -> Result<T, LensFileError> {
+    fn fail<T>(&self, word: &SeqWord, problem: Problem) -> Result<T, LensFileError> {
         self.draft.fail(word.place, problem)
     }
 
-    fn number(&self, words: &[Word], i: usize, what: &str) -> Result<f64, LensFileError> {
+    fn number(&self, words: &[SeqWord], i: usize, what: &str) -> Result<f64, LensFileError> {
         let Some(word) = words.get(i) else {
             return self.fail(&words[words.len() - 1], not_a_number(what, ""));
         };
@@ -154,11 +154,11 @@ impl<'a> Reader<'a> {
         value.map_or_else(|| self.fail(word, not_a_number(what, &word.text)), Ok)
     }
 
-    fn numbers(&self, words: &[Word], what: &str) -> Result<Vec<f64>, LensFileError> {
+    fn numbers(&self, words: &[SeqWord], what: &str) -> Result<Vec<f64>, LensFileError> {
         (1..words.len()).map(|i| self.number(words, i, what)).collect()
     }
 
-    fn command(&mut self, words: &[Word]) -> Result<(), LensFileError> {
+    fn command(&mut self, words: &[SeqWord]) -> Result<(), LensFileError> {
         let key = words[0].upper();
         if self.private.is_some() {
             return self.private_line(&key, words);
@@ -167,7 +167,7 @@ impl<'a> Reader<'a> {
             "RDM" => self.by_radius = words.get(1).is_none_or(|word| !word.upper().starts_with('N')),
             "TIT" | "TITLE" => self.draft.name = words.get(1).map(|word| word.text.clone()),
             "DIM" => {
-                self.mm_per_unit = match words.get(1).map(Word::upper).as_deref() {
+                self.mm_per_unit = match words.get(1).map(SeqWord::upper).as_deref() {
                     Some("M" | "MM") => 1.0,
                     Some("C" | "CM") => 10.0,
                     Some("I" | "IN") => 25.4,
@@ -182,10 +182,10 @@ impl<'a> Reader<'a> {
                     self.draft.remarks.say(words[0].place, what);
                 }
             }
-            "EPD" => self.draft.beam = Some(Beam::EntrancePupil(self.number(words, 1, "EPD")?)),
-            "FNO" => self.draft.beam = Some(Beam::FNumber(self.number(words, 1, "FNO")?)),
-            "NA" => self.draft.beam = Some(Beam::FNumber(0.5 / self.number(words, 1, "NA")?)),
-            "NAO" => self.draft.beam = Some(Beam::ObjectNa(self.number(words, 1, "NAO")?)),
+            "EPD" => self.draft.beam = Some(StatedBeam::EntrancePupil(self.number(words, 1, "EPD")?)),
+            "FNO" => self.draft.beam = Some(StatedBeam::FNumber(self.number(words, 1, "FNO")?)),
+            "NA" => self.draft.beam = Some(StatedBeam::FNumber(0.5 / self.number(words, 1, "NA")?)),
+            "NAO" => self.draft.beam = Some(StatedBeam::ObjectNa(self.number(words, 1, "NAO")?)),
             "WL" => self.wavelengths_nm = self.numbers(words, "wavelength")?,
             "REF" => self.reference = self.number(words, 1, "REF")?.clamp(1.0, 1000.0) as usize,
             "YAN" => self.fields(words, FieldKind::Degrees)?,
@@ -209,14 +209,14 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn fields(&mut self, words: &[Word], kind: FieldKind) -> Result<(), LensFileError> {
+    fn fields(&mut self, words: &[SeqWord], kind: FieldKind) -> Result<(), LensFileError> {
         self.draft.field_kind = kind;
         self.fields = self.numbers(words, "field")?;
         Ok(())
     }
 
     /// `PWL` and the glasses of a private catalogue, to `END`.
-    fn private_line(&mut self, key: &str, words: &[Word]) -> Result<(), LensFileError> {
+    fn private_line(&mut self, key: &str, words: &[SeqWord]) -> Result<(), LensFileError> {
         match key {
             "END" => self.private = None,
             "PWL" => self.private = Some(self.numbers(words, "wavelength")?),
@@ -243,7 +243,7 @@ impl<'a> Reader<'a> {
     }
 
     /// `SO`, `S` and `SI`: radius or curvature, thickness, glass.
-    fn surface(&mut self, key: &str, words: &[Word]) -> Result<(), LensFileError> {
+    fn surface(&mut self, key: &str, words: &[SeqWord]) -> Result<(), LensFileError> {
         let mut row = DraftRow::new(words[0].place);
         if words.len() > 1 {
             let value = self.number(words, 1, if self.by_radius { "radius" } else { "curvature" })?;
@@ -278,7 +278,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn glass(&mut self, word: &Word) -> Result<NextMedium, LensFileError> {
+    fn glass(&mut self, word: &SeqWord) -> Result<NextMedium, LensFileError> {
         let name = word.upper();
         if matches!(name.as_str(), "REFL" | "REF" | "REFLECT") && !word.quoted {
             return Ok(NextMedium::Mirror);
@@ -302,17 +302,18 @@ impl<'a> Reader<'a> {
     }
 
     /// A command about a surface: the current one, or that of a qualifier.
-    fn of_surface(&mut self, key: &str, words: &[Word]) -> Result<(), LensFileError> {
+    #[expect(clippy::too_many_lines, reason = "an arm for each command")]
+    fn of_surface(&mut self, key: &str, words: &[SeqWord]) -> Result<(), LensFileError> {
         let place = words[0].place;
         if SILENT.contains(&key) {
             return Ok(());
         }
-        let named = words.get(1).filter(|word| !word.quoted).map(Word::upper);
+        let named = words.get(1).filter(|word| !word.quoted).map(SeqWord::upper);
         let number_of = |text: &str| text.strip_prefix('S').and_then(|digits| digits.parse::<usize>().ok());
         let film = named.as_deref() == Some("SI") || (named.as_deref().and_then(number_of).is_none() && self.has_film);
         let qualified = named.as_deref().and_then(number_of);
         let at_surface = qualified.or(self.current).filter(|_| !(film && qualified.is_none()));
-        let words: Vec<Word> = match named.as_deref() {
+        let words: Vec<SeqWord> = match named.as_deref() {
             Some(text) if qualified.is_some() || text == "SI" || text == "SO" => {
                 words.iter().enumerate().filter(|(i, _)| *i != 1).map(|(_, word)| word.clone()).collect()
             }
@@ -372,7 +373,7 @@ impl<'a> Reader<'a> {
     }
 
     /// `CIR`, with `EDG` for the mount, `OBS` for an obstruction and `HOL` for a hole.
-    fn aperture(&mut self, index: usize, words: &[Word]) -> Result<(), LensFileError> {
+    fn aperture(&mut self, index: usize, words: &[SeqWord]) -> Result<(), LensFileError> {
         let mut kind = "";
         for (i, word) in words.iter().enumerate().skip(1) {
             match word.upper().as_str() {

@@ -16,7 +16,7 @@ use super::text::{Token, finite, not_a_number, tokens};
 /// before and behind. Further ones are fixed stops; where the medium changes, the surface is taken for a flat one. Both are said. If the
 /// medium changes at every one of them, the first is the stop, on its glass.
 pub fn parse_pbrt(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, LensFileError> {
-    let mut table = Table::new(file, catalogue);
+    let mut table = ColumnTable::new(file, catalogue);
     // Rows of radius 0 where the medium changes.
     let mut flat: Vec<(usize, Place)> = Vec::new();
     for (i, line) in text.lines().enumerate() {
@@ -66,7 +66,7 @@ pub fn parse_pbrt(text: &str, file: &str, catalogue: &Catalogue) -> Result<Readi
 /// FlareSim's: lines `key: text`, then after `surfaces:` rows of radius (or `stop`, `inf`), thickness, index and Abbe number behind the
 /// surface, half of the clear diameter, and the number of layers of its coating. (As its sample lenses have it.)
 pub fn parse_flaresim(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, LensFileError> {
-    let mut table = Table::new(file, catalogue);
+    let mut table = ColumnTable::new(file, catalogue);
     let mut in_rows = false;
     for (i, line) in text.lines().enumerate() {
         let words = tokens(line.split('#').next().unwrap_or(""));
@@ -107,12 +107,12 @@ pub fn parse_flaresim(text: &str, file: &str, catalogue: &Catalogue) -> Result<R
     table.draft.finish()
 }
 
-struct Table<'a> {
+struct ColumnTable<'a> {
     draft: Draft<'a>,
     glasses: Glasses<'a>,
 }
 
-impl<'a> Table<'a> {
+impl<'a> ColumnTable<'a> {
     fn new(file: &'a str, catalogue: &'a Catalogue) -> Self {
         Self { draft: Draft::new(file), glasses: Glasses::new(catalogue, None) }
     }

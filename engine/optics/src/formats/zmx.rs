@@ -14,14 +14,14 @@ use std::path::PathBuf;
 use crate::glass::Catalogue;
 use crate::prescription::Place;
 
-use super::draft::{Beam, Draft, FieldKind, FieldPoint};
+use super::draft::{Draft, FieldKind, FieldPoint, StatedBeam};
 use super::glass_names::Glasses;
 use super::header::{self, Header};
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::Reading;
 use super::text::{Token, finite, not_a_number, tokens};
 
-use surface::Block;
+use surface::SurfaceLines;
 
 pub use write::write;
 
@@ -35,7 +35,7 @@ const SILENT: [&str; 44] = [
 
 /// Reads the text of a file. `folder` is where catalogues beside it are sought.
 pub fn parse(text: &str, file: &str, catalogue: &Catalogue, folder: Option<PathBuf>) -> Result<Reading, LensFileError> {
-    let mut reader = Reader::new(file, catalogue, folder);
+    let mut reader = ZmxReader::new(file, catalogue, folder);
     for (i, line) in text.lines().enumerate() {
         let words = tokens(line);
         if let Some((key, rest)) = words.split_first() {
@@ -45,10 +45,10 @@ pub fn parse(text: &str, file: &str, catalogue: &Catalogue, folder: Option<PathB
     reader.finish()
 }
 
-struct Reader<'a> {
+struct ZmxReader<'a> {
     draft: Draft<'a>,
     glasses: Glasses<'a>,
-    blocks: Vec<Block>,
+    blocks: Vec<SurfaceLines>,
     mm_per_unit: f64,
     wavelengths_um: Vec<(usize, f64)>,
     primary: usize,
@@ -62,7 +62,7 @@ struct Reader<'a> {
     after_surfaces: bool,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ZmxReader<'a> {
     fn new(file: &'a str, catalogue: &'a Catalogue, folder: Option<PathBuf>) -> Self {
         Self {
             draft: Draft::new(file),
@@ -101,7 +101,7 @@ impl<'a> Reader<'a> {
                     .draft
                     .fail(place, Problem::Unsupported("a lens has no more than 1000 surfaces".to_owned()));
             }
-            self.blocks.push(Block::new(place));
+            self.blocks.push(SurfaceLines::new(place));
             return Ok(());
         }
         if self.blocks.is_empty() {
@@ -119,6 +119,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A line before the surfaces.
+    #[expect(clippy::too_many_lines, reason = "an arm for each keyword")]
     fn system(&mut self, line: usize, text: &str, key: &Token<'_>, rest: &[Token<'_>]) -> Result<(), LensFileError> {
         let place = Place { line, column: key.column };
         let value = text.trim_start()[key.text.len()..].trim();
@@ -159,13 +160,14 @@ impl<'a> Reader<'a> {
             }
             // In lens units, which UNIT says before.
             "ENPD" => {
-                self.draft.beam = Some(Beam::EntrancePupil(self.number(line, rest, 0, "ENPD")? * self.mm_per_unit))
+                self.draft.beam =
+                    Some(StatedBeam::EntrancePupil(self.number(line, rest, 0, "ENPD")? * self.mm_per_unit))
             }
-            "FNUM" => self.draft.beam = Some(Beam::FNumber(self.number(line, rest, 0, "FNUM")?)),
+            "FNUM" => self.draft.beam = Some(StatedBeam::FNumber(self.number(line, rest, 0, "FNUM")?)),
             "OBNA" => {
                 let value = self.number(line, rest, 0, "OBNA")?;
                 let is_angle = rest.get(1).is_some_and(|word| word.text == "1");
-                self.draft.beam = Some(Beam::ObjectNa(if is_angle { value.to_radians().sin() } else { value }));
+                self.draft.beam = Some(StatedBeam::ObjectNa(if is_angle { value.to_radians().sin() } else { value }));
             }
             "FLOA" => self.draft.beam = None,
             "ENVD" => {

@@ -17,7 +17,7 @@ const NONE: u32 = u32::MAX;
 
 /// A ray that gets through.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Through {
+pub(super) struct PassedRay {
     /// The point on the beam's disc, in radii.
     pub(super) at: DVec2,
     /// The point on the film, mm.
@@ -27,15 +27,15 @@ pub(super) struct Through {
 /// Cells that an edge crosses.
 pub(super) struct Edges {
     /// Rays by cell and point.
-    points: Vec<Option<Through>>,
+    points: Vec<Option<PassedRay>>,
     /// The number of the crossing found, by cell and side.
     sides: Vec<[u32; SIDES]>,
-    crossings: Vec<Through>,
+    crossings: Vec<PassedRay>,
 }
 
 /// A side that an edge crosses.
 struct Crossed {
-    inside: Through,
+    inside: PassedRay,
     outside: DVec2,
 }
 
@@ -62,8 +62,8 @@ impl Edges {
         };
         let places: Vec<DVec2> = cells.iter().flat_map(of_cell).collect();
         let found = trace(&places);
-        let points: Vec<Option<Through>> =
-            found.iter().zip(&places).map(|(film, at)| film.map(|film| Through { at: *at, film })).collect();
+        let points: Vec<Option<PassedRay>> =
+            found.iter().zip(&places).map(|(film, at)| film.map(|film| PassedRay { at: *at, film })).collect();
         let mut sides = vec![[NONE; SIDES]; cells.len()];
         let mut crossed = Vec::new();
         for (cell, sides) in sides.iter_mut().enumerate() {
@@ -83,18 +83,18 @@ impl Edges {
             let middles: Vec<DVec2> = crossed.iter().map(|side| 0.5 * (side.inside.at + side.outside)).collect();
             for ((side, at), film) in crossed.iter_mut().zip(&middles).zip(trace(&middles)) {
                 match film {
-                    Some(film) => side.inside = Through { at: *at, film },
+                    Some(film) => side.inside = PassedRay { at: *at, film },
                     None => side.outside = *at,
                 }
             }
         }
         // The edge lies between both.
-        let crossing = |side: Crossed| Through { at: 0.5 * (side.inside.at + side.outside), ..side.inside };
+        let crossing = |side: Crossed| PassedRay { at: 0.5 * (side.inside.at + side.outside), ..side.inside };
         Self { points, sides, crossings: crossed.into_iter().map(crossing).collect() }
     }
 
     /// Calls `each` with the corners of every part's piece that gets through, in their order around it.
-    pub(super) fn polygons(&self, each: &mut impl FnMut(&[Through])) {
+    pub(super) fn polygons(&self, each: &mut impl FnMut(&[PassedRay])) {
         let mut polygon = Vec::with_capacity(8);
         for (cell, sides) in self.sides.iter().enumerate() {
             let point = |i: usize| self.points[cell * POINTS * POINTS + i];
@@ -130,7 +130,7 @@ mod tests {
         let edges = Edges::find(&cells, size, |points| points.iter().map(inside).collect());
         let (mut on_disc, mut on_film) = (0.0, 0.0);
         edges.polygons(&mut |polygon| {
-            let area = |point: fn(&Through) -> DVec2| {
+            let area = |point: fn(&PassedRay) -> DVec2| {
                 let next = |i: usize| point(&polygon[(i + 1) % polygon.len()]);
                 (0..polygon.len()).map(|i| point(&polygon[i]).perp_dot(next(i))).sum::<f64>() / 2.0
             };

@@ -63,7 +63,7 @@ struct File {
 }
 
 #[derive(Deserialize)]
-struct Entry {
+struct CatalogueEntry {
     formula: String,
     coefficients: Vec<f64>,
     range_um: [f64; 2],
@@ -236,7 +236,7 @@ fn numeric(token: &str) -> Result<Medium, GlassError> {
 }
 
 fn read_entry(name: &str, value: serde_json::Value, file_source: &str) -> Option<Medium> {
-    let entry = serde_json::from_value::<Entry>(value).ok()?;
+    let entry = serde_json::from_value::<CatalogueEntry>(value).ok()?;
     let range_nm = entry.range_um.map(|um| um * 1000.0);
     let source = entry.source.as_deref().unwrap_or(file_source);
     let dispersion = Dispersion::from_words(&entry.formula, &entry.coefficients)?;

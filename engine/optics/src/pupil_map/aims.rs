@@ -10,7 +10,7 @@ use super::{DEFENSIVE_SHARE, PupilMap};
 
 /// The data of a sector that a target needs.
 #[derive(Clone, Copy, Debug, Default)]
-struct Slice {
+struct AimedSector {
     corner: [f32; 2],
     /// Vector to the next corner.
     edge: [f32; 2],
@@ -29,23 +29,23 @@ const WHOLE: f32 = (1u32 << 23) as f32;
 
 /// The sectors of a cell where only the film point's distance from the axis counts.
 #[derive(Clone, Debug)]
-pub(super) struct Slices {
+pub(super) struct CellSectors {
     guide: [u8; GUIDE],
     /// The slices; behind the last one is one that is never reached.
-    slices: [Slice; ANGLES + 1],
+    slices: [AimedSector; ANGLES + 1],
 }
 
-impl Slices {
+impl CellSectors {
     /// The slices of a cell; of no use for a cell that is dark.
     pub(super) fn new(cell: &Cell) -> Self {
-        let mut all = Self { guide: [0; GUIDE], slices: [Slice::default(); ANGLES + 1] };
+        let mut all = Self { guide: [0; GUIDE], slices: [AimedSector::default(); ANGLES + 1] };
         all.slices[ANGLES].start = f32::INFINITY;
         for (part, first) in all.guide.iter_mut().zip(cell.guide()) {
             *part = *first;
         }
         for (slice, sector) in all.slices.iter_mut().zip(cell.sectors()) {
             let begin = (sector.inner * sector.inner) as f32;
-            *slice = Slice {
+            *slice = AimedSector {
                 corner: sector.corner.as_vec2().to_array(),
                 edge: sector.edge.as_vec2().to_array(),
                 start: sector.start as f32,
@@ -60,7 +60,7 @@ impl Slices {
 
     /// The sector that `u` chooses, of part number `part` of the area.
     #[inline]
-    fn choose(&self, u: f32, part: u8) -> &Slice {
+    fn choose(&self, u: f32, part: u8) -> &AimedSector {
         let mut i = usize::from(self.guide[usize::from(part)]);
         // Nearly always that or the next: without a jump that nobody can foresee.
         i += usize::from(self.slices[i + 1].start <= u);

@@ -2,13 +2,13 @@
 
 /// An interval in equal cells.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(super) struct CellAxis {
     start: f64,
     pub(super) cells_per_unit: f64,
     pub(super) cells: usize,
 }
 
-impl Axis {
+impl CellAxis {
     pub(super) fn new(start: f64, end: f64, cells: usize) -> Self {
         let length = end - start;
         let cells_per_unit = if length > 0.0 { cells as f64 / length } else { 0.0 };

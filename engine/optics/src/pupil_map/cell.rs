@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 
-use super::outline::{ANGLES, Outline};
+use super::outline::{ANGLES, PupilOutline};
 
 /// Outlines are widened by this part of their radius, for what they do between the points where they were traced.
 /// Larger wastes twice as many samples; smaller leaves light to the defensive samples, which are noisy.
@@ -49,7 +49,7 @@ impl Cell {
         Self { area: 0.0, density: 0.0, sectors: Vec::new(), guide: Vec::new(), surely: [0.0; 2] }
     }
 
-    pub(super) fn new(outline: &Outline) -> Self {
+    pub(super) fn new(outline: &PupilOutline) -> Self {
         let outer = widened(&outline.outer);
         let corner = |i: usize| DVec2::from_angle(i as f64 * TAU / ANGLES as f64) * outer[i % ANGLES];
         let corners: Vec<DVec2> = (0..=ANGLES).map(corner).collect();

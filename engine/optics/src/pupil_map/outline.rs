@@ -19,12 +19,12 @@ const SCAN_ACROSS: usize = 64;
 
 /// Radii of the clear pupil about the centre of its ellipse and in units of it, at equal angles.
 #[derive(Clone, Debug)]
-pub(super) struct Outline {
+pub(super) struct PupilOutline {
     pub(super) outer: [f64; ANGLES],
     pub(super) inner: [f64; ANGLES],
 }
 
-impl Outline {
+impl PupilOutline {
     /// Grows the outline until it holds `other`.
     pub(super) fn join(&mut self, other: &Self) {
         for i in 0..ANGLES {
@@ -35,7 +35,7 @@ impl Outline {
 }
 
 /// A test, by tracers, of the targets that are clear.
-pub(super) struct Probe {
+pub(super) struct TargetProbe {
     /// Tracers without obstructions and masks: the pupil's hole is found apart, and the outline of a mask's circle
     /// holds all of its openings.
     open: Vec<Tracer>,
@@ -51,7 +51,7 @@ fn passes(tracers: &[Tracer], film: DVec3, target: DVec3) -> bool {
     tracers.iter().any(|t| t.from_film(Ray { origin: film, direction }).is_ok())
 }
 
-impl Probe {
+impl TargetProbe {
     pub(super) fn new(tracers: &[Tracer], reference_z: f64, glass_radius: f64) -> Self {
         let is_obstructed = tracers.iter().any(Tracer::has_obstructions);
         Self {
@@ -151,13 +151,18 @@ impl Probe {
     /// The outlines at `places`, all edges searched at once: every step of the search is one bundle of rays.
     ///
     /// `is_symmetric` spares the half below the meridian; `hints` are the outlines of neighbours.
-    pub(super) fn outlines(&self, places: &[Place], is_symmetric: bool, hints: &[Option<Outline>]) -> Vec<Outline> {
+    pub(super) fn outlines(
+        &self,
+        places: &[FilmPlace],
+        is_symmetric: bool,
+        hints: &[Option<PupilOutline>],
+    ) -> Vec<PupilOutline> {
         let angles = if is_symmetric { ANGLES / 2 + 1 } else { ANGLES };
-        let mut edges: Vec<Edge> = Vec::with_capacity(places.len() * angles);
+        let mut edges: Vec<OutlineEdge> = Vec::with_capacity(places.len() * angles);
         for (place, hint) in places.iter().zip(hints) {
             for i in 0..angles {
                 let guess = hint.as_ref().map_or(1.0, |hint| hint.outer[i]);
-                edges.push(Edge::new(place, i, guess, 2.0 * self.glass_radius));
+                edges.push(OutlineEdge::new(place, i, guess, 2.0 * self.glass_radius));
             }
         }
         let mut asked: Vec<usize> = (0..edges.len()).collect();
@@ -171,19 +176,22 @@ impl Probe {
         let holes = self.holes(&edges);
         let outline = |place: usize| {
             let at = |i: usize| place * angles + if i < angles { i } else { ANGLES - i };
-            Outline { outer: std::array::from_fn(|i| edges[at(i)].high), inner: std::array::from_fn(|i| holes[at(i)]) }
+            PupilOutline {
+                outer: std::array::from_fn(|i| edges[at(i)].high),
+                inner: std::array::from_fn(|i| holes[at(i)]),
+            }
         };
         (0..places.len()).map(outline).collect()
     }
 
     /// Distances from the centre that an obstruction reaches towards each edge.
-    fn holes(&self, edges: &[Edge]) -> Vec<f64> {
+    fn holes(&self, edges: &[OutlineEdge]) -> Vec<f64> {
         const STEPS: i32 = 64;
         if self.obstructed.is_empty() {
             return vec![0.0; edges.len()];
         }
-        let place = |edge: &Edge, i: i32| edge.high * f64::from(i) / f64::from(STEPS);
-        let hole = |edge: &Edge| {
+        let place = |edge: &OutlineEdge, i: i32| edge.high * f64::from(i) / f64::from(STEPS);
+        let hole = |edge: &OutlineEdge| {
             let targets: Vec<Target> = (0..=STEPS).map(|i| edge.target(place(edge, i))).collect();
             let is_clear = are_clear(&self.obstructed, self.reference_z, &targets);
             match (0..=STEPS).find(|&i| is_clear[i as usize]) {
@@ -227,14 +235,14 @@ fn are_clear(tracers: &[Tracer], reference_z: f64, targets: &[Target]) -> Vec<bo
 }
 
 /// A film point for which an outline is taken, and its ellipse.
-pub(super) struct Place {
+pub(super) struct FilmPlace {
     film: DVec3,
     ellipse: Ellipse,
     meridian: DVec2,
     axes: DVec2,
 }
 
-impl Place {
+impl FilmPlace {
     /// The film point, the ellipse in units of which the outline is told, and the directions that it is told in.
     pub(super) fn new(film: DVec3, ellipse: Ellipse, meridian: DVec2, axes: DVec2) -> Self {
         Self { film, ellipse, meridian, axes }
@@ -246,7 +254,7 @@ impl Place {
 }
 
 /// The outline along one direction, as far as it is narrowed down: clear at `low`, not at `high`.
-struct Edge {
+struct OutlineEdge {
     film: DVec3,
     centre: DVec2,
     /// One unit of the ellipse, mm.
@@ -254,11 +262,11 @@ struct Edge {
     low: f64,
     high: f64,
     limit: f64,
-    search: Search,
+    search: SearchStep,
 }
 
 /// The next test of a search.
-enum Search {
+enum SearchStep {
     /// Tests whether `high` is clear: then the edge lies farther out.
     Out,
     /// Tests just below: a good guess is narrowed at once.
@@ -267,15 +275,15 @@ enum Search {
     Halve { steps: u32 },
 }
 
-impl Edge {
-    fn new(place: &Place, i: usize, guess: f64, limit_mm: f64) -> Self {
+impl OutlineEdge {
+    fn new(place: &FilmPlace, i: usize, guess: f64, limit_mm: f64) -> Self {
         let centre = place.in_mm(DVec2::ZERO);
         let along = place.in_mm(DVec2::from_angle(i as f64 * TAU / ANGLES as f64)) - centre;
         let limit = limit_mm / along.length();
         let high = guess.max(1e-9 * limit) * 1.02;
-        let mut edge = Self { film: place.film, centre, along, low: 0.0, high, limit, search: Search::Out };
+        let mut edge = Self { film: place.film, centre, along, low: 0.0, high, limit, search: SearchStep::Out };
         if high >= limit {
-            edge.search = Search::Below;
+            edge.search = SearchStep::Below;
         }
         edge
     }
@@ -286,28 +294,28 @@ impl Edge {
 
     fn asks(&self) -> f64 {
         match self.search {
-            Search::Out => self.high,
-            Search::Below => self.high * 0.96,
-            Search::Halve { .. } => 0.5 * (self.low + self.high),
+            SearchStep::Out => self.high,
+            SearchStep::Below => self.high * 0.96,
+            SearchStep::Halve { .. } => 0.5 * (self.low + self.high),
         }
     }
 
     fn hear(&mut self, is_clear: bool) {
         let asked = self.asks();
-        let halve = Search::Halve { steps: 0 };
+        let halve = SearchStep::Halve { steps: 0 };
         match &mut self.search {
-            Search::Out if is_clear => {
+            SearchStep::Out if is_clear => {
                 (self.low, self.high) = (asked, asked * 1.25);
                 if self.high >= self.limit {
                     self.search = halve;
                 }
             }
-            Search::Out => self.search = if self.low == 0.0 { Search::Below } else { halve },
-            Search::Below => {
+            SearchStep::Out => self.search = if self.low == 0.0 { SearchStep::Below } else { halve },
+            SearchStep::Below => {
                 *(if is_clear { &mut self.low } else { &mut self.high }) = asked;
                 self.search = halve;
             }
-            Search::Halve { steps } => {
+            SearchStep::Halve { steps } => {
                 *steps += 1;
                 *(if is_clear { &mut self.low } else { &mut self.high }) = asked;
             }
@@ -316,7 +324,7 @@ impl Edge {
 
     fn is_found(&self) -> bool {
         let is_narrow = self.high - self.low <= PRECISION * self.high;
-        matches!(self.search, Search::Halve { steps } if is_narrow || steps >= 60)
+        matches!(self.search, SearchStep::Halve { steps } if is_narrow || steps >= 60)
     }
 }
 

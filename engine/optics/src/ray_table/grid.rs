@@ -2,7 +2,7 @@
 
 /// An interval with nodes at equal steps, both ends among them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(super) struct NodeAxis {
     start: f64,
     step: f64,
     nodes: usize,
@@ -11,7 +11,7 @@ pub(super) struct Axis {
 /// A place so far outside, in steps, is rounding.
 const ROUNDING: f64 = 1e-6;
 
-impl Axis {
+impl NodeAxis {
     /// An axis of at least four nodes.
     pub(super) fn new(start: f64, end: f64, nodes: usize) -> Self {
         let nodes = nodes.max(4);
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn cubics_are_reproduced_up_to_the_ends() {
         let cubic = |x: f64| 1.0 - 2.0 * x + 0.5 * x * x - 0.1 * x * x * x;
-        let axis = Axis::new(-1.0, 3.0, 9);
+        let axis = NodeAxis::new(-1.0, 3.0, 9);
         for i in 0..=100 {
             let x = -1.0 + 4.0 * f64::from(i) / 100.0;
             let sum: f64 = axis.stencil(x).unwrap().nodes().map(|(n, w)| f64::from(w) * cubic(axis.at(n))).sum();

@@ -10,7 +10,7 @@ type Sides = [f64; 4];
 
 /// A rectangle on the reference plane for each film point, in mm.
 #[derive(Clone, Debug)]
-pub(super) struct Window {
+pub(super) struct PlaneWindow {
     /// The film's middle in the film's coordinates, and one over half of its sides.
     middle: DVec2,
     per_half: DVec2,
@@ -21,7 +21,7 @@ pub(super) struct Window {
 /// Part of its side by which a window is larger than needed.
 const MARGIN: f64 = 0.01;
 
-impl Window {
+impl PlaneWindow {
     /// The window that holds `bounds` (low, high) at all their film points, none far from what it must; `glass`, a
     /// square of that half side, if there are none. `is_radial`: the film's second coordinate does not count.
     pub(super) fn around(bounds: &[(DVec2, [DVec2; 2])], is_radial: bool, glass: f64) -> Self {
@@ -131,7 +131,7 @@ mod tests {
                 (film, [film * 0.7 - half, film * 0.7 + half])
             })
             .collect();
-        let window = Window::around(&bounds, false, 1.0);
+        let window = PlaneWindow::around(&bounds, false, 1.0);
         for &(film, [low, high]) in &bounds {
             let (corner, sides) = window.at(film);
             assert!(corner.cmple(low).all() && (corner + sides).cmpge(high).all(), "{film}");

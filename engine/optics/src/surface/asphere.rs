@@ -27,7 +27,7 @@ pub struct Asphere<R = f64> {
 }
 
 /// The profile at r² = u.
-pub(super) struct Profile<L> {
+pub(super) struct AsphereProfile<L> {
     pub(super) sag: L,
     /// w = √(1 − (1 + k) c² u), the cosine of a sphere's slope; 0 where the conicoid has ended.
     pub(super) weight: L,
@@ -117,7 +117,7 @@ impl<R: Real> Asphere<R> {
 
     /// Beyond the rim of the conicoid the sag goes on as c u, so that an iteration may look there and come back.
     #[inline(always)]
-    pub(super) fn profile<L: Lane<Real = R>>(&self, u: L) -> Profile<L> {
+    pub(super) fn profile<L: Lane<Real = R>>(&self, u: L) -> AsphereProfile<L> {
         let Conic { curvature: c, conic: k } = self.base;
         let zero = u.like(R::ZERO);
         let weight = (-(u * ((R::ONE + k) * c * c) - R::ONE)).most(zero).sqrt();
@@ -130,7 +130,7 @@ impl<R: Real> Asphere<R> {
             polynomial = polynomial + radius * u * sum;
             slope = slope + radius * (sum * R::from_f64(1.5) + change * u);
         }
-        Profile { sag: base + polynomial, weight, slope: (slope + slope) * weight + c }
+        AsphereProfile { sag: base + polynomial, weight, slope: (slope + slope) * weight + c }
     }
 
     /// See [`super::Shape::meet`]: Newton's method from the hit of the conicoid.
@@ -140,7 +140,7 @@ impl<R: Real> Asphere<R> {
         let start = L::select(base.met, base.t, p.x.like(R::ZERO));
         let root = rising_root(start, side, size(p, start), &RayToAsphere { shape: self, p, d });
         let point = p + d * root.t;
-        let Profile { weight, slope, .. } = self.profile(point.x * point.x + point.y * point.y);
+        let AsphereProfile { weight, slope, .. } = self.profile(point.x * point.x + point.y * point.y);
         let normal = Vector { x: -(point.x * slope), y: -(point.y * slope), z: weight };
         let mut crossing = at_root(root, point, normal, d, side);
         crossing.wrong_sheet = base.wrong_sheet & !crossing.met;
@@ -159,7 +159,7 @@ impl<L: Lane> Profiled<L> for RayToAsphere<'_, L> {
     fn along(&self, t: L) -> Along<L> {
         let d = self.d;
         let at = self.p + d * t;
-        let Profile { sag, weight, slope } = self.shape.profile(at.x * at.x + at.y * at.y);
+        let AsphereProfile { sag, weight, slope } = self.shape.profile(at.x * at.x + at.y * at.y);
         Along {
             value: (at.z - sag) * weight,
             slope: d.z * weight - (at.x * d.x + at.y * d.y) * slope,

@@ -1,6 +1,6 @@
 //! Cylinders and toroids, as anamorphic lenses have them.
 
-use super::asphere::{Profile, at_root, size};
+use super::asphere::{AsphereProfile, at_root, size};
 use super::iterate::{Along, Profiled, rising_root};
 use super::{Asphere, Conic, Crossing};
 use crate::lane::{Lane, Real};
@@ -54,9 +54,9 @@ impl<R: Real> Toroid<R> {
 
     /// The gradient of the surface's function, times the profile's weight.
     #[inline(always)]
-    fn gradient<L: Lane<Real = R>>(&self, at: Vector<L>, profile: &Profile<L>) -> Vector<L> {
+    fn gradient<L: Lane<Real = R>>(&self, at: Vector<L>, profile: &AsphereProfile<L>) -> Vector<L> {
         let c = self.across;
-        let Profile { sag, weight, slope } = *profile;
+        let AsphereProfile { sag, weight, slope } = *profile;
         Vector { x: -(at.x * c * weight), y: at.y * slope * (sag * c - R::ONE), z: -((at.z * c - R::ONE) * weight) }
     }
 
@@ -93,7 +93,7 @@ impl<L: Lane> Profiled<L> for RayToToroid<'_, L> {
         let half = L::Real::from_f64(0.5) * self.shape.across;
         let at = self.p + self.d * t;
         let profile = self.shape.profile.profile(at.y * at.y);
-        let Profile { sag, weight, .. } = profile;
+        let AsphereProfile { sag, weight, .. } = profile;
         let bent = (at.x * at.x + at.z * at.z) * half;
         Along {
             value: (at.z - sag - (bent - sag * sag * half)) * weight,

@@ -303,7 +303,7 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
         for first in (0..rays).step_by(BLOCK) {
             let block = first..(first + BLOCK).min(rays);
             let [x, y, z, dx, dy, dz] = &mut *numbers;
-            let mut block = Block {
+            let mut block = RayLanes {
                 x: &mut x[block.clone()],
                 y: &mut y[block.clone()],
                 z: &mut z[block.clone()],
@@ -351,7 +351,7 @@ impl Losses<'_> {
 }
 
 /// Rays that go through all surfaces together: their coordinates.
-pub(super) struct Block<'a, R> {
+pub(super) struct RayLanes<'a, R> {
     pub(super) x: &'a mut [R],
     pub(super) y: &'a mut [R],
     pub(super) z: &'a mut [R],
@@ -360,7 +360,7 @@ pub(super) struct Block<'a, R> {
     pub(super) dz: &'a mut [R],
 }
 
-impl<R: Real> Block<'_, R> {
+impl<R: Real> RayLanes<'_, R> {
     /// The rays from `at` on, as many as a lane like `zero` holds.
     #[inline(always)]
     fn load<L: Lane<Real = R>>(&self, zero: L, at: usize) -> (Vector<L>, Vector<L>) {

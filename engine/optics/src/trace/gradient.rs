@@ -30,15 +30,15 @@ const LEAST_INDEX: f64 = 0.3;
 /// The media on both sides of a surface, at least one of which is a gradient, as rays on one way see them.
 #[derive(Clone, Debug)]
 pub(super) struct Gradients<R> {
-    before: Option<(Field<R>, March<R>)>,
-    behind: Option<Field<R>>,
+    before: Option<(LocalMedium<R>, March<R>)>,
+    behind: Option<LocalMedium<R>>,
     /// The indices before and behind the surface without what the gradients add.
     pub(super) indices: [R; 2],
 }
 
 /// A medium in the coordinates of a surface's vertex on the axis.
 #[derive(Clone, Debug)]
-struct Field<R> {
+struct LocalMedium<R> {
     /// Coefficients by powers of r², each by powers of z.
     rows: Box<[Box<[R]>]>,
     /// The vertex of the surface that the medium follows, and how that surface stands there.
@@ -86,7 +86,7 @@ pub struct GradientsBeside {
 
 /// A gradient between two surfaces, in lens space.
 pub(super) struct Gap {
-    field: Field<f64>,
+    field: LocalMedium<f64>,
     march: March<f64>,
 }
 
@@ -102,7 +102,7 @@ impl Gap {
             let medium = surfaces[follows].element.behind();
             let gradient = medium.gradient()?;
             let origin = &surfaces[follows];
-            let field = Field {
+            let field = LocalMedium {
                 rows: gradient.rows().into_iter().map(Vec::into_boxed_slice).collect(),
                 vertex_z: origin.z_mm,
                 pose: Some(origin.pose).filter(|pose| !pose.is_identity()),
@@ -118,7 +118,7 @@ impl Gap {
 impl Gradients<f64> {
     /// The gaps before and behind a surface on the way of the ray, the surface's vertex, and the indices without gradients.
     pub(super) fn at(before: Option<&Gap>, behind: Option<&Gap>, z_mm: f64, indices: [f64; 2]) -> Option<Self> {
-        let field = |gap: &Gap| Field { vertex_z: gap.field.vertex_z - z_mm, ..gap.field.clone() };
+        let field = |gap: &Gap| LocalMedium { vertex_z: gap.field.vertex_z - z_mm, ..gap.field.clone() };
         let is_any = before.is_some() || behind.is_some();
         is_any.then(|| Self { before: before.map(|gap| (field(gap), gap.march)), behind: behind.map(field), indices })
     }
@@ -129,14 +129,14 @@ impl Gradients<f64> {
                 .before
                 .as_ref()
                 .map(|(field, march)| (field.cast(), March { step: R::from_f64(march.step), most: march.most })),
-            behind: self.behind.as_ref().map(Field::cast),
+            behind: self.behind.as_ref().map(LocalMedium::cast),
             indices: self.indices.map(R::from_f64),
         }
     }
 
     /// In numbers for a tracer on another processor.
     pub(super) fn numbers(&self) -> GradientsBeside {
-        let numbers = |field: &Field<f64>, march: Option<&March<f64>>| GradientNumbers {
+        let numbers = |field: &LocalMedium<f64>, march: Option<&March<f64>>| GradientNumbers {
             rows: field.rows.iter().map(|row| row.to_vec()).collect(),
             vertex_z: field.vertex_z,
             pose: field.pose,
@@ -299,7 +299,7 @@ impl<L: Lane> Flight<L> {
 
     /// A step of `length` in t.
     #[inline(always)]
-    fn after(&self, field: &Field<L::Real>, base: L, length: L) -> Self {
+    fn after(&self, field: &LocalMedium<L::Real>, base: L, length: L) -> Self {
         let part = |x: f64| length * L::Real::from_f64(x);
         let Self { at, pace } = *self;
         let a = field.pull(at, base) * length;
@@ -311,16 +311,16 @@ impl<L: Lane> Flight<L> {
 }
 
 /// The sum of a field's terms at a place, and its changes with z and with r².
-struct Sums<L> {
+struct LocalSums<L> {
     value: L,
     by_z: L,
     by_square: L,
 }
 
-impl Field<f64> {
-    fn cast<R: Real>(&self) -> Field<R> {
+impl LocalMedium<f64> {
+    fn cast<R: Real>(&self) -> LocalMedium<R> {
         let row = |row: &[f64]| row.iter().map(|&a| R::from_f64(a)).collect();
-        Field {
+        LocalMedium {
             rows: self.rows.iter().map(|numbers| row(numbers)).collect(),
             vertex_z: R::from_f64(self.vertex_z),
             pose: self.pose.map(|pose| pose.cast()),
@@ -329,7 +329,7 @@ impl Field<f64> {
     }
 }
 
-impl<R: Real> Field<R> {
+impl<R: Real> LocalMedium<R> {
     /// A place in the medium's own coordinates.
     #[inline(always)]
     fn inside<L: Lane<Real = R>>(&self, place: Vector<L>) -> Vector<L> {
@@ -342,10 +342,10 @@ impl<R: Real> Field<R> {
 
     /// Horner's rule, for z in each row and for r² over the rows.
     #[inline(always)]
-    fn sums<L: Lane<Real = R>>(&self, p: Vector<L>) -> Sums<L> {
+    fn sums<L: Lane<Real = R>>(&self, p: Vector<L>) -> LocalSums<L> {
         let square = p.x * p.x + p.y * p.y;
         let zero = square.like(R::ZERO);
-        let mut sums = Sums { value: zero, by_z: zero, by_square: zero };
+        let mut sums = LocalSums { value: zero, by_z: zero, by_square: zero };
         for row in self.rows.iter().rev() {
             let (mut value, mut by_z) = (zero, zero);
             for a in row.iter().rev() {
@@ -381,7 +381,7 @@ impl<R: Real> Field<R> {
 
 impl March<f64> {
     /// Steps for the way from one surface to the next, short enough for all rays that its rims let through.
-    fn new(field: &Field<f64>, medium: &Medium, from: &Surface, to: &Surface) -> Self {
+    fn new(field: &LocalMedium<f64>, medium: &Medium, from: &Surface, to: &Surface) -> Self {
         let base = medium.base_index(line_nm::D);
         let semi = from.semi_diameter_mm.min(to.semi_diameter_mm);
         let sag = |s: &Surface| s.shape.rim_sag_mm(semi).unwrap_or(0.0);

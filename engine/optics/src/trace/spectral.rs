@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::bundle::{Block, Bundle, LINES, Leaving, Lines, Losses, Trace, Traced};
+use super::bundle::{Bundle, LINES, Leaving, Lines, Losses, RayLanes, Trace, Traced};
 use super::fate::RayStatus;
 use super::step::Action;
 use super::{Lost, Ray, SurfaceSequence, Tracer, Travel};
@@ -84,7 +84,7 @@ impl LaneKernel<f64> for Packet<'_> {
         let (way, tables) = &self.tracer.from_scene;
         let (p, d) = way.enter(self.ray);
         let [mut x, mut y, mut z, mut dx, mut dy, mut dz] = [p.x, p.y, p.z, d.x, d.y, d.z].map(|n| [n; LINES]);
-        let mut block = Block { x: &mut x, y: &mut y, z: &mut z, dx: &mut dx, dy: &mut dy, dz: &mut dz };
+        let mut block = RayLanes { x: &mut x, y: &mut y, z: &mut z, dx: &mut dx, dy: &mut dy, dz: &mut dz };
         let mut fates = [RayStatus::THROUGH; LINES];
         let mut lost = Losses { fates: &mut fates, surface: 0 };
         for (i, (step, table)) in way.steps.iter().zip(tables.iter()).enumerate() {

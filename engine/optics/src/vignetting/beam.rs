@@ -26,7 +26,7 @@ const DIFFERENCE: f64 = 1e-5;
 pub(super) const LOST: f64 = 4.0;
 
 /// The path of a ray.
-pub(crate) struct Passage {
+pub(crate) struct RayPassage {
     /// The point at which it hits the stop, in radii of its opening.
     pub(crate) stop: DVec2,
     /// The ray's largest distance from the axis at the other surfaces, in radii of the rim there.
@@ -49,14 +49,14 @@ pub(super) struct RimOfBeam {
 }
 
 /// A lens without its rims.
-pub(crate) struct Probe<'a> {
+pub(crate) struct RimlessLens<'a> {
     system: &'a System,
     pub(crate) tracer: Tracer,
     pub(crate) origin: Origin,
     pub(crate) pupil_radius_mm: f64,
 }
 
-impl<'a> Probe<'a> {
+impl<'a> RimlessLens<'a> {
     /// A probe for the object plane at `object_z_mm`; `None`: at infinity. There is no probe if the entrance pupil is there.
     pub(crate) fn new(system: &'a System, wavelength_nm: f64, object_z_mm: Option<f64>) -> Option<Self> {
         let pupil = Paraxial::new(system, wavelength_nm).entrance_pupil;
@@ -74,7 +74,7 @@ impl<'a> Probe<'a> {
     }
 
     /// The path of the ray of `field` that crosses its plane at `at`; the error is the index of the surface that ends it before the stop.
-    pub(crate) fn pass(&self, field: &Field, at: DVec2) -> Result<Passage, usize> {
+    pub(crate) fn pass(&self, field: &Field, at: DVec2) -> Result<RayPassage, usize> {
         let surfaces = self.system.surfaces();
         let mut hits = Vec::with_capacity(surfaces.len());
         let result = self.tracer.from_scene_recording(self.origin.ray(field, at), &mut hits);
@@ -84,7 +84,7 @@ impl<'a> Probe<'a> {
             Err(lost) => (LOST, lost.surface),
             Ok(_) => (0.0, stop),
         };
-        let mut passage = Passage { stop: DVec2::ZERO, reach, surface, first: hits[0] };
+        let mut passage = RayPassage { stop: DVec2::ZERO, reach, surface, first: hits[0] };
         passage.stop = from_axis(&surfaces[stop], hits[stop]) / self.system.stop_semi_diameter_mm();
         for (i, (s, hit)) in surfaces.iter().zip(&hits).enumerate().filter(|(i, _)| *i != stop) {
             let reach = from_axis(s, *hit).length() / s.semi_diameter_mm;

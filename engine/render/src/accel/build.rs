@@ -105,8 +105,8 @@ impl<'a> Span<'a> {
         }
     }
 
-    fn cut(self, cut: &Cut) -> [Self; 2] {
-        let grid = Grid::new(&self.middles);
+    fn cut(self, cut: &SplitPlane) -> [Self; 2] {
+        let grid = BinGrid::new(&self.middles);
         let (mut low, mut high) = (Bounds::EMPTY, Bounds::EMPTY);
         let (mut i, mut end) = (0, self.items.len());
         while i < end {
@@ -152,12 +152,12 @@ fn open(span: Span, most: usize, by_number: bool) -> ArrayVec<Span, WIDTH> {
 }
 
 /// The bins by which the middles of boxes are sorted.
-struct Grid {
+struct BinGrid {
     low: Vec4,
     scale: Vec4,
 }
 
-impl Grid {
+impl BinGrid {
     fn new(middles: &Bounds) -> Self {
         let size = middles.max - middles.min;
         let scale = Vec4::select(size.cmpgt(Vec4::ZERO), Vec4::splat((BINS - 1) as f32) / size, Vec4::ZERO);
@@ -181,7 +181,7 @@ struct Bins {
 }
 
 /// A plane between two bins.
-struct Cut {
+struct SplitPlane {
     axis: usize,
     /// The first bin above it.
     bin: usize,
@@ -192,7 +192,7 @@ struct Cut {
 
 impl Bins {
     fn new(span: &Span) -> Self {
-        let grid = Grid::new(&span.middles);
+        let grid = BinGrid::new(&span.middles);
         let mut out = Self { bounds: [[Bounds::EMPTY; BINS]; 3], count: [[0; BINS]; 3] };
         for item in span.items.iter() {
             let bins = grid.bins(item.middle());
@@ -205,8 +205,8 @@ impl Bins {
     }
 
     /// The cheapest cut with something on either side.
-    fn best(&self, most: usize) -> Option<Cut> {
-        let mut best: Option<Cut> = None;
+    fn best(&self, most: usize) -> Option<SplitPlane> {
+        let mut best: Option<SplitPlane> = None;
         let leaves = |count: u32| (count as usize).div_ceil(most) as f32;
         for axis in 0..3 {
             let mut above = [(Bounds::EMPTY, 0); BINS];
@@ -225,7 +225,7 @@ impl Bins {
                 }
                 let cost = bounds.half_area() * leaves(count) + above.0.half_area() * leaves(above.1);
                 if best.as_ref().is_none_or(|best| cost < best.cost) {
-                    best = Some(Cut { axis, bin, cost, bounds: [bounds, above.0] });
+                    best = Some(SplitPlane { axis, bin, cost, bounds: [bounds, above.0] });
                 }
             }
         }

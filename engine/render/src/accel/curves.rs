@@ -10,7 +10,7 @@ use super::divide::divide;
 use super::moving::MovingPlaces;
 use super::node::{BoxRay, Node};
 use super::places::{PlacedMesh, Within, placed};
-use super::segment::{BothMet, CurveMet, Cut, RayFrame, meet};
+use super::segment::{BothMet, CurveMet, RayFrame, SegmentCut, meet};
 use super::source::Parts;
 use super::traverse::{lanes, traverse};
 use super::triangles::LANES;
@@ -57,7 +57,7 @@ struct Segment {
     strand: u32,
     /// Number of the segment in the curves.
     number: u32,
-    cut: Cut,
+    cut: SegmentCut,
     /// The range of the segment's pieces.
     part: Range<u16>,
 }
@@ -348,7 +348,7 @@ impl CurveTree {
                         continue;
                     }
                     let four = super::Controls(four);
-                    let cut = Cut::new(curves.shape, &four);
+                    let cut = SegmentCut::new(curves.shape, &four);
                     divide(cut, &four, total, &mut balls, &mut |part, bounds| {
                         boxes.push(bounds.naming([tree.segments.len() as u32, 0]));
                         tree.segments.push(Segment { controls, instance: i, strand, number, cut, part });

@@ -4,7 +4,7 @@
 //! of four quarters a quarter: a ray that passes the strand visits so many fewer leaves.
 
 use super::bounds::Bounds;
-use super::segment::Cut;
+use super::segment::SegmentCut;
 use crate::scene::curves::Controls;
 use glam::Vec4;
 use std::ops::Range;
@@ -19,14 +19,14 @@ const MOST_PARTS: usize = 1 << 23;
 /// Divides a segment of a tree with so many segments, and gives the parts, pieces each, with their boxes to `take`. Segments beyond the
 /// reach of single precision have no parts. `balls` is scratch.
 pub(super) fn divide(
-    cut: Cut,
+    cut: SegmentCut,
     controls: &Controls,
     segments: usize,
     balls: &mut Vec<Vec4>,
     take: &mut impl FnMut(Range<u16>, Bounds),
 ) {
     // Round pieces overlap, and what overlaps would be hit in both halves.
-    let is_divided = matches!(cut, Cut::Ribbon(_));
+    let is_divided = matches!(cut, SegmentCut::Ribbon(_));
     let halvings = (1..=HALVINGS).rev().find(|&halvings| is_divided && segments << halvings <= MOST_PARTS).unwrap_or(0);
     let whole = 0..cut.pieces();
     let bounds = around(cut, controls, &whole, balls);
@@ -35,13 +35,13 @@ pub(super) fn divide(
     }
 }
 
-fn around(cut: Cut, controls: &Controls, part: &Range<u16>, balls: &mut Vec<Vec4>) -> Bounds {
+fn around(cut: SegmentCut, controls: &Controls, part: &Range<u16>, balls: &mut Vec<Vec4>) -> Bounds {
     cut.balls(controls, part.clone(), balls);
     Bounds::around(balls)
 }
 
 fn halve(
-    cut: Cut,
+    cut: SegmentCut,
     controls: &Controls,
     (part, bounds): (Range<u16>, Bounds),
     halvings: u32,
@@ -79,7 +79,7 @@ mod tests {
 
     fn parts(shape: CurveShape, controls: &Controls, segments: usize) -> Vec<(Range<u16>, Bounds)> {
         let mut found = vec![];
-        divide(Cut::new(shape, controls), controls, segments, &mut vec![], &mut |part, bounds| {
+        divide(SegmentCut::new(shape, controls), controls, segments, &mut vec![], &mut |part, bounds| {
             found.push((part, bounds))
         });
         found

@@ -82,14 +82,14 @@ pub(super) type BothMet = [Option<CurveMet>; 2];
 
 /// The division of a segment into pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cut {
+pub(super) enum SegmentCut {
     Ribbon(u16),
     Round(u16),
     /// A straight cone with round ends.
     Straight,
 }
 
-impl Cut {
+impl SegmentCut {
     pub(super) fn new(shape: CurveShape, controls: &Controls) -> Self {
         match shape {
             CurveShape::Ribbon { pieces } => Self::Ribbon(pieces.max(1)),
@@ -147,17 +147,17 @@ pub(super) fn meet<S: Simd>(
     simd: S,
     gaze: &RayFrame,
     controls: [Vec4; 4],
-    (cut, part): (Cut, &Range<u16>),
+    (cut, part): (SegmentCut, &Range<u16>),
     t_max: f32,
 ) -> BothMet {
     let seen = Controls(controls.map(|key| gaze.seen(key)));
-    if !matches!(cut, Cut::Straight) && passes_by(&seen) {
+    if !matches!(cut, SegmentCut::Straight) && passes_by(&seen) {
         return [None; 2];
     }
     match cut {
-        Cut::Ribbon(pieces) => in_pieces::<S, false>(simd, &seen, usize::from(pieces), part, t_max),
-        Cut::Round(pieces) => in_pieces::<S, true>(simd, &seen, usize::from(pieces), part, t_max),
-        Cut::Straight => straight(&seen, t_max),
+        SegmentCut::Ribbon(pieces) => in_pieces::<S, false>(simd, &seen, usize::from(pieces), part, t_max),
+        SegmentCut::Round(pieces) => in_pieces::<S, true>(simd, &seen, usize::from(pieces), part, t_max),
+        SegmentCut::Straight => straight(&seen, t_max),
     }
 }
 
@@ -357,6 +357,7 @@ fn round<S: Simd>(
 
 /// The hits on the body that a ball sweeps from one key to the other, its radius changing evenly: a cone that touches two balls, and the
 /// parts of them outside of it.
+#[expect(clippy::too_many_lines, reason = "a kernel")]
 fn straight(Controls([before, start, end, behind]): &Controls, t_max: f32) -> BothMet {
     let (start, end) = (*start, *end);
     let axis = (end - start).truncate();

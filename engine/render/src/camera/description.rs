@@ -1,9 +1,9 @@
 //! The settings of a camera, unchecked, their defaults, and the checks that every model needs.
 
-use super::CameraError;
 use super::exposure::PhysicalExposure;
 use super::lens::precision::Precision;
 use super::scattering::Scattering;
+use super::{CameraError, LensFile};
 use crate::spectrum::SPECTRAL_COUNT;
 use glam::{DMat3, DMat4, DVec3};
 use petzval_optics::focus::Focusing;
@@ -155,6 +155,9 @@ pub struct CameraDescription {
     pub pixel_aspect: f64,
     /// Path of the lens file; a pinhole, a thin lens and an orthographic camera need none.
     pub lens_path: PathBuf,
+    /// The lens file as it was read first.
+    #[serde(skip)]
+    pub read_lens: LensFile,
     /// The settings of the lens. A thin lens takes f-number and diaphragm.
     pub lens: LensSettings,
     /// The settings of the focus.
@@ -203,6 +206,7 @@ impl Default for CameraDescription {
             perspective: Perspective { focal_length_mm: 50.0, film_width_mm: 36.0, shift: [0.0; 2] },
             pixel_aspect: 1.0,
             lens_path: PathBuf::new(),
+            read_lens: LensFile::default(),
             lens: LensSettings::default(),
             focus: FocusSettings::default(),
             film: FilmSettings { width_mm: 36.0, height_mm: 24.0, tilt_rad: 0.0, swing_rad: 0.0, shift_mm: [0.0; 2] },

@@ -7,11 +7,13 @@ pub mod clip;
 mod description;
 pub mod exposure;
 pub mod lens;
+mod lens_file;
 pub mod models;
 pub mod scattering;
 pub mod tools;
 
 pub use description::{CameraDescription, EnabledEffects, Model, Spectrum};
+pub use lens_file::LensFile;
 
 use crate::Rgb;
 use crate::accel::Ray;

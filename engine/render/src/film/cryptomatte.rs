@@ -32,13 +32,13 @@ pub enum MatteLayer {
 /// The mattes that are kept.
 #[derive(Clone, Debug, Default)]
 pub struct Mattes {
-    layers: Vec<(MatteLayer, Table)>,
+    layers: Vec<(MatteLayer, IdTable)>,
     levels: usize,
 }
 
 /// The ids of one layer.
 #[derive(Clone, Debug)]
-struct Table {
+struct IdTable {
     /// The ids, by instance or material.
     ids: Vec<u32>,
     names: BTreeMap<String, u32>,
@@ -57,7 +57,7 @@ impl Mattes {
         };
         let table = |layer: &MatteLayer| {
             if let Some(ids) = indices(layer) {
-                return (*layer, Table { ids, names: BTreeMap::new() });
+                return (*layer, IdTable { ids, names: BTreeMap::new() });
             }
             let names: Vec<&str> = match layer {
                 MatteLayer::Object => scene.placed().iter().map(|i| i.object_name.as_str()).collect(),
@@ -74,7 +74,7 @@ impl Mattes {
                 MatteLayer::Object | MatteLayer::Asset => owners.iter().map(|&owner| ids[owner as usize]).collect(),
                 _ => ids,
             };
-            (*layer, Table { ids, names })
+            (*layer, IdTable { ids, names })
         };
         Self { layers: layers.iter().map(table).collect(), levels: levels as usize }
     }
@@ -89,7 +89,7 @@ impl Mattes {
         self.levels.div_ceil(2)
     }
 
-    fn table(&self, layer: MatteLayer) -> Option<(usize, &Table)> {
+    fn table(&self, layer: MatteLayer) -> Option<(usize, &IdTable)> {
         let at = self.layers.iter().position(|(l, _)| *l == layer)?;
         Some((at, &self.layers[at].1))
     }
@@ -262,7 +262,7 @@ mod tests {
     }
 
     fn mattes(names: u32, levels: usize) -> Mattes {
-        let table = Table { ids: (0..names).map(|i| 1000 + i).collect(), names: BTreeMap::new() };
+        let table = IdTable { ids: (0..names).map(|i| 1000 + i).collect(), names: BTreeMap::new() };
         Mattes { layers: vec![(MatteLayer::Object, table)], levels }
     }
 
@@ -293,7 +293,7 @@ mod tests {
     /// The index that most rays hit; what hit nothing, or what has index 0, counts as 0.
     #[test]
     fn an_index_is_that_of_most_rays() {
-        let table = Table { ids: vec![0, 7, 300], names: BTreeMap::new() };
+        let table = IdTable { ids: vec![0, 7, 300], names: BTreeMap::new() };
         let mattes = Mattes { layers: vec![(MatteLayer::ObjectIndex, table)], levels: 6 };
         let mut sums = MatteSums::default();
         let mut notes = MatteNotes::new(2);

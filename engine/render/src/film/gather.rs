@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 /// Light that is kept neither by tile nor divided yet, where counts differ.
 #[derive(Default)]
-struct Scattered {
+struct GatheredLight {
     /// The light by pixel of the picture, if there is any.
     far: Vec<[f32; 3]>,
     /// Factor of each half's sums of light from anywhere.
@@ -50,8 +50,8 @@ impl Film {
     }
 
     /// The light that no tile keeps, where sample counts differ.
-    fn scattered(&self) -> Scattered {
-        let mut out = Scattered::default();
+    fn scattered(&self) -> GatheredLight {
+        let mut out = GatheredLight::default();
         if !self.keep.halves {
             return out;
         }
@@ -77,14 +77,14 @@ impl Film {
     }
 
     /// The pixels of a part of the picture, as large as a tile at most: what the tiles in it and about it gave.
-    fn means(&self, rect: TileRect, scattered: &Scattered) -> Vec<[f32; 4]> {
+    fn means(&self, rect: TileRect, scattered: &GatheredLight) -> Vec<[f32; 4]> {
         let (sums, samples) = self.sums(rect, scattered);
         sums.iter().map(|sum| sum.map(|s| (s / samples) as f32)).collect()
     }
 
     /// The pixels of a part of the picture as sums, and their divisor: the sample count of the tile where all tiles that give light to it
     /// have the same count, so that nothing is rounded before the division; else one.
-    fn sums(&self, rect: TileRect, scattered: &Scattered) -> (Vec<[f64; 4]>, f64) {
+    fn sums(&self, rect: TileRect, scattered: &GatheredLight) -> (Vec<[f64; 4]>, f64) {
         let mut out = vec![[0.0f64; 4]; (rect.width * rect.height) as usize];
         let columns = self.width.div_ceil(self.tile_size);
         let rows = self.height.div_ceil(self.tile_size);

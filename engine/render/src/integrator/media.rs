@@ -8,7 +8,7 @@
 mod bound;
 mod stack;
 
-pub(crate) use stack::{Entry, Stack};
+pub(crate) use stack::{Stack, StackedMedium};
 
 use super::PreparedScene;
 use crate::Rgb;
@@ -31,9 +31,9 @@ const FAINT: f32 = 0.02;
 
 /// The media of a scene.
 pub struct Media {
-    bounds: HashMap<Entry, Bound>,
+    bounds: HashMap<StackedMedium, Bound>,
     /// The medium that fills all space.
-    world: Option<Entry>,
+    world: Option<StackedMedium>,
     /// Objects that have media, and the boxes about them.
     objects: Vec<(u32, [Vec3A; 2])>,
     denser: AtomicU64,
@@ -49,7 +49,7 @@ impl Media {
             let of = |material: &u32| scene.materials[*material as usize].volume().is_some();
             let mut found = false;
             for &material in instance.materials.iter().filter(|material| of(material)) {
-                let entry = Entry { instance: index, material };
+                let entry = StackedMedium { instance: index, material };
                 bounds.entry(entry).or_insert_with(|| Bound::of_object(scene, entry));
                 found = true;
             }
@@ -66,9 +66,9 @@ impl Media {
             for index in own {
                 let now = &scene.instances[index as usize];
                 for &material in &owner.materials {
-                    let known = bounds.get(&Entry { instance: one.instance, material });
+                    let known = bounds.get(&StackedMedium { instance: one.instance, material });
                     if let Some(bound) = known.map(|bound: &Bound| bound.standing(owner, now)) {
-                        bounds.insert(Entry { instance: index, material }, bound);
+                        bounds.insert(StackedMedium { instance: index, material }, bound);
                     }
                 }
                 let there = now.to_render * owner.to_object;
@@ -80,9 +80,9 @@ impl Media {
             }
         }
         let volume = scene.world.graph.as_ref().and_then(|graph| graph.volume.as_ref());
-        let world = volume.map(|_| Entry::WORLD);
+        let world = volume.map(|_| StackedMedium::WORLD);
         if world.is_some() {
-            bounds.insert(Entry::WORLD, Bound::of_world(scene, around));
+            bounds.insert(StackedMedium::WORLD, Bound::of_world(scene, around));
         }
         Self { bounds, world, objects, denser: AtomicU64::new(0) }
     }

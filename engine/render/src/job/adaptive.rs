@@ -34,7 +34,7 @@ pub(super) struct Pass {
 
 /// The plan of a block.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Plan {
+struct BlockPlan {
     /// Samples of each half's pixels, as far as is known.
     ends: [u32; 2],
     /// True for a half whose error will be looked at again.
@@ -46,7 +46,7 @@ struct Plan {
 /// The decisions so far.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct AdaptiveState {
-    plans: Vec<Plan>,
+    plans: Vec<BlockPlan>,
     done: u64,
     planned: u64,
 }
@@ -57,7 +57,7 @@ pub(super) struct Adaptive {
     /// Square of the noise threshold of the settings.
     threshold: f32,
     most: u32,
-    plans: Vec<Mutex<Plan>>,
+    plans: Vec<Mutex<BlockPlan>>,
     /// Samples of all pixels together that are in the picture, and that will be, as far as is known.
     done: AtomicU64,
     planned: AtomicU64,
@@ -70,7 +70,7 @@ impl Adaptive {
         let least = if settings.min_samples == 0 { MIN_SAMPLES } else { settings.min_samples }.max(FIRST_BATCHES);
         let has_looks = least < most;
         let first = least.min(most);
-        let plan = Plan { ends: [first; 2], open: [has_looks; 2], look: first };
+        let plan = BlockPlan { ends: [first; 2], open: [has_looks; 2], look: first };
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         Self {
             passes: passes(least, most),

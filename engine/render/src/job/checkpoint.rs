@@ -19,7 +19,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The beginning of each file; another layout has another number. Then come the length of the header, the header, its checksum, the
-/// [`Body`], and the body's length and checksum. Numbers are little-endian.
+/// [`CheckpointBody`], and the body's length and checksum. Numbers are little-endian.
 const MAGIC: &[u8; 16] = b"Petzval film   2";
 /// The part of [`MAGIC`] that all layouts share.
 const MAGIC_STEM: &[u8] = b"Petzval film";
@@ -83,14 +83,14 @@ pub(super) struct Keeper {
 
 /// The first part of a file: whose it is.
 #[derive(Serialize, Deserialize)]
-struct Header {
+struct CheckpointHeader {
     made_by: (String, bool),
     fingerprint: String,
 }
 
 /// The second part of a file: the state of the render.
 #[derive(Serialize, Deserialize)]
-struct Body {
+struct CheckpointBody {
     seconds: f64,
     counts: Counts,
     film: FilmState,
@@ -191,7 +191,7 @@ impl Keeper {
         keeper
     }
 
-    fn read(&self) -> Result<Option<Body>, Unusable> {
+    fn read(&self) -> Result<Option<CheckpointBody>, Unusable> {
         let path = &self.settings.file;
         let Some(mut file) = begin(path)? else {
             // Another version's, unless there is none.
@@ -206,7 +206,7 @@ impl Keeper {
         if crc32fast::hash(&header) != u32::from_le_bytes(number(&mut file)?) {
             return Err(Unusable::Damaged);
         }
-        let header: Header = postcard::from_bytes(&header).map_err(|_| Unusable::Damaged)?;
+        let header: CheckpointHeader = postcard::from_bytes(&header).map_err(|_| Unusable::Damaged)?;
         if (header.made_by.0.as_str(), header.made_by.1) != MADE_BY {
             return Err(Unusable::Version);
         }
@@ -220,7 +220,7 @@ impl Keeper {
         if told != (length, crc32fast::hash(&body)) {
             return Err(Unusable::Damaged);
         }
-        let (body, rest) = postcard::take_from_bytes::<Body>(&body).map_err(|_| Unusable::Damaged)?;
+        let (body, rest) = postcard::take_from_bytes::<CheckpointBody>(&body).map_err(|_| Unusable::Damaged)?;
         if !rest.is_empty() {
             return Err(Unusable::Damaged);
         }
@@ -234,7 +234,7 @@ impl Keeper {
         shared.stop.store(true, Ordering::Relaxed);
     }
 
-    fn take_up(&mut self, whole: Body, shared: &mut Shared) {
+    fn take_up(&mut self, whole: CheckpointBody, shared: &mut Shared) {
         let fits = shared.film.restore(whole.film).is_ok()
             && match (&mut shared.adaptive, whole.adaptive) {
                 (Some(adaptive), Some(state)) => adaptive.restore(state),
@@ -275,7 +275,7 @@ impl Keeper {
         let body = {
             let _alone = shared.gate.write().unwrap_or_else(PoisonError::into_inner);
             let began = Instant::now();
-            let body = Body {
+            let body = CheckpointBody {
                 seconds: self.seconds + shared.started.elapsed().as_secs_f64(),
                 counts: *lock(&shared.counts),
                 film: shared.film.state(),
@@ -291,11 +291,13 @@ impl Keeper {
         }
     }
 
-    fn write_file(&self, body: &Body) -> std::io::Result<()> {
+    fn write_file(&self, body: &CheckpointBody) -> std::io::Result<()> {
         // Another program may have put a file of its own there.
         check_file(&self.settings.file).map_err(std::io::Error::other)?;
-        let header =
-            Header { made_by: (MADE_BY.0.to_owned(), MADE_BY.1), fingerprint: self.settings.fingerprint.clone() };
+        let header = CheckpointHeader {
+            made_by: (MADE_BY.0.to_owned(), MADE_BY.1),
+            fingerprint: self.settings.fingerprint.clone(),
+        };
         let header = postcard::to_stdvec(&header).map_err(std::io::Error::other)?;
         petzval_files::write(&self.settings.file, |file| {
             file.write_all(MAGIC)?;

@@ -49,7 +49,7 @@ pub struct RenderReport {
     /// Height of the picture, pixels.
     pub height: u32,
     /// Ghosts, once they are simulated.
-    pub ghosts: Option<ghosts::Report>,
+    pub ghosts: Option<ghosts::GhostReport>,
     /// The failure of a thread.
     pub failure: Option<String>,
     /// Keeping and resuming the render, where it is asked for.

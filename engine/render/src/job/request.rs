@@ -65,11 +65,15 @@ impl Job {
     /// [`RequestError`].
     pub fn request(stage: Arc<PreparedScene>, asked: JobRequest) -> Result<Self, RequestError> {
         let origin = stage.scene.origin;
+        // All read one lens file, once.
+        let beside = |d: CameraDescription| d.reading_with(&asked.camera);
+        let over_the_shutter: Vec<_> = asked.over_the_shutter.into_iter().map(beside).collect();
+        let neighbours = asked.neighbours.map(|both| both.map(beside));
         let size = [asked.settings.width, asked.settings.height];
         let is_moving = asked.plan.as_ref().is_none_or(|plan| plan.camera.is_moving);
         let planned = |d: &CameraDescription| asked.plan.as_ref().map_or_else(|| d.clone(), |plan| plan.applied(d));
         let now = planned(&asked.camera);
-        let descriptions = match asked.over_the_shutter.as_slice() {
+        let descriptions = match over_the_shutter.as_slice() {
             moving @ [_, ..] if is_moving => moving.iter().map(planned).collect(),
             _ => vec![now.clone()],
         };
@@ -88,7 +92,7 @@ impl Job {
         let output = OutputOptions {
             mattes: asked.mattes,
             matte_levels: asked.matte_levels,
-            motion: motion(&now, asked.neighbours.as_ref(), size, origin)?,
+            motion: motion(&now, neighbours.as_ref(), size, origin)?,
             clip: Clip::new(&now, &cameras[0]),
             gains: shade::gains(&now, &cameras[cameras.len() / 2], size[0], size[1])?,
             light_groups: asked.light_groups,

@@ -178,7 +178,7 @@ impl Transparency {
     /// The opening of a surface that lets nothing through.
     pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0, rest: 1.0, share: 1.0 };
 
-    fn of(Parts { light, rest, glowing, scattering }: Parts) -> Self {
+    fn of(ClosureSums { light, rest, glowing, scattering }: ClosureSums) -> Self {
         let through = luminance(light);
         if through <= 0.0 {
             return Self::NONE;
@@ -191,7 +191,7 @@ impl Transparency {
 
 /// Sums over the closures of a surface, by their effect on light.
 #[derive(Default)]
-struct Parts {
+struct ClosureSums {
     /// Transmittance of the closures that let light through unbent.
     light: Rgb,
     /// Weight of the closures that scatter.
@@ -214,7 +214,7 @@ fn passed<C, N>(closure: &Closure<C, N>, color: impl Fn(&C) -> Rgb, number: impl
 /// Albedo, about, of a Principled surface whose base is black.
 const LEAST_PRINCIPLED: f32 = 0.1;
 
-impl Parts {
+impl ClosureSums {
     fn add<C, N>(
         &mut self,
         weight: f32,
@@ -256,7 +256,7 @@ pub fn opening(material: &Material, around: SceneQueries<'_>, point: &SurfacePoi
         || *point,
         view,
         |value, _| {
-            let mut parts = Parts::default();
+            let mut parts = ClosureSums::default();
             for layer in &graph.layers {
                 let (color, number) =
                     (|source: &Source| finite(value(*source)), |source: &Source| finite(value(*source)).x);

@@ -91,7 +91,7 @@ impl Medium {
 }
 
 /// A point of space as a program asks for it.
-struct Inside<'a> {
+struct VolumePoint<'a> {
     scene: &'a Scene,
     /// The object whose volume is evaluated; the world's belongs to none.
     own: Option<(&'a Instance, &'a Mesh)>,
@@ -102,7 +102,7 @@ struct Inside<'a> {
     way: PathState,
 }
 
-impl Inside<'_> {
+impl VolumePoint<'_> {
     fn world(&self) -> Vec3A {
         self.position + self.scene.origin.as_vec3a()
     }
@@ -144,7 +144,7 @@ impl Inside<'_> {
     }
 }
 
-impl Context for Inside<'_> {
+impl Context for VolumePoint<'_> {
     fn read(&self, field: Field, _: Shift) -> Vec3A {
         let number = Vec3A::splat;
         let info = self.own.map(|(instance, _)| &instance.info);
@@ -223,7 +223,7 @@ pub fn medium(
     way: PathState,
 ) -> Medium {
     let own = instance.map(|index| (&scene.instances[index as usize], mesh_of(scene, index)));
-    let place = Inside { scene, own, volume, position, direction, way };
+    let place = VolumePoint { scene, own, volume, position, direction, way };
     REGISTERS.with_borrow_mut(|registers| {
         volume.program.run(&place, &Images(&scene.textures), registers);
         let program = &volume.program;
@@ -245,7 +245,13 @@ pub fn medium(
 }
 
 /// Adds a closure, as Cycles means it.
-fn add(sum: &mut Medium, closure: &VolumeClosure, weight: f32, value: &dyn Fn(Source) -> Vec3A, place: &Inside<'_>) {
+fn add(
+    sum: &mut Medium,
+    closure: &VolumeClosure,
+    weight: f32,
+    value: &dyn Fn(Source) -> Vec3A,
+    place: &VolumePoint<'_>,
+) {
     let positive = |value: Vec3A| Rgb::from(value).max(Rgb::ZERO).min(Rgb::splat(DENSEST));
     let per_unit = |density: Source| value(density).x.max(0.0) * weight;
     match closure {
@@ -276,7 +282,7 @@ fn principled(
     p: &PrincipledVolume,
     weight: f32,
     value: &dyn Fn(Source) -> Vec3A,
-    place: &Inside<'_>,
+    place: &VolumePoint<'_>,
 ) {
     let positive = |value: Vec3A| Rgb::from(value).max(Rgb::ZERO).min(Rgb::splat(DENSEST));
     let mut density = value(p.density).x.max(0.0) * weight;

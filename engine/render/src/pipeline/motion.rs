@@ -5,7 +5,7 @@
 //! their mean is the way of the blurred one. The background lies infinitely far: only turns of the camera move it.
 
 use crate::accel::Ray;
-use crate::camera::tools::imaging::{Imaging, Seen};
+use crate::camera::tools::imaging::{Imaging, SeenPlace};
 use crate::integrator::path::FirstSurface;
 use crate::scene::curves::Curves;
 use crate::scene::points::Points;
@@ -39,13 +39,13 @@ impl Motion {
         first: Option<&FirstSurface>,
     ) -> Option<[f32; 4]> {
         let now = match first {
-            Some(surface) => Seen::Point(surface.position.as_dvec3()),
-            None => Seen::Direction(ray.direction.as_dvec3()),
+            Some(surface) => SeenPlace::Point(surface.position.as_dvec3()),
+            None => SeenPlace::Direction(ray.direction.as_dvec3()),
         };
         let through = self.now.through(ray, now);
         let here = self.now.picture_point(now, through, u_wavelength)?;
         let way = |frame: usize| {
-            let then = first.and_then(|surface| moved(scene, surface, frame)).map_or(now, Seen::Point);
+            let then = first.and_then(|surface| moved(scene, surface, frame)).map_or(now, SeenPlace::Point);
             let camera = &self.neighbours[frame];
             let place = |seen| camera.picture_point(seen, through, u_wavelength);
             let there = place(then).or_else(|| {

@@ -58,6 +58,7 @@ pub(super) fn render<L: CameraSampler>(
     }
 }
 
+#[expect(clippy::too_many_lines, reason = "one loop over batches: a kernel")]
 fn follow<L: CameraSampler, N: AovSink, const VOLUMES: bool>(
     mut wave: Wavefront<N, VOLUMES>,
     mut pipeline: L,

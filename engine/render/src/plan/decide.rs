@@ -56,37 +56,44 @@ fn beside(effect: Effect, known: &Known<'_>, wishes: &PlanOptions) -> Option<(Ef
     (is_larger && others > 0.0 && wishes.word(other) != EffectMode::Off).then_some((other, others))
 }
 
-/// The cheapest camera that has what is called for.
-fn choose(known: &Known<'_>, wishes: &PlanOptions) -> Result<(CameraChoice, Price), PlanError> {
-    let Known { d, survey, lens, .. } = known;
-    let wanted = |effect: Effect| is_wanted(effect, known, wishes);
-
-    // Colours: as many wavelengths as their images need to lie closer together than can be told apart.
-    let colours = [Effect::LateralColour, Effect::AxialColour];
-    let is_asked = colours.map(|effect| wishes.word(effect)).contains(&EffectMode::On);
-    let has_colours = survey.has_colours() || (d.wavelength_nm.is_some() && is_asked);
-    let in_colour = has_colours && colours.into_iter().any(wanted);
-    let spread = lens.lateral_colour.value.max(lens.axial_colour.value);
-    let bands = match d.spectrum {
+/// As many wavelengths as their images need to lie closer together than can be told apart, where the camera leaves their number open.
+fn bands(Known { d, lens, .. }: &Known<'_>, wishes: &PlanOptions) -> Spectrum {
+    match d.spectrum {
         Spectrum::Visible => {
+            let spread = lens.lateral_colour.value.max(lens.axial_colour.value);
             let needed = (MARGIN * spread / tolerance(Effect::LateralColour, wishes)).ceil();
             let sets = ((needed / SET_SIZE as f64).ceil() as usize).clamp(1, SPECTRAL_COUNT / SET_SIZE);
             Spectrum::Bands(sets * SET_SIZE)
         }
         given => given,
-    };
-    let spectrum = in_colour.then_some(bands);
+    }
+}
 
-    // What the user takes out of a lens that is traced all the same.
+/// The effects that the user leaves in a lens that is traced all the same.
+fn shown(wishes: &PlanOptions, in_colour: bool) -> EnabledEffects {
     let off = |effect| wishes.word(effect) == EffectMode::Off;
-    let shown = EnabledEffects {
+    EnabledEffects {
         defocus: !off(Effect::Defocus),
         aberration: !off(Effect::Aberration),
         distortion: !off(Effect::Distortion),
         vignetting: !off(Effect::Vignetting),
         lateral_colour: !off(Effect::LateralColour) || !in_colour,
         axial_colour: !off(Effect::AxialColour) || !in_colour,
-    };
+    }
+}
+
+/// The cheapest camera that has what is called for.
+fn choose(known: &Known<'_>, wishes: &PlanOptions) -> Result<(CameraChoice, Price), PlanError> {
+    let Known { d, survey, lens, .. } = known;
+    let wanted = |effect: Effect| is_wanted(effect, known, wishes);
+
+    let colours = [Effect::LateralColour, Effect::AxialColour];
+    let is_asked = colours.map(|effect| wishes.word(effect)).contains(&EffectMode::On);
+    let has_colours = survey.has_colours() || (d.wavelength_nm.is_some() && is_asked);
+    let in_colour = has_colours && colours.into_iter().any(wanted);
+    let spectrum = in_colour.then(|| bands(known, wishes));
+
+    let shown = shown(wishes, in_colour);
     if known.needs_lens && !shown.is_traced_plainly() {
         let what = "bidirectional paths end in the lens as it is; set what is off to auto, or choose path tracing";
         return Err(PlanError::Conflict(what.to_owned()));

@@ -34,7 +34,7 @@ pub struct Brightest {
 }
 
 /// Light of a source at the camera's place.
-struct Arrival {
+struct IncidentLight {
     /// Direction in render space, unit.
     towards: Vec3A,
     /// The source's part of the irradiance on a surface that faces it.
@@ -44,7 +44,7 @@ struct Arrival {
 }
 
 /// Light of all sources at the camera's place. What stands between a source and the camera is seen as hiding all.
-pub(super) struct Arriving(Vec<Arrival>);
+pub(super) struct Arriving(Vec<IncidentLight>);
 
 impl Arriving {
     /// Samples the lights of the scene.
@@ -62,7 +62,7 @@ impl Arriving {
             ray.t_max = sample.reach(0.0);
             let is_seen = stage.accel.transmittance_of(&ray, Rays::CAMERA, |_| 1.0) > 0.0;
             let sky_pdf = if sample.distance.is_infinite() && !sample.point_like { sample.pdf } else { 0.0 };
-            is_seen.then_some(Arrival { towards: sample.wi, light, sky_pdf })
+            is_seen.then_some(IncidentLight { towards: sample.wi, light, sky_pdf })
         };
         Self((0..SAMPLES).filter_map(sample).collect())
     }
@@ -75,7 +75,7 @@ impl Arriving {
         forwards: Vec3A,
         luminances: impl Fn(&[Ray]) -> Vec<f32>,
     ) -> f32 {
-        let of_samples = |one: &Arrival| {
+        let of_samples = |one: &IncidentLight| {
             let cos = one.towards.dot(forwards).max(0.0);
             let share = if one.sky_pdf > 0.0 { one.sky_pdf / (one.sky_pdf + cos / PI) } else { 1.0 };
             one.light * cos * share

@@ -295,35 +295,7 @@ impl Plan {
         wishes: &PlanOptions,
         start: Instant,
     ) -> Result<Self, PlanError> {
-        if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
-            return Err(PlanError::NotYet(effect));
-        }
-        // What a model leaves out it leaves out; what it has it has, but for its colours.
-        let colours = [Effect::LateralColour, Effect::AxialColour].map(|effect| wishes.word(effect));
-        let has_colours = Effect::LateralColour.is_in(d.model) && colours != [EffectMode::Off; 2];
-        // The colour that it has on the axis.
-        let may_transmit = matches!(d.model, Model::Thick | Model::Paraxial | Model::ImageBased);
-        let has_transmission = may_transmit && wishes.word(Effect::Transmission) != EffectMode::Off;
-        let has = |effect: Effect| match effect {
-            Effect::LateralColour | Effect::AxialColour => has_colours,
-            Effect::Transmission => has_transmission,
-            _ => effect.is_in(d.model),
-        };
-        let is_against = |effect: &Effect| {
-            *effect != Effect::MotionBlur
-                && match wishes.word(*effect) {
-                    EffectMode::Auto => false,
-                    EffectMode::On => !has(*effect),
-                    EffectMode::Off => has(*effect),
-                }
-        };
-        if let Some(effect) = Effect::ALL.into_iter().find(is_against) {
-            return Err(PlanError::Conflict(format!(
-                "{}={}: the camera's model decides this one; set it to auto, or choose the lens as model",
-                effect.name(),
-                wishes.word(effect).name()
-            )));
-        }
+        let model = ModelEffects::new(d.model, wishes)?;
         let camera = Camera::new(d, width, height)?;
         let ray = |i: usize| {
             let place = Survey::place(i % GRID[0], i / GRID[0]);
@@ -344,7 +316,7 @@ impl Plan {
                 measure: None,
                 tolerance: effect.unit().tolerance(wishes.quality),
                 word: wishes.word(effect),
-                is_on: has(effect),
+                is_on: model.has(effect),
                 is_uncertain: false,
                 why: "decided by the camera's model".to_owned(),
                 cost_ns: 0.0,
@@ -353,7 +325,7 @@ impl Plan {
         };
         Ok(Self {
             decisions: Effect::ALL.into_iter().map(decision).collect(),
-            camera: CameraChoice::given(wishes, is_moving, has_colours, has_transmission),
+            camera: CameraChoice::given(wishes, is_moving, model.colours, model.transmission),
             camera_ns: 0.0,
             ghost_reflections: wishes.ghost_reflections,
             quality: wishes.quality,
@@ -390,5 +362,53 @@ impl Plan {
     /// The way that light is followed.
     pub fn pipeline(&self) -> Pipeline {
         self.camera.pipeline
+    }
+}
+
+/// The effects of a camera without a lens, or of a simpler model of one: the model decides all but its colours and its transmission.
+struct ModelEffects {
+    model: Model,
+    colours: bool,
+    /// The colour that the model has on the axis.
+    transmission: bool,
+}
+
+impl ModelEffects {
+    /// Checks that the user asks for nothing else.
+    fn new(model: Model, wishes: &PlanOptions) -> Result<Self, PlanError> {
+        if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
+            return Err(PlanError::NotYet(effect));
+        }
+        let colours = [Effect::LateralColour, Effect::AxialColour].map(|effect| wishes.word(effect));
+        let may_transmit = matches!(model, Model::Thick | Model::Paraxial | Model::ImageBased);
+        let effects = Self {
+            model,
+            colours: Effect::LateralColour.is_in(model) && colours != [EffectMode::Off; 2],
+            transmission: may_transmit && wishes.word(Effect::Transmission) != EffectMode::Off,
+        };
+        let is_against = |effect: &Effect| {
+            *effect != Effect::MotionBlur
+                && match wishes.word(*effect) {
+                    EffectMode::Auto => false,
+                    EffectMode::On => !effects.has(*effect),
+                    EffectMode::Off => effects.has(*effect),
+                }
+        };
+        match Effect::ALL.into_iter().find(is_against) {
+            None => Ok(effects),
+            Some(effect) => Err(PlanError::Conflict(format!(
+                "{}={}: the camera's model decides this one; set it to auto, or choose the lens as model",
+                effect.name(),
+                wishes.word(effect).name()
+            ))),
+        }
+    }
+
+    fn has(&self, effect: Effect) -> bool {
+        match effect {
+            Effect::LateralColour | Effect::AxialColour => self.colours,
+            Effect::Transmission => self.transmission,
+            _ => effect.is_in(self.model),
+        }
     }
 }

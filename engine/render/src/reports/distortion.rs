@@ -1,13 +1,13 @@
 //! Distortion, field curvature and lateral colour over the field.
 
-use super::{Field, LensReport, MOST, ReportError, Subject, evenly, within};
+use super::{FieldResult, LensReport, MOST, ReportError, ReportedLens, evenly, within};
 use petzval_optics::analysis::distortion::ChiefRay;
 use serde::{Deserialize, Serialize};
 
 /// Options of the report on distortion.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Distortion {
+pub(super) struct DistortionOptions {
     /// Number of fields where none are given, evenly from the axis to the half field.
     count: usize,
 }
@@ -17,10 +17,10 @@ pub(super) struct Distortion {
 pub(super) struct ChiefRays {
     /// Height on the film by the tangent of the field, mm.
     height_by_slope_mm: f64,
-    fields: Vec<Field<ChiefRay>>,
+    fields: Vec<FieldResult<ChiefRay>>,
 }
 
-impl LensReport for Distortion {
+impl LensReport for DistortionOptions {
     const NAME: &'static str = "distortion";
     type Found = ChiefRays;
 
@@ -32,9 +32,10 @@ impl LensReport for Distortion {
         within(self.count, MOST, "fields")
     }
 
-    fn find(&self, subject: Subject<'_>) -> Result<ChiefRays, ReportError> {
+    fn find(&self, subject: ReportedLens<'_>) -> Result<ChiefRays, ReportError> {
         let analysis = &subject.analysis;
-        let fields = subject.fields_deg.iter().map(|&angle| Field::new(angle, analysis.chief_ray(angle))).collect();
+        let fields =
+            subject.fields_deg.iter().map(|&angle| FieldResult::new(angle, analysis.chief_ray(angle))).collect();
         Ok(ChiefRays { height_by_slope_mm: analysis.height_by_slope_mm(), fields })
     }
 }

@@ -1,7 +1,7 @@
 //! A lens drawn in section, with the light through it.
 
 use super::{ReportError, check_fields, check_wavelength};
-use petzval_optics::drawing::{Drawing, FieldRays, Profile};
+use petzval_optics::drawing::{Drawing, FieldRays, SurfaceProfile};
 use petzval_optics::focus::focused;
 use petzval_optics::paraxial::{Paraxial, Pupil};
 use petzval_optics::prescription::Prescription;
@@ -37,7 +37,7 @@ pub struct LensDrawing {
     image_principal_plane_mm: Option<f64>,
     entrance_pupil: Pupil,
     exit_pupil: Pupil,
-    surfaces: Vec<Profile>,
+    surfaces: Vec<SurfaceProfile>,
     /// Index of the surface with the diaphragm.
     stop: usize,
     stop_semi_diameter_mm: f64,

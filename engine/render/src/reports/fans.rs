@@ -1,13 +1,13 @@
 //! Ray fans: the errors of rays across the pupil.
 
-use super::{Field, Fields, LensReport, MOST, ReportError, Subject, within};
+use super::{FieldResult, Fields, LensReport, MOST, ReportError, ReportedLens, within};
 use petzval_optics::analysis::fan::FanLine;
 use serde::{Deserialize, Serialize};
 
 /// Options of ray fans.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Fans {
+pub(super) struct FanOptions {
     /// Number of rays of a fan.
     rays: usize,
 }
@@ -16,20 +16,20 @@ pub(super) struct Fans {
 #[derive(Serialize)]
 pub(super) struct FieldFans {
     angle_deg: f64,
-    tangential: Vec<Columns>,
-    sagittal: Vec<Columns>,
+    tangential: Vec<FanColumns>,
+    sagittal: Vec<FanColumns>,
 }
 
 /// A fan in one wavelength: [`petzval_optics::analysis::fan::FanRay`], column by column.
 #[derive(Serialize)]
-struct Columns {
+struct FanColumns {
     wavelength_nm: f64,
     pupil: Vec<f64>,
     error_mm: Vec<f64>,
     path_waves: Vec<f64>,
 }
 
-impl Columns {
+impl FanColumns {
     fn new(line: &FanLine) -> Self {
         Self {
             wavelength_nm: line.wavelength_nm,
@@ -40,23 +40,23 @@ impl Columns {
     }
 }
 
-impl LensReport for Fans {
+impl LensReport for FanOptions {
     const NAME: &'static str = "fans";
-    type Found = Fields<Field<FieldFans>>;
+    type Found = Fields<FieldResult<FieldFans>>;
 
     fn check(&self) -> Result<(), ReportError> {
         within(self.rays, MOST, "rays of a fan")
     }
 
-    fn find(&self, subject: Subject<'_>) -> Result<Self::Found, ReportError> {
-        let columns = |lines: &[FanLine]| lines.iter().map(Columns::new).collect();
+    fn find(&self, subject: ReportedLens<'_>) -> Result<Self::Found, ReportError> {
+        let columns = |lines: &[FanLine]| lines.iter().map(FanColumns::new).collect();
         let field = |&angle_deg: &f64| {
             let found = subject.analysis.fans(angle_deg, self.rays).map(|fans| FieldFans {
                 angle_deg,
                 tangential: columns(&fans.tangential),
                 sagittal: columns(&fans.sagittal),
             });
-            Field::new(angle_deg, found)
+            FieldResult::new(angle_deg, found)
         };
         Ok(Fields { fields: subject.fields_deg.iter().map(field).collect() })
     }

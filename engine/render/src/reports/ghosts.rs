@@ -51,13 +51,13 @@ pub struct GhostsReport {
     /// Light of all ghosts on the film.
     on_film_mm2: f64,
     /// The ghosts, the brightest first.
-    ghosts: Vec<Ghost>,
+    ghosts: Vec<ReportedGhost>,
     brute_force: Option<BruteForce>,
 }
 
 /// A ghost, as [`Ranked`].
 #[derive(Serialize)]
-struct Ghost {
+struct ReportedGhost {
     surfaces: Vec<usize>,
     irradiance: f64,
     radius_mm: f64,
@@ -67,7 +67,7 @@ struct Ghost {
     on_film_mm2: f64,
 }
 
-impl From<&Ranked> for Ghost {
+impl From<&Ranked> for ReportedGhost {
     fn from(ghost: &Ranked) -> Self {
         Self {
             surfaces: ghost.turns.clone(),
@@ -155,7 +155,7 @@ pub fn ghosts(lens: &Prescription, settings: &LensSettings, source: &GhostSource
         film_mm,
         reflections: source.reflections,
         on_film_mm2: found.iter().map(|ghost| ghost.on_film_mm2).sum(),
-        ghosts: found.iter().map(Ghost::from).collect(),
+        ghosts: found.iter().map(ReportedGhost::from).collect(),
         brute_force,
     })
 }

@@ -1,18 +1,18 @@
 //! Illumination of the film over the field.
 
-use super::{Fields, LensReport, MOST, ReportError, Subject, evenly, within};
+use super::{Fields, LensReport, MOST, ReportError, ReportedLens, evenly, within};
 use petzval_optics::analysis::illumination::Illumination as FieldIllumination;
 use serde::Deserialize;
 
 /// Options of the report on illumination.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Illumination {
+pub(super) struct IlluminationOptions {
     /// Number of fields where none are given, evenly from the axis to the half field.
     count: usize,
 }
 
-impl LensReport for Illumination {
+impl LensReport for IlluminationOptions {
     const NAME: &'static str = "illumination";
     type Found = Fields<FieldIllumination>;
 
@@ -24,7 +24,7 @@ impl LensReport for Illumination {
         within(self.count, MOST, "fields")
     }
 
-    fn find(&self, subject: Subject<'_>) -> Result<Self::Found, ReportError> {
+    fn find(&self, subject: ReportedLens<'_>) -> Result<Self::Found, ReportError> {
         Ok(Fields { fields: subject.analysis.illumination(&subject.fields_deg) })
     }
 }

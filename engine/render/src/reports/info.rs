@@ -58,13 +58,13 @@ pub struct LensFacts {
     largest_field_deg: Option<f64>,
     axial_beam_cut_by_surface: Option<usize>,
     /// The section across, where it differs.
-    section_x: Option<Across>,
+    section_x: Option<SectionX>,
     surfaces: usize,
 }
 
 /// First-order data in the x-z plane.
 #[derive(Serialize)]
-struct Across {
+struct SectionX {
     efl_mm: Option<f64>,
     image_focal_plane_mm: Option<f64>,
     entrance_pupil: Pupil,
@@ -76,6 +76,7 @@ struct Across {
 ///
 /// # Errors
 /// [`ReportError`].
+#[expect(clippy::too_many_lines, reason = "a field for each fact")]
 pub fn info(
     lens: &Prescription,
     settings: &LensSettings,
@@ -90,7 +91,7 @@ pub fn info(
     let total = seidel.as_ref().map(Seidel::total);
     let by_surface = seidel.as_ref().map(|sums| &sums.by_surface);
     let across = Paraxial::in_section(&system, Section::X, wavelength_nm);
-    let section_x = (across != p).then_some(Across {
+    let section_x = (across != p).then_some(SectionX {
         efl_mm: across.efl_mm,
         image_focal_plane_mm: across.image_focal_plane_mm,
         entrance_pupil: across.entrance_pupil,

@@ -33,12 +33,12 @@ const SOME_FIELDS: [f64; 3] = [0.0, 0.7, 1.0];
 /// All reports by name.
 pub const REPORTS: [(&str, Run); 7] = [
     entry::<spots::Spots>(),
-    entry::<fans::Fans>(),
-    entry::<mtf::Mtf>(),
-    entry::<psf::Psf>(),
-    entry::<distortion::Distortion>(),
-    entry::<illumination::Illumination>(),
-    entry::<transmission::Transmission>(),
+    entry::<fans::FanOptions>(),
+    entry::<mtf::MtfOptions>(),
+    entry::<psf::PsfOptions>(),
+    entry::<distortion::DistortionOptions>(),
+    entry::<illumination::IlluminationOptions>(),
+    entry::<transmission::TransmissionOptions>(),
 ];
 
 /// A report on a lens, with options as JSON; its result is JSON.
@@ -121,7 +121,7 @@ trait LensReport: DeserializeOwned {
     ///
     /// # Errors
     /// [`ReportError`].
-    fn find(&self, subject: Subject<'_>) -> Result<Self::Found, ReportError>;
+    fn find(&self, subject: ReportedLens<'_>) -> Result<Self::Found, ReportError>;
 }
 
 const fn entry<R: LensReport>() -> (&'static str, Run) {
@@ -142,12 +142,12 @@ fn run<R: LensReport>(
     let fields_deg = settings.fields_deg(&analysis, &asked.parts());
     let head = settings.head(&system, &analysis);
     let coating_is_assumed = lens_settings.coating.is_none() && lens.assumes_coatings();
-    let found = asked.find(Subject { system: &system, analysis, fields_deg, main_nm, coating_is_assumed })?;
-    Ok(serde_json::to_string(&Report { head, found })?)
+    let found = asked.find(ReportedLens { system: &system, analysis, fields_deg, main_nm, coating_is_assumed })?;
+    Ok(serde_json::to_string(&WrittenReport { head, found })?)
 }
 
 /// The subject of a report: a lens that is set, focused and looked at.
-struct Subject<'a> {
+struct ReportedLens<'a> {
     system: &'a System,
     analysis: Analysis<'a>,
     fields_deg: Vec<f64>,
@@ -247,7 +247,7 @@ impl ReportSettings {
 
 /// A report as it is written.
 #[derive(Serialize)]
-struct Report<F> {
+struct WrittenReport<F> {
     #[serde(flatten)]
     head: Head,
     #[serde(flatten)]
@@ -279,7 +279,7 @@ struct Fields<F> {
 /// The result of a field, or that no light comes from it.
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Field<F> {
+enum FieldResult<F> {
     Lit {
         is_dark: bool,
         #[serde(flatten)]
@@ -291,7 +291,7 @@ enum Field<F> {
     },
 }
 
-impl<F> Field<F> {
+impl<F> FieldResult<F> {
     fn new(angle_deg: f64, found: Option<F>) -> Self {
         match found {
             Some(found) => Self::Lit { is_dark: false, found },

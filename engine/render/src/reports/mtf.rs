@@ -1,6 +1,6 @@
 //! Modulation transfer: the contrast of lines, by frequency and by height in the picture.
 
-use super::{Field, LensReport, MOST, ReportError, Subject, evenly, within};
+use super::{FieldResult, LensReport, MOST, ReportError, ReportedLens, evenly, within};
 use petzval_optics::analysis::mtf::{Mtf as FieldMtf, MtfError};
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ const BY_HEIGHT: usize = 5;
 /// Options of modulation transfer.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Mtf {
+pub(super) struct MtfOptions {
     /// The highest frequency, line pairs/mm.
     highest_per_mm: f64,
     /// Number of steps to it.
@@ -25,12 +25,12 @@ pub(super) struct Mtf {
 #[derive(Serialize)]
 pub(super) struct Contrast {
     frequencies_per_mm: Vec<f64>,
-    fields: Vec<Field<FieldMtf>>,
+    fields: Vec<FieldResult<FieldMtf>>,
     height_frequencies_per_mm: Vec<f64>,
-    heights: Vec<Field<FieldMtf>>,
+    heights: Vec<FieldResult<FieldMtf>>,
 }
 
-impl LensReport for Mtf {
+impl LensReport for MtfOptions {
     const NAME: &'static str = "mtf";
     type Found = Contrast;
 
@@ -44,10 +44,10 @@ impl LensReport for Mtf {
         (is_good(highest) && is_good(step)).then_some(()).ok_or_else(what)
     }
 
-    fn find(&self, subject: Subject<'_>) -> Result<Contrast, ReportError> {
+    fn find(&self, subject: ReportedLens<'_>) -> Result<Contrast, ReportError> {
         let field = |angle: f64, step_per_mm: f64, count: usize| match subject.analysis.mtf(angle, step_per_mm, count) {
-            Ok(found) => Ok(Field::new(angle, Some(found))),
-            Err(MtfError::Dark) => Ok(Field::new(angle, None)),
+            Ok(found) => Ok(FieldResult::new(angle, Some(found))),
+            Err(MtfError::Dark) => Ok(FieldResult::new(angle, None)),
             Err(error) => {
                 let lens = subject.system.name().to_owned();
                 Err(ReportError::Lens { lens, why: error.to_string() })

@@ -1,13 +1,13 @@
 //! Point spread: the light of a point with diffraction and aberrations.
 
-use super::{Field, Fields, LensReport, ReportError, Subject};
+use super::{FieldResult, Fields, LensReport, ReportError, ReportedLens};
 use petzval_optics::analysis::psf::{Psf as FieldPsf, PsfError};
 use serde::{Deserialize, Serialize};
 
 /// Options of point spread: none.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Psf {}
+pub(super) struct PsfOptions {}
 
 /// The point spread of a field, or its width where waves do not reach so far.
 #[derive(Serialize)]
@@ -17,11 +17,11 @@ pub(super) enum Spread {
     TooWide { angle_deg: f64, spread_mm: f64, spread_times: f64 },
 }
 
-impl LensReport for Psf {
+impl LensReport for PsfOptions {
     const NAME: &'static str = "psf";
-    type Found = Fields<Field<Spread>>;
+    type Found = Fields<FieldResult<Spread>>;
 
-    fn find(&self, subject: Subject<'_>) -> Result<Self::Found, ReportError> {
+    fn find(&self, subject: ReportedLens<'_>) -> Result<Self::Found, ReportError> {
         let field = |&angle_deg: &f64| {
             let found = match subject.analysis.psf(angle_deg) {
                 Ok(psf) => Some(Spread::Found(psf)),
@@ -30,7 +30,7 @@ impl LensReport for Psf {
                     Some(Spread::TooWide { angle_deg, spread_mm, spread_times: times })
                 }
             };
-            Field::new(angle_deg, found)
+            FieldResult::new(angle_deg, found)
         };
         Ok(Fields { fields: subject.fields_deg.iter().map(field).collect() })
     }

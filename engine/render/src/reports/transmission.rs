@@ -1,6 +1,6 @@
 //! Transmission by colour and field, and the reflection of coatings.
 
-use super::{LensReport, MOST, ReportError, Subject, check_wavelength, within};
+use super::{LensReport, MOST, ReportError, ReportedLens, check_wavelength, within};
 use crate::camera::t_number;
 use petzval_optics::analysis::transmission::FieldTransmission;
 use petzval_optics::glass::line_nm;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Options of the report on transmission.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Transmission {
+pub(super) struct TransmissionOptions {
     /// Vacuum wavelengths at which the transmission is found.
     spectrum_nm: Vec<f64>,
 }
@@ -46,7 +46,7 @@ struct FieldTransmitted {
     is_dark: bool,
 }
 
-impl LensReport for Transmission {
+impl LensReport for TransmissionOptions {
     const NAME: &'static str = "transmission";
     type Found = Transmitted;
 
@@ -55,8 +55,8 @@ impl LensReport for Transmission {
         self.spectrum_nm.iter().try_for_each(|&nm| check_wavelength(nm))
     }
 
-    fn find(&self, subject: Subject<'_>) -> Result<Transmitted, ReportError> {
-        let Subject { system, analysis, fields_deg, main_nm, coating_is_assumed } = subject;
+    fn find(&self, subject: ReportedLens<'_>) -> Result<Transmitted, ReportError> {
+        let ReportedLens { system, analysis, fields_deg, main_nm, coating_is_assumed } = subject;
         let fields = analysis.transmission(&fields_deg, &self.spectrum_nm).into_iter();
         Ok(Transmitted {
             spectrum_nm: self.spectrum_nm.clone(),

@@ -5,17 +5,17 @@ use sobol_burley::parts::{Int4, hash, hash_int4, owen_scramble_int4_rev, owen_sc
 use std::sync::LazyLock;
 
 /// The contributions of the bits of each byte of the reversed index, the higher first.
-struct Tables([[[u32; 4]; 256]; 2]);
+struct ByteTables([[[u32; 4]; 256]; 2]);
 
-static TABLES: LazyLock<Tables> = LazyLock::new(|| {
+static TABLES: LazyLock<ByteTables> = LazyLock::new(|| {
     let byte = |shift: u32| std::array::from_fn(|i| sobol_int4_rev((i as u32) << shift, 0).into());
-    Tables([byte(24), byte(16)])
+    ByteTables([byte(24), byte(16)])
 });
 
 /// [`sobol_burley::sample_4d`] of the first four dimensions; `index` below 2^16.
 #[inline]
 pub(super) fn sample_4d(index: u32, seed: u32) -> [f32; 4] {
-    let Tables([high, low]) = &*TABLES;
+    let ByteTables([high, low]) = &*TABLES;
     let shuffled = owen_scramble_rev(index.reverse_bits(), hash(seed ^ 0x79c6_8e4a));
     let (a, b) = (high[(shuffled >> 24) as usize], low[(shuffled >> 16 & 0xff) as usize]);
     let sobol = Int4::from(a) ^ Int4::from(b);

@@ -380,6 +380,7 @@ impl<C, N> Closure<C, N> {
     }
 
     /// This closure with its inputs converted: colours by `c`, numbers by `n`.
+    #[expect(clippy::too_many_lines, reason = "an arm for each closure")]
     pub fn map<D, M>(&self, mut c: impl FnMut(&C) -> D, mut n: impl FnMut(&N) -> M) -> Closure<D, M> {
         match self {
             Self::Diffuse { color, roughness } => Closure::Diffuse { color: c(color), roughness: n(roughness) },

@@ -60,7 +60,7 @@ pub struct Curves {
     /// The shape of the strands.
     pub shape: CurveShape,
     /// The numbers by strand that random numbers are made of.
-    numbers: Numbers,
+    numbers: StrandNumbers,
     uv_maps: Vec<(String, Vec<Vec2>)>,
     attributes: Vec<(String, StrandValues)>,
     /// Positions of the keys a frame before and a frame after.
@@ -69,7 +69,7 @@ pub struct Curves {
 
 /// The numbers of the strands, from which their random numbers are made.
 #[derive(Clone, Debug)]
-enum Numbers {
+enum StrandNumbers {
     From(u32),
     Each(Vec<u32>),
 }
@@ -148,9 +148,9 @@ impl Curves {
                 d.name
             )
         });
-        let mut numbers = Numbers::From(d.first_number);
+        let mut numbers = StrandNumbers::From(d.first_number);
         if dropped > 0 {
-            numbers = Numbers::Each(
+            numbers = StrandNumbers::Each(
                 (0u32..).zip(&keep).filter(|(_, kept)| **kept).map(|(i, _)| i.wrapping_add(d.first_number)).collect(),
             );
             d.keep_only(&keep);
@@ -228,8 +228,8 @@ impl Curves {
     pub fn random(&self, segment: u32) -> f32 {
         let strand = self.strand_of(segment);
         petzval_nodes::random_of_pair(match &self.numbers {
-            Numbers::From(first) => [first.wrapping_add(strand), 0],
-            Numbers::Each(each) => [each[strand as usize], 0],
+            StrandNumbers::From(first) => [first.wrapping_add(strand), 0],
+            StrandNumbers::Each(each) => [each[strand as usize], 0],
         })
     }
 

@@ -148,7 +148,7 @@ impl Graph {
             .surface
             .iter()
             .take(MOST_LAYERS)
-            .filter_map(|layer| Of(layer).layer(&mut report))
+            .filter_map(|layer| LayerInputs(layer).layer(&mut report))
             .map(|layer| layer.settled(&program))
             .collect();
         for field in program.reads().filter(|field| !KNOWN.contains(field)) {
@@ -291,9 +291,9 @@ impl Graph {
 }
 
 /// A layer as Blender names its inputs.
-struct Of<'a>(&'a Layer);
+struct LayerInputs<'a>(&'a Layer);
 
-impl Of<'_> {
+impl LayerInputs<'_> {
     fn input(&self, identifier: &str, otherwise: f32) -> Source {
         self.0.input(identifier).map_or(Source::Always(Vec3A::splat(otherwise)), Source::Of)
     }
@@ -325,6 +325,7 @@ impl Of<'_> {
         Some(GraphLayer { weight: Source::Of(self.0.weight), closure, normal, coat_normal, tangent })
     }
 
+    #[expect(clippy::too_many_lines, reason = "an arm for each shader")]
     fn closure(&self, report: &mut impl FnMut(&str)) -> Option<Closure<Source, Source>> {
         let color = self.input("Color", 0.8);
         let (roughness, distribution) = (self.input("Roughness", 0.0), self.distribution());

@@ -40,6 +40,53 @@ pub struct MeshDescription {
     pub keeps_opacity: bool,
 }
 
+impl MeshDescription {
+    /// Checks that all that is listed by triangle, corner or vertex fits the mesh.
+    fn check(&self) -> Result<(), SceneError> {
+        let bad = |what: String| SceneError::BadMesh { mesh: self.name.clone(), what };
+        let n = self.triangles.len();
+        let fits = |len: usize, what: &str| {
+            if len == n { Ok(()) } else { Err(bad(format!("{what} for {len} triangles, but there are {n}"))) }
+        };
+        let (numbers, vertices) = (Numbers { triangles: &self.triangles, loops: &self.loops }, self.positions.len());
+        let of_corners = |misfit: Option<String>, what: &str| match misfit {
+            None => Ok(()),
+            Some(why) => Err(bad(format!("{what}: {why}"))),
+        };
+        if let Some(normals) = &self.corner_normals {
+            of_corners(normals.misfit(numbers, vertices), "corner normals")?;
+        }
+        for (name, uvs) in &self.uv_maps {
+            of_corners(uvs.misfit(numbers, vertices), &format!("UV map '{name}'"))?;
+        }
+        for (name, values) in &self.attributes {
+            of_corners(values.misfit(numbers, vertices), &format!("attribute '{name}'"))?;
+        }
+        if let Some(slots) = &self.material_slots {
+            fits(slots.len(), "material slots")?;
+        }
+        if let Some(moved) = self.moved_positions.iter().flatten().find(|moved| moved.len() != self.positions.len()) {
+            return Err(bad(format!("{} moved positions for {} vertices", moved.len(), self.positions.len())));
+        }
+        if let Some(poses) = &self.poses {
+            let (keys, vertices) = (poses.key_count(), self.positions.len());
+            let fit = poses.positions.iter().all(|key| key.len() == vertices);
+            let normals_fit = poses.corner_normals.iter().flatten().all(|key| key.misfit(numbers, vertices).is_none())
+                && poses.corner_normals.as_ref().is_none_or(|normals| normals.len() == keys);
+            if keys < 2 || !fit || !normals_fit {
+                return Err(bad(format!("its {keys} shapes over time do not fit its {vertices} vertices")));
+            }
+        }
+        if u32::try_from(n).is_err() {
+            return Err(bad(format!("{n} triangles are more than 2^32")));
+        }
+        if let Some(t) = self.triangles.iter().find(|t| t.iter().any(|&i| i as usize >= self.positions.len())) {
+            return Err(bad(format!("triangle {t:?} points past its {} vertices", self.positions.len())));
+        }
+        Ok(())
+    }
+}
+
 /// A checked mesh: every index valid, every position finite, every triangle with area.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -83,46 +130,8 @@ impl Mesh {
     /// # Errors
     /// [`SceneError::BadMesh`].
     pub fn new(d: MeshDescription) -> Result<(Self, Option<String>), SceneError> {
-        let bad = |what: String| SceneError::BadMesh { mesh: d.name.clone(), what };
+        d.check()?;
         let n = d.triangles.len();
-        let fits = |len: usize, what: &str| {
-            if len == n { Ok(()) } else { Err(bad(format!("{what} for {len} triangles, but there are {n}"))) }
-        };
-        let (numbers, vertices) = (Numbers { triangles: &d.triangles, loops: &d.loops }, d.positions.len());
-        let of_corners = |misfit: Option<String>, what: &str| match misfit {
-            None => Ok(()),
-            Some(why) => Err(bad(format!("{what}: {why}"))),
-        };
-        if let Some(normals) = &d.corner_normals {
-            of_corners(normals.misfit(numbers, vertices), "corner normals")?;
-        }
-        for (name, uvs) in &d.uv_maps {
-            of_corners(uvs.misfit(numbers, vertices), &format!("UV map '{name}'"))?;
-        }
-        for (name, values) in &d.attributes {
-            of_corners(values.misfit(numbers, vertices), &format!("attribute '{name}'"))?;
-        }
-        if let Some(slots) = &d.material_slots {
-            fits(slots.len(), "material slots")?;
-        }
-        if let Some(moved) = d.moved_positions.iter().flatten().find(|moved| moved.len() != d.positions.len()) {
-            return Err(bad(format!("{} moved positions for {} vertices", moved.len(), d.positions.len())));
-        }
-        if let Some(poses) = &d.poses {
-            let (keys, vertices) = (poses.key_count(), d.positions.len());
-            let fit = poses.positions.iter().all(|key| key.len() == vertices);
-            let normals_fit = poses.corner_normals.iter().flatten().all(|key| key.misfit(numbers, vertices).is_none())
-                && poses.corner_normals.as_ref().is_none_or(|normals| normals.len() == keys);
-            if keys < 2 || !fit || !normals_fit {
-                return Err(bad(format!("its {keys} shapes over time do not fit its {vertices} vertices")));
-            }
-        }
-        if u32::try_from(n).is_err() {
-            return Err(bad(format!("{n} triangles are more than 2^32")));
-        }
-        if let Some(t) = d.triangles.iter().find(|t| t.iter().any(|&i| i as usize >= d.positions.len())) {
-            return Err(bad(format!("triangle {t:?} points past its {} vertices", d.positions.len())));
-        }
         let shapes = || d.poses.iter().flat_map(|poses| &poses.positions);
         let whole = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| d.positions[i as usize]);

@@ -30,13 +30,13 @@ pub fn moment(part: f32) -> u16 {
 /// An affine map taken apart, so that what is between two of them turns rather than shrinks (Shoemake and Duff 1992, "Matrix
 /// Animation and Polar Decomposition").
 #[derive(Clone, Copy, Debug)]
-struct Parts {
+struct AffineParts {
     rotation: DQuat,
     stretch: DMat3,
     translation: DVec3,
 }
 
-impl Parts {
+impl AffineParts {
     fn of(map: &DAffine3) -> Self {
         let mut rotation = map.matrix3;
         for _ in 0..100 {
@@ -67,14 +67,14 @@ impl Parts {
 
 /// Transforms of an instance at keys that lie evenly over the time that the shutter is open.
 #[derive(Clone, Debug)]
-pub struct AnimatedTransform(Vec<Parts>);
+pub struct AnimatedTransform(Vec<AffineParts>);
 
 impl AnimatedTransform {
     /// The transforms of these matrices; `None` of less than two, or where one is not finite or flattens.
     pub fn new(keys: &[DMat4]) -> Option<Self> {
         let is_fine = |m: &DMat4| m.is_finite() && m.inverse().is_finite() && m.determinant().abs() >= 1e-30;
         (keys.len() > 1 && keys.iter().all(is_fine))
-            .then(|| Self(keys.iter().map(|m| Parts::of(&DAffine3::from_mat4(*m))).collect()))
+            .then(|| Self(keys.iter().map(|m| AffineParts::of(&DAffine3::from_mat4(*m))).collect()))
     }
 
     /// The transform after a part of the shutter's time, 0 to 1.

@@ -30,7 +30,7 @@ pub enum Interpolation {
 }
 
 #[derive(Clone, Debug)]
-enum Pixels {
+enum TexturePixels {
     // Eight bits a channel stay eight bits.
     Bytes { rgba: Vec<[u8; 4]>, srgb: bool },
     Floats(Vec<Vec4>),
@@ -42,7 +42,7 @@ pub struct Texture {
     name: String,
     width: usize,
     height: usize,
-    pixels: Pixels,
+    pixels: TexturePixels,
 }
 
 impl Texture {
@@ -53,7 +53,7 @@ impl Texture {
     pub fn from_bytes(name: &str, width: usize, height: usize, rgba: &[u8], srgb: bool) -> Result<Self, SceneError> {
         check(name, width, height, rgba.len())?;
         let rgba = rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
-        Ok(Self { name: name.into(), width, height, pixels: Pixels::Bytes { rgba, srgb } })
+        Ok(Self { name: name.into(), width, height, pixels: TexturePixels::Bytes { rgba, srgb } })
     }
 
     /// A texture of floating-point RGBA; values that are not finite become 0.
@@ -66,12 +66,12 @@ impl Texture {
         let decode = |x: f32| if srgb { srgb_to_linear(finite(x)) } else { finite(x) };
         let texels =
             rgba.chunks_exact(4).map(|p| Vec4::new(decode(p[0]), decode(p[1]), decode(p[2]), finite(p[3]))).collect();
-        Ok(Self { name: name.into(), width, height, pixels: Pixels::Floats(texels) })
+        Ok(Self { name: name.into(), width, height, pixels: TexturePixels::Floats(texels) })
     }
 
     /// A black pixel, where there is no image.
     pub fn empty() -> Self {
-        Self { name: String::new(), width: 1, height: 1, pixels: Pixels::Floats(vec![Vec4::ZERO]) }
+        Self { name: String::new(), width: 1, height: 1, pixels: TexturePixels::Floats(vec![Vec4::ZERO]) }
     }
 
     /// Name of the image in Blender.
@@ -94,8 +94,8 @@ impl Texture {
     fn stored(&self, x: usize, y: usize) -> Vec4 {
         let i = y * self.width + x;
         match &self.pixels {
-            Pixels::Floats(p) => p[i],
-            Pixels::Bytes { rgba, .. } => Vec4::from(rgba[i].map(f32::from)) * (1.0 / 255.0),
+            TexturePixels::Floats(p) => p[i],
+            TexturePixels::Bytes { rgba, .. } => Vec4::from(rgba[i].map(f32::from)) * (1.0 / 255.0),
         }
     }
 
@@ -103,7 +103,7 @@ impl Texture {
     #[inline]
     fn decoded(&self, v: Vec4) -> Vec4 {
         match self.pixels {
-            Pixels::Bytes { srgb: true, .. } => {
+            TexturePixels::Bytes { srgb: true, .. } => {
                 let table = &*SRGB;
                 let linear = |v: f32| {
                     let place = v.clamp(0.0, 1.0) * SRGB_STEPS as f32;

@@ -172,7 +172,7 @@ impl Volume {
     pub fn new(program: Program, pass_index: i32) -> (Option<Self>, Vec<String>) {
         let mut reports = Vec::new();
         let layers: Vec<VolumeLayer> =
-            program.volume.iter().take(MOST_LAYERS).filter_map(|layer| Of(layer).layer()).collect();
+            program.volume.iter().take(MOST_LAYERS).filter_map(|layer| VolumeInputs(layer).layer()).collect();
         if program.volume.len() > MOST_LAYERS {
             let (count, most) = (program.volume.len(), MOST_LAYERS);
             reports.push(format!("its volume has {count} closures, those after the first {most} are left out"));
@@ -212,9 +212,9 @@ impl Volume {
 }
 
 /// A layer as Blender names its inputs.
-struct Of<'a>(&'a Layer);
+struct VolumeInputs<'a>(&'a Layer);
 
-impl Of<'_> {
+impl VolumeInputs<'_> {
     fn layer(&self) -> Option<VolumeLayer> {
         Some(VolumeLayer { weight: Source::Of(self.0.weight), closure: self.closure()? })
     }

@@ -8,7 +8,7 @@ use super::fresnel;
 use super::lobe::{Fresnel, Lobe};
 use super::mixture::{Boundary, Mixture, dielectric, mean_roughness, metal, slopes, stretched};
 use super::subsurface::Body;
-use super::thin_film::Film;
+use super::thin_film::RelativeFilm;
 use crate::Rgb;
 use crate::scene::closure::{Distribution, MetalKind, Principled, SubsurfaceMethod};
 use glam::Vec3A;
@@ -112,7 +112,7 @@ impl Mixture {
     ) -> Rgb {
         let here = self.here;
         let (f0, eta) = specular_index(p);
-        let is_filmed = p.film.thickness_nm > Film::LEAST_NM;
+        let is_filmed = p.film.thickness_nm > RelativeFilm::LEAST_NM;
         if (eta == 1.0 && !is_filmed) || left.max_element() <= LEAST {
             return left;
         }

@@ -6,7 +6,7 @@ use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::lobe::{Fresnel, Lobe, Slopes};
 use super::subsurface::{Body, Entry};
-use super::thin_film::Film;
+use super::thin_film::RelativeFilm;
 use super::{BsdfSample, Caustics, Features, LobeDecomposition, LobeShares, Past, Scattering};
 use crate::Rgb;
 use crate::scene::closure::{Closure, Distribution, MetalKind, ThinFilm};
@@ -106,6 +106,7 @@ impl Mixture {
     }
 
     /// Adds a closure about a normal. Transparency and emission are not scattering: they add nothing.
+    #[expect(clippy::too_many_lines, reason = "an arm for each closure")]
     pub fn add(&mut self, weight: f32, closure: &Closure<Rgb, f32>, normal: Vec3A) {
         let (here, wo) = (self.here, self.here.wo);
         let tinted = |color: &Rgb| color.max(Rgb::ZERO) * weight;
@@ -360,26 +361,26 @@ pub(super) struct Boundary {
 /// A dielectric's law; the film's index is relative to the medium above it.
 pub(super) fn dielectric(f0: Rgb, [reflection, transmission]: [Rgb; 2], eta: f32, film: &ThinFilm<f32>) -> Fresnel {
     let f0 = f0.min(Rgb::ONE);
-    if film.thickness_nm <= Film::LEAST_NM {
+    if film.thickness_nm <= RelativeFilm::LEAST_NM {
         return Fresnel::Dielectric { f0, reflection, transmission };
     }
-    let film = Film::over_dielectric(film.thickness_nm, film.ior, eta);
+    let film = RelativeFilm::over_dielectric(film.thickness_nm, film.ior, eta);
     Fresnel::FilmedDielectric { film, f0, reflection, transmission }
 }
 
 /// A metal's law, and its mean reflectance.
 pub(super) fn metal(kind: MetalKind, base: Rgb, edge: Rgb, film: &ThinFilm<f32>) -> (Fresnel, Rgb) {
     let ThinFilm { thickness_nm, ior } = *film;
-    let is_filmed = thickness_nm > Film::LEAST_NM;
+    let is_filmed = thickness_nm > RelativeFilm::LEAST_NM;
     match kind {
         MetalKind::Tinted => {
             let f0 = base.clamp(Rgb::ZERO, Rgb::ONE);
             let tinted = F82Tint::new(f0, edge);
-            let film = || Fresnel::Film(Film::over_tinted(thickness_nm, ior, f0, tinted));
+            let film = || Fresnel::Film(RelativeFilm::over_tinted(thickness_nm, ior, f0, tinted));
             (if is_filmed { film() } else { Fresnel::Tinted(tinted) }, tinted.average())
         }
         MetalKind::Conductor => {
-            let film = || Fresnel::Film(Film::over_conductor(thickness_nm, ior, base, edge));
+            let film = || Fresnel::Film(RelativeFilm::over_conductor(thickness_nm, ior, base, edge));
             let fresnel = if is_filmed { film() } else { Fresnel::Conductor([base, edge]) };
             (fresnel, fresnel::conductor_average(base, edge))
         }

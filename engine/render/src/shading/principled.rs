@@ -74,12 +74,12 @@ pub struct Bsdf {
     // Chance of each lobe: metal, glass, coat, diffuse.
     chance: [f32; 4],
     /// The lobes of facets; `None` if the surface is diffuse only, as most are.
-    facets: Option<Facets>,
+    facets: Option<FacetData>,
 }
 
 /// The data of lobes of facets.
 #[derive(Clone)]
-struct Facets {
+struct FacetData {
     ggx: Ggx,
     /// The view in the axes of the frame.
     wo: Vec3A,
@@ -138,6 +138,7 @@ impl Bsdf {
     }
 
     /// Metal, glass and coat, and what they leave to the diffuse base.
+    #[expect(clippy::too_many_lines, reason = "each layer leaves the rest to the next: a kernel")]
     fn add_facets(
         &mut self,
         tables: &PrincipledTables,
@@ -194,7 +195,7 @@ impl Bsdf {
         let chance = Vec4::new(metal_chance, glass_chance, coat_albedo * opaque, luminance(self.diffuse));
         let total = (chance.x + chance.y) + (chance.z + chance.w);
         self.chance = if total > 0.0 { (chance / total).to_array() } else { [0.0; 4] };
-        self.facets = Some(Facets {
+        self.facets = Some(FacetData {
             ggx,
             wo,
             lambda_o: ggx.lambda(wo),
@@ -314,13 +315,13 @@ impl Bsdf {
 
     /// The facets where a light sample may find them.
     #[inline]
-    fn rough_facets(&self) -> Option<&Facets> {
+    fn rough_facets(&self) -> Option<&FacetData> {
         self.facets.as_ref().filter(|f| !f.ggx.is_mirror() && self.cos_o > 0.0)
     }
 
     /// The light that a facet at a cosine reflects in all lobes, and the probability of reflecting there. A material seldom has all lobes.
     #[inline]
-    fn reflected(&self, f: &Facets, cos: f32) -> (Rgb, f32) {
+    fn reflected(&self, f: &FacetData, cos: f32) -> (Rgb, f32) {
         let mut value = Rgb::ZERO;
         let mut chance = self.chance[0] + self.chance[2];
         if f.metal_weight != Rgb::ZERO {
@@ -523,7 +524,7 @@ impl Scattering for Bsdf {
     }
 }
 
-impl Facets {
+impl FacetData {
     #[inline]
     fn coat_fresnel(&self, cos: f32) -> Rgb {
         let rise = fresnel::dielectric_rise(cos, self.coat_eta);

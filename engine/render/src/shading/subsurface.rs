@@ -53,14 +53,14 @@ pub enum Entry {
 /// A body that light enters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
-    inside: Inside,
+    inside: BodyTransport,
     /// 1 for channels that go far enough in to be told from a surface's, else 0.
     pub(super) channels: Rgb,
 }
 
 /// The transport of light in a body.
 #[derive(Clone, Copy, Debug)]
-enum Inside {
+enum BodyTransport {
     Walk {
         medium: Medium,
         /// Factor that makes up for channels whose albedo is too low for the walk, over the surface's albedo.
@@ -98,7 +98,7 @@ impl Body {
         let (free_path, is_fit) = match method {
             SubsurfaceMethod::Burley => {
                 let profile = Profile { scale: radius * LEGACY_PATH * channels };
-                return Some(Self { inside: Inside::Profile(profile), channels });
+                return Some(Self { inside: BodyTransport::Profile(profile), channels });
             }
             SubsurfaceMethod::RandomWalk => (radius, false),
             // The fit knows no backward scattering.
@@ -118,19 +118,19 @@ impl Body {
         let extinction = Rgb::ONE / (free_path * if is_fit { 1.0 - g } else { 1.0 }).max(Rgb::splat(1e-16));
         let medium = Medium { extinction, albedo: single, anisotropy: g };
         let alpha = if is_skin { 1.0 } else { roughness * roughness };
-        Some(Self { inside: Inside::Walk { medium, scale, ior, alpha, is_skin }, channels })
+        Some(Self { inside: BodyTransport::Walk { medium, scale, ior, alpha, is_skin }, channels })
     }
 
     /// True if light comes out beside the place where it goes in, by a profile.
     pub(super) fn is_profile(&self) -> bool {
-        matches!(self.inside, Inside::Profile(_))
+        matches!(self.inside, BodyTransport::Profile(_))
     }
 
     /// A way in for light that counts `weight`, which holds the surface's albedo; all in world space.
     pub(super) fn enter(&self, weight: Rgb, frame: &[Vec3A; 3], wo: Vec3A, mut u: [f32; 2]) -> Option<Entry> {
         let (medium, scale, ior, alpha, is_skin) = match self.inside {
-            Inside::Profile(profile) => return Some(Entry::Beside { light: weight, profile, u }),
-            Inside::Walk { medium, scale, ior, alpha, is_skin } => (medium, scale, ior, alpha, is_skin),
+            BodyTransport::Profile(profile) => return Some(Entry::Beside { light: weight, profile, u }),
+            BodyTransport::Walk { medium, scale, ior, alpha, is_skin } => (medium, scale, ior, alpha, is_skin),
         };
         let light = weight * scale;
         let local = if is_skin && u[0] < 0.5 {

@@ -54,13 +54,13 @@ enum Below {
 
 /// A film, in units of the medium above it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Film {
+pub(super) struct RelativeFilm {
     thickness_nm: f32,
     index: f32,
     below: Below,
 }
 
-impl Film {
+impl RelativeFilm {
     /// Films thinner than this, nm, are none.
     pub(super) const LEAST_NM: f32 = 0.1;
 
@@ -225,15 +225,15 @@ mod tests {
         for cos in [0.1f32, 0.5, 1.0] {
             let bare = Rgb::splat(fresnel::dielectric(cos, 1.5));
             for film in [
-                Film::over_dielectric(0.0, 1.33, 1.5),
-                Film::over_dielectric(500.0, 1.5, 1.5),
-                Film::over_dielectric(500.0, 1.0, 1.5),
+                RelativeFilm::over_dielectric(0.0, 1.33, 1.5),
+                RelativeFilm::over_dielectric(500.0, 1.5, 1.5),
+                RelativeFilm::over_dielectric(500.0, 1.0, 1.5),
             ] {
                 assert!((film.at(cos) - bare).abs().max_element() < 1e-4, "{cos} {film:?}: {} {bare}", film.at(cos));
             }
             let (n, k) = (Rgb::new(0.2, 0.9, 1.4), Rgb::new(3.9, 2.4, 1.6));
             let gold = fresnel::conductor(cos, n, k);
-            let film = Film::over_conductor(300.0, 1.0, n, k);
+            let film = RelativeFilm::over_conductor(300.0, 1.0, n, k);
             assert!((film.at(cos) - gold).abs().max_element() < 1e-4, "{cos}: {} {gold}", film.at(cos));
         }
     }
@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn a_quarter_of_a_wave_dims_the_reflection() {
         let (film, glass) = (1.38f32, 1.52f32);
-        let coated = Film::over_dielectric(550.0 / (4.0 * film), film, glass).at(1.0);
+        let coated = RelativeFilm::over_dielectric(550.0 / (4.0 * film), film, glass).at(1.0);
         let least = ((glass - film * film) / (glass + film * film)).powi(2);
         // Green is not of one wavelength, and the sum of the orders ends.
         assert!((coated.y - least).abs() < 1e-3, "{coated} {least}");

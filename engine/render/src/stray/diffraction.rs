@@ -19,7 +19,7 @@ use crate::spectrum::FilmSpectrum;
 use glam::{Mat3, Vec2};
 use petzval_optics::diffraction::outline::Outline;
 use petzval_optics::diffraction::overlap::{Shifts, loss_per_shift};
-use table::Table;
+use table::TransferTable;
 
 /// Pupils whose breadths, over their areas, differ by less than this part from that of the middle are taken for the same.
 const ALIKE: f64 = 0.1;
@@ -86,7 +86,7 @@ impl Diffraction {
                 _ => (0..n).map(|i| share((i as f32 + 0.5) / n as f32 - 0.5, place)).collect(),
             };
             let (columns, rows) = (part(width, i % PLACES.len()), part(height, i / PLACES.len()));
-            let table = Table::new(pupil, &self.spectrum, self.pixel, self.size);
+            let table = TransferTable::new(pupil, &self.spectrum, self.pixel, self.size);
             spreading.add(&Zone { columns, rows, transfer: &table });
         }
         spreading.finish()
@@ -110,7 +110,7 @@ fn is_alike(one: &Outline, other: &Outline) -> bool {
     })
 }
 
-impl Transfer for Table {
+impl Transfer for TransferTable {
     fn change(&self, across: f32, up: &[f32], out: &mut [Mat3]) {
         self.folded(across, up, out);
     }

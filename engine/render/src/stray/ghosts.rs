@@ -33,7 +33,7 @@ const AT_ONCE: usize = 16;
 
 /// A report on the simulation of ghosts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Report {
+pub struct GhostReport {
     /// Number of sources that were looked at.
     pub sources: usize,
     /// Ghosts of all sources that reach the film.
@@ -52,14 +52,14 @@ pub fn ghosts(
     reflections: Reflections,
     tolerance: f32,
     stopped: &(dyn Fn() -> bool + Sync),
-) -> Option<(Picture, Report)> {
+) -> Option<(Picture, GhostReport)> {
     let size = lens.size_px();
     let mut picture = Picture { width: size.x as u32, height: size.y as u32, light: Vec::new() };
     picture.light.resize(picture.width as usize * picture.height as usize, crate::Rgb::ZERO);
     let beams: Vec<Option<Beam>> = sources.iter().map(|one| Beam::new(lens.system(), one.place)).collect();
     let turns = turns(lens, reflections);
     let found = candidates(lens, &turns, sources, &beams, stopped)?;
-    let mut report = Report { sources: sources.len(), found: found.len(), ..Report::default() };
+    let mut report = GhostReport { sources: sources.len(), found: found.len(), ..GhostReport::default() };
     let (kept, left_out) = keep(found, size, tolerance);
     (report.simulated, report.left_out) = (kept.len(), left_out);
     let paths = Paths::new(lens, &turns, &kept);

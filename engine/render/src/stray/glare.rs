@@ -145,8 +145,8 @@ fn veil(picture: &[Rgb], front_light: Option<f64>) -> Rgb {
 impl Halo {
     fn new(surfaces: &[Scatterer], scattering: &Scattering, nm: f64, [first_mm, last_mm]: [f64; 2]) -> Self {
         let count = ((last_mm / first_mm).log2() * PER_OCTAVE).ceil() as usize + 2;
-        let rough = Shape::harvey(SHOULDER * nm / AT_NM);
-        let dust = Shape::dust(scattering.cleanliness, nm);
+        let rough = ScatterProfile::harvey(SHOULDER * nm / AT_NM);
+        let dust = ScatterProfile::dust(scattering.cleanliness, nm);
         let mut halo = Self { part: 0.0, first_mm, density: vec![0.0; count] };
         for surface in surfaces {
             let phase = TAU * scattering.roughness_nm * surface.path_per_height / nm;
@@ -179,13 +179,13 @@ impl Halo {
 }
 
 /// Scattered light by the sine of the angle, up to 1, per unit of solid angle (of sines).
-struct Shape {
+struct ScatterProfile {
     /// Values by logarithm of the sine.
     values: Vec<f64>,
     whole: f64,
 }
 
-impl Shape {
+impl ScatterProfile {
     const FIRST: f64 = 1e-7;
     const PER_OCTAVE: f64 = 12.0;
 

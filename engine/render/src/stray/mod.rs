@@ -107,14 +107,14 @@ impl StrayPass {
 /// The stray light that was found.
 #[derive(Clone, Debug, Default)]
 pub struct StrayLight {
-    parts: Vec<Part>,
+    parts: Vec<StrayPart>,
     /// The report on ghosts.
-    pub ghosts: Option<ghosts::Report>,
+    pub ghosts: Option<ghosts::GhostReport>,
 }
 
 /// One kind of stray light.
 #[derive(Clone, Debug)]
-struct Part {
+struct StrayPart {
     pass: StrayPass,
     light: Vec<Rgb>,
     seconds: f64,
@@ -169,7 +169,7 @@ impl Strays {
         let mut start = Instant::now();
         let mut keep = |pass: StrayPass, light: Vec<Rgb>| {
             let seconds = std::mem::replace(&mut start, Instant::now()).elapsed().as_secs_f64();
-            found.parts.push(Part { pass, light, seconds });
+            found.parts.push(StrayPart { pass, light, seconds });
         };
         let mut ghost_report = None;
         if let Some(Ghosts { lens, tolerance, reflections }) = &self.ghosts {
@@ -180,7 +180,7 @@ impl Strays {
             ghosts.light.iter_mut().enumerate().for_each(|(pixel, light)| *light *= straight.scale(pixel));
             keep(StrayPass::Ghosts, ghosts.light);
             let left_out = report.left_out + dropped * (lens.brightest_ghost() * lens.brightness()) as f32;
-            ghost_report = Some(ghosts::Report { left_out, ..report });
+            ghost_report = Some(ghosts::GhostReport { left_out, ..report });
         }
         if stopped() {
             return None;

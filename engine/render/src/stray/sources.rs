@@ -143,7 +143,7 @@ fn in_picture(straight: &Straight<'_>, lens: &StrayLens, least: f32) -> Vec<Sour
     pixels.retain(|(_, light)| *light > bound && light.is_finite());
     pixels.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     pixels.truncate(MOST_PIXELS);
-    let mut clusters: Vec<Spot> = Vec::new();
+    let mut clusters: Vec<BrightSpot> = Vec::new();
     let together = TOGETHER * size.length();
     for (i, light) in pixels {
         let at = Vec2::new((i % picture.width as usize) as f32 + 0.5, (i / picture.width as usize) as f32 + 0.5);
@@ -156,15 +156,19 @@ fn in_picture(straight: &Straight<'_>, lens: &StrayLens, least: f32) -> Vec<Sour
                 one.weight += light;
                 one.light += light_at(i);
             }
-            None if clusters.len() < 4 * MOST => {
-                clusters.push(Spot { first: at, places: Vec2::ZERO, squares: 0.0, weight: light, light: light_at(i) })
-            }
+            None if clusters.len() < 4 * MOST => clusters.push(BrightSpot {
+                first: at,
+                places: Vec2::ZERO,
+                squares: 0.0,
+                weight: light,
+                light: light_at(i),
+            }),
             None => {}
         }
     }
     clusters.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     clusters.truncate(MOST);
-    let source = |spot: Spot| {
+    let source = |spot: BrightSpot| {
         let from_first = spot.places / spot.weight;
         let pixel = spot.first + from_first;
         let view = view(camera, size, pixel)?;
@@ -189,7 +193,7 @@ fn in_picture(straight: &Straight<'_>, lens: &StrayLens, least: f32) -> Vec<Sour
 }
 
 /// Bright pixels that lie together.
-struct Spot {
+struct BrightSpot {
     /// The brightest's place, pixels.
     first: Vec2,
     /// Sums by luminance of where the others lie from there, and of these distances squared.
@@ -201,7 +205,7 @@ struct Spot {
 }
 
 /// The ray that a pixel looks along.
-struct View {
+struct PixelView {
     /// The ray, near the middle of the rays that come to the pixel.
     ray: Ray,
     /// Solid angle of a pixel, seen from the lens.
@@ -210,7 +214,7 @@ struct View {
     white: f32,
 }
 
-fn view(camera: &Camera, size: Vec2, pixel: Vec2) -> Option<View> {
+fn view(camera: &Camera, size: Vec2, pixel: Vec2) -> Option<PixelView> {
     // Differences over some pixels: rays are known to single precision.
     const STEP_PX: f32 = 4.0;
     let middle = mean_ray(camera, size, pixel)?;
@@ -219,7 +223,7 @@ fn view(camera: &Camera, size: Vec2, pixel: Vec2) -> Option<View> {
     });
     let (across, up) = ((right - left) / (2.0 * STEP_PX), (above - below) / (2.0 * STEP_PX));
     let solid_angle_sr = across.cross(up).length();
-    (middle.1 > 0.0).then_some(View { ray: middle.0, solid_angle_sr, white: middle.1 })
+    (middle.1 > 0.0).then_some(PixelView { ray: middle.0, solid_angle_sr, white: middle.1 })
 }
 
 /// The mean of the rays that come to a place of the picture, and what a white world gives it.

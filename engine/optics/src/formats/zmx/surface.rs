@@ -5,10 +5,10 @@ use crate::prescription::{NextMedium, Place};
 use super::super::draft_row::DraftRow;
 use super::super::problem::{LensFileError, Problem, at};
 use super::super::text::Token;
-use super::Reader;
+use super::ZmxReader;
 
 /// A surface while its lines are read. Lengths in the file's units.
-pub(super) struct Block {
+pub(super) struct SurfaceLines {
     place: Place,
     kind: String,
     kind_place: Place,
@@ -27,7 +27,7 @@ pub(super) struct Block {
     extra: Vec<(usize, f64, Place)>,
 }
 
-impl Block {
+impl SurfaceLines {
     pub(super) fn new(place: Place) -> Self {
         Self {
             place,
@@ -67,8 +67,9 @@ pub(super) fn knows(keyword: &str) -> bool {
     KNOWN.contains(&keyword) || SILENT.contains(&keyword)
 }
 
-impl Reader<'_> {
+impl ZmxReader<'_> {
     /// A line of the last surface.
+    #[expect(clippy::too_many_lines, reason = "an arm for each keyword")]
     pub(super) fn surface_line(
         &mut self,
         line: usize,
@@ -179,7 +180,7 @@ impl Reader<'_> {
     }
 
     /// A change of coordinates that changes none but z.
-    fn coordinate_break(&mut self, block: &Block) -> Result<(), LensFileError> {
+    fn coordinate_break(&mut self, block: &SurfaceLines) -> Result<(), LensFileError> {
         if let Some((number, value, place)) = block.parameters.iter().find(|p| (1..=5).contains(&p.0) && p.1 != 0.0) {
             let what = format!(
                 "a coordinate break tilts or decentres what follows (PARM {number} = {value}); only lenses on one axis can be read from .zmx"
@@ -194,7 +195,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn row(&mut self, block: &Block, scale: f64) -> Result<DraftRow, LensFileError> {
+    fn row(&mut self, block: &SurfaceLines, scale: f64) -> Result<DraftRow, LensFileError> {
         let mut row = DraftRow::new(block.place);
         row.curvature = block.curvature / scale;
         row.conic = block.conic;
@@ -213,7 +214,7 @@ impl Reader<'_> {
     }
 
     /// Reads the part of the shape that the surface's type adds to curvature and conic constant.
-    fn shape(&mut self, block: &Block, scale: f64, row: &mut DraftRow) -> Result<(), LensFileError> {
+    fn shape(&mut self, block: &SurfaceLines, scale: f64, row: &mut DraftRow) -> Result<(), LensFileError> {
         // A coefficient of rᵖ, in the file's units, in mm.
         let term = |power: u32, a: f64| (power, a / scale.powi(power as i32 - 1));
         match block.kind.as_str() {
@@ -252,7 +253,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn glass(&mut self, block: &Block) -> Result<NextMedium, LensFileError> {
+    fn glass(&mut self, block: &SurfaceLines) -> Result<NextMedium, LensFileError> {
         let Some((words, place)) = &block.glass else { return Ok(NextMedium::Medium(crate::glass::Medium::air())) };
         let name = words.first().map_or("", String::as_str);
         if name.eq_ignore_ascii_case("mirror") {

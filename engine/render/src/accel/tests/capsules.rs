@@ -1,7 +1,7 @@
 //! Capsules around segments against the segments themselves.
 
 use super::super::capsules::Capsules;
-use super::super::segment::{Cut, RayFrame, meet};
+use super::super::segment::{RayFrame, SegmentCut, meet};
 use super::super::triangles::LANES;
 use super::*;
 use crate::scene::curves::{Controls, CurveShape};
@@ -24,7 +24,7 @@ fn capsules(of: &[Controls], shape: CurveShape) -> Capsules {
     let mut capsules = Capsules::new(0);
     for (lane, controls) in of.iter().enumerate() {
         let mut balls = vec![];
-        let cut = Cut::new(shape, controls);
+        let cut = SegmentCut::new(shape, controls);
         cut.balls(controls, 0..cut.pieces(), &mut balls);
         capsules.set(lane, &balls);
     }
@@ -55,7 +55,7 @@ proptest! {
             let level = Level::new();
             let candidates = dispatch!(level, simd => capsules.meet(simd, &gaze, t_max));
             for (lane, controls) in segments.iter().enumerate() {
-                let cut = Cut::new(shape, controls);
+                let cut = SegmentCut::new(shape, controls);
                 let both = dispatch!(level, simd => meet(simd, &gaze, controls.0, (cut, &(0..cut.pieces())), t_max));
                 for met in both.into_iter().flatten() {
                     let near = candidates.as_ref().filter(|found| found.lanes >> lane & 1 != 0);

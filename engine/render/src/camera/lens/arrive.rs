@@ -5,7 +5,7 @@
 
 use super::mount::Mount;
 use super::packet::{HeroSample, Request, Splats};
-use super::real_lens::{LensSample, Line, RealLens};
+use super::real_lens::{FilmLine, LensSample, RealLens};
 use crate::sampler::raster::Raster;
 use glam::DVec3;
 use petzval_optics::trace::{LINES, Leaving};
@@ -40,7 +40,7 @@ impl ShortFilm {
     pub(in crate::camera) fn new(
         mount: &Mount,
         vertex_z_mm: f64,
-        lines: &[Line],
+        lines: &[FilmLine],
         sets: usize,
         size: usize,
     ) -> Option<Self> {
@@ -84,6 +84,7 @@ fn dot(axis: &[f32; 3], [x, y, z]: [f32x8; 3]) -> f32x8 {
 impl RealLens {
     /// The result of a ray that one wavelength led to, when all wavelengths of its set have left the lens on their way
     /// back; as [`Self::joined`] has it.
+    #[expect(clippy::too_many_lines, reason = "a kernel")]
     pub(in crate::camera) fn joined_in_short(
         &self,
         film: &ShortFilm,

@@ -5,7 +5,7 @@
 
 use super::mount::Mount;
 use super::packet::Request;
-use super::real_lens::{LensSample, Line, RealLens};
+use super::real_lens::{FilmLine, LensSample, RealLens};
 use crate::accel::Ray;
 use crate::camera::CameraRay;
 use crate::spectrum::FilmSpectrum;
@@ -20,7 +20,7 @@ pub(in crate::camera) struct Outward<R: Traced> {
     /// The film; `None` if it is curved.
     film: Option<FlatFilm<R>>,
     /// The world; `None` if its axes have different scales.
-    world: Option<World<R>>,
+    world: Option<ToRender<R>>,
     /// The film's response at each wavelength in the picture's colours, and the gain.
     responses: Vec<Mat3>,
     gains: Vec<R>,
@@ -48,7 +48,7 @@ struct FlatFilm<R> {
 }
 
 /// The transform from the vertex of the first surface to render space.
-struct World<R> {
+struct ToRender<R> {
     /// Rows, of points and of directions.
     points: [[R; 3]; 3],
     directions: [[R; 3]; 3],
@@ -117,7 +117,7 @@ impl<R: Real> FlatFilm<R> {
     }
 }
 
-impl<R: Real> World<R> {
+impl<R: Real> ToRender<R> {
     /// Transforms rays to render space: x, y and z of origins, then of directions.
     ///
     /// A call, not inlined: with arrays in memory the compiler works on whole registers.
@@ -156,12 +156,12 @@ impl<R: Traced> Outward<R> {
         vertex_z_mm: f64,
         tracer: SpectralTracer<R>,
         spectrum: &FilmSpectrum,
-        lines: &[Line],
+        lines: &[FilmLine],
     ) -> Self {
         Self {
             tracer,
             film: FlatFilm::new(mount, vertex_z_mm),
-            world: World::new(mount),
+            world: ToRender::new(mount),
             responses: spectrum.wavelengths().iter().map(|w| w.response).collect(),
             gains: lines.iter().map(|line| R::from_f64(line.gain)).collect(),
         }

@@ -47,7 +47,7 @@ pub struct RealLens {
     pub(in crate::camera) mount: Mount,
     pub(in crate::camera) spectrum: FilmSpectrum,
     /// The lens at each wavelength of the film.
-    pub(in crate::camera) lines: Vec<Line>,
+    pub(in crate::camera) lines: Vec<FilmLine>,
     pub(in crate::camera) map: PupilMap,
     map_seconds: f64,
     pub(in crate::camera) film_lines: FilmLines,
@@ -64,7 +64,7 @@ pub struct RealLens {
 }
 
 /// One wavelength of the film.
-pub(in crate::camera) struct Line {
+pub(in crate::camera) struct FilmLine {
     pub(in crate::camera) tracer: Tracer,
     /// The picture's value for the irradiance that radiance one makes: by default one over that of the film's middle.
     pub(in crate::camera) gain: f64,
@@ -83,6 +83,7 @@ pub(in crate::camera) struct LensSample {
 }
 
 impl RealLens {
+    #[expect(clippy::too_many_lines, reason = "each table is made of those before it")]
     pub(in crate::camera) fn new(
         d: &CameraDescription,
         axes: DMat3,
@@ -120,9 +121,9 @@ impl RealLens {
         let film_lines = FilmLines::new(&tracers, &spectrum);
         let line = |(tracer, gain): (Tracer, f64)| {
             let index_squared = system.image_index(tracer.wavelength_nm()).powi(2);
-            Line { tracer, gain: gain * brightness, index_squared }
+            FilmLine { tracer, gain: gain * brightness, index_squared }
         };
-        let lines: Vec<Line> = tracers.into_iter().zip(gains).map(line).collect();
+        let lines: Vec<FilmLine> = tracers.into_iter().zip(gains).map(line).collect();
         let (sets, size) = (spectrum.sets(), spectrum.set_size());
         let short_film = ShortFilm::new(&mount, system.last_vertex_z_mm(), &lines, sets, size);
         let (focal, entrance) = (OnceLock::new(), OnceLock::new());
@@ -240,7 +241,7 @@ impl RealLens {
 }
 
 /// The way out in numbers of some kind.
-fn outward<R: Traced>(mount: &Mount, system: &System, spectrum: &FilmSpectrum, lines: &[Line]) -> Outward<R> {
+fn outward<R: Traced>(mount: &Mount, system: &System, spectrum: &FilmSpectrum, lines: &[FilmLine]) -> Outward<R> {
     let tracers: Vec<&Tracer> = lines.iter().map(|line| &line.tracer).collect();
     Outward::new(mount, system.last_vertex_z_mm(), SpectralTracer::new(&tracers).cast(), spectrum, lines)
 }

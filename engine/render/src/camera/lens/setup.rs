@@ -3,8 +3,7 @@
 use crate::camera::{CameraDescription, CameraError, t_number};
 use glam::DVec3;
 use petzval_optics::focus::{self, FilmPlane, FocusError, Focusing, GroupsError, Relation};
-use petzval_optics::formats;
-use petzval_optics::glass::{Catalogue, Medium, VISIBLE_NM};
+use petzval_optics::glass::{Medium, VISIBLE_NM};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
 use petzval_optics::prescription::moving::MovingParts;
@@ -91,10 +90,10 @@ impl Setup {
         if let Some(nm) = d.wavelength_nm.filter(|nm| !(100.0..=20_000.0).contains(nm)) {
             return Err(d.error(format!("the wavelength is {nm} nm; visible light is 380 to 780 nm")));
         }
-        let reading = formats::read(&d.lens_path, Catalogue::shipped())?;
-        let prescription = reading.prescription;
+        let reading = d.lens_file()?;
+        let prescription = &reading.prescription;
         let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
-        let (system, film_z_mm) = focused(d, &prescription, line)?;
+        let (system, film_z_mm) = focused(d, prescription, line)?;
         let coating_is_assumed = d.lens.coating.is_none() && prescription.assumes_coatings();
         // The lens moved to the right is the film moved to the left.
         let shift_mm = d.film.shift_mm.map(|s| -s);
@@ -109,19 +108,8 @@ impl Setup {
         let paraxial = Paraxial::new(&system, line);
         let origin_z_mm = d.focus.focusing.origin_z_mm(&system, line, film_z_mm);
 
-        // The largest part of the film with the picture's shape.
-        let aspect = f64::from(width) / d.rows_high(height);
-        let picture_width_mm = d.film.width_mm.min(d.film.height_mm * aspect);
-        let picture_height_mm = picture_width_mm / aspect;
-
-        let corners =
-            [-0.5, 0.5].map(|x| [-0.5, 0.5].map(|y| film.reaches(x * picture_width_mm, y * picture_height_mm)));
-        if !corners.into_iter().flatten().all(|reaches| reaches) {
-            let radius = system.film_radius_mm().unwrap_or(0.0).abs();
-            return Err(d.error(format!(
-                "a film of {picture_width_mm:.1} x {picture_height_mm:.1} mm is larger than the retina of radius {radius:.1} mm; make it smaller"
-            )));
-        }
+        let [picture_width_mm, picture_height_mm] = picture_mm(d, width, height);
+        check_retina(d, &system, &film, [picture_width_mm, picture_height_mm])?;
 
         let distance = focus::focus_distance_for_film_mm(&system, line, film_z_mm);
         let magnification = focus::magnification(&system, line, film_z_mm);
@@ -134,7 +122,7 @@ impl Setup {
         } else {
             efl.map_or(50.0, f64::abs)
         };
-        let chief = ChiefRays { tracer: system.at_wavelength(line), film, exit_z_mm: paraxial.exit_pupil.z_mm };
+        let chief = FilmChiefRays { tracer: system.at_wavelength(line), film, exit_z_mm: paraxial.exit_pupil.z_mm };
         let (hw, hh) = (0.5 * picture_width_mm, 0.5 * picture_height_mm);
         let [shortest_nm, longest_nm] = d.wavelength_nm.map_or(VISIBLE_NM, |nm| [nm; 2]);
         let beyond_range = prescription.media_beyond(shortest_nm, longest_nm).into_iter();
@@ -172,6 +160,30 @@ impl Setup {
     }
 }
 
+/// Width and height of the largest part of the film with the picture's shape, mm.
+fn picture_mm(d: &CameraDescription, width: u32, height: u32) -> [f64; 2] {
+    let aspect = f64::from(width) / d.rows_high(height);
+    let picture_width_mm = d.film.width_mm.min(d.film.height_mm * aspect);
+    [picture_width_mm, picture_width_mm / aspect]
+}
+
+/// Checks that a curved film has all of the picture.
+fn check_retina(
+    d: &CameraDescription,
+    system: &System,
+    film: &FilmPlane,
+    [width_mm, height_mm]: [f64; 2],
+) -> Result<(), CameraError> {
+    let corners = [-0.5, 0.5].map(|x| [-0.5, 0.5].map(|y| film.reaches(x * width_mm, y * height_mm)));
+    if corners.into_iter().flatten().all(|reaches| reaches) {
+        return Ok(());
+    }
+    let radius = system.film_radius_mm().unwrap_or(0.0).abs();
+    Err(d.error(format!(
+        "a film of {width_mm:.1} x {height_mm:.1} mm is larger than the retina of radius {radius:.1} mm; make it smaller"
+    )))
+}
+
 impl Setup {
     /// The angle between what two film points see at the camera's wavelength, as [`LensInfo::fov_horizontal_rad`] but of the lens
     /// without its rims and its stop: there is one, too, where all light is cut off.
@@ -179,7 +191,7 @@ impl Setup {
         let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
         let exit_z_mm = Paraxial::new(&self.system, line).exit_pupil.z_mm;
         let tracer = self.system.at_wavelength(line).without_rims();
-        ChiefRays { tracer, film: self.film, exit_z_mm }.angle_between(a, b)
+        FilmChiefRays { tracer, film: self.film, exit_z_mm }.angle_between(a, b)
     }
 }
 
@@ -224,13 +236,13 @@ impl CameraDescription {
 }
 
 /// Rays from film points through the middle of the exit pupil.
-struct ChiefRays {
+struct FilmChiefRays {
     tracer: Tracer,
     film: FilmPlane,
     exit_z_mm: Option<f64>,
 }
 
-impl ChiefRays {
+impl FilmChiefRays {
     /// The angle between the scene directions of two film points.
     fn angle_between(&self, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
         let direction = |[u, v]: [f64; 2]| {

@@ -29,7 +29,7 @@ const FAR_MM: f64 = 1e12;
 
 /// A focus that was found: the settings that say the same.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Focused {
+pub struct SharpFilm {
     /// Distance from the last vertex to the film's middle, before it is shifted, mm.
     pub film_distance_mm: f64,
     /// The focus distance that puts the film there, counted as the camera does; `None` is infinity. A film nearer to
@@ -57,7 +57,7 @@ pub fn on_picture_point(
     [width, height]: [u32; 2],
     p: Vec2,
     distance_to: impl Fn(&Ray) -> Option<f32>,
-) -> Result<Focused, CameraError> {
+) -> Result<SharpFilm, CameraError> {
     let mut finder = Finder::new(d, width, height)?;
     let info = &finder.mount.info;
     let half = [0.5 * info.picture_width_mm, 0.5 * info.picture_height_mm];
@@ -70,15 +70,15 @@ pub fn on_picture_point(
         let is_settled = finder.put(film);
         if step >= LOOKS && is_settled {
             let subject_world = match seen {
-                Seen::Point(point) => Some(point + d.position()),
-                Seen::Sky(_) => None,
+                SubjectHit::Point(point) => Some(point + d.position()),
+                SubjectHit::Sky(_) => None,
             };
             let found = if finder.mount.info.focuses_inside {
                 finder.by_groups(seen, [width, height])?
             } else {
                 finder.found(rms_spot_mm)
             };
-            return Ok(Focused { subject_world, ..found });
+            return Ok(SharpFilm { subject_world, ..found });
         }
         if step < LOOKS {
             seen = finder.look(p, &tracer, &map, &distance_to)?;
@@ -96,7 +96,7 @@ pub fn on_three_points(
     d: &CameraDescription,
     [width, height]: [u32; 2],
     points_world: [DVec3; 3],
-) -> Result<Focused, CameraError> {
+) -> Result<SharpFilm, CameraError> {
     let mut finder = Finder::new(d, width, height)?;
     let wrong = |source: SharpPlaneError| CameraError::SharpPlane { camera: d.object_name.clone(), source };
     if finder.mount.film.curvature_per_mm != 0.0 {
@@ -120,7 +120,7 @@ pub fn on_three_points(
 
 /// The subject at a picture point.
 #[derive(Clone, Copy, Debug)]
-enum Seen {
+enum SubjectHit {
     /// A point, render space.
     Point(DVec3),
     /// Nothing, in this direction of lens space.
@@ -168,7 +168,7 @@ impl<'a> Finder<'a> {
         tracer: &Tracer,
         map: &PupilMap,
         distance_to: impl Fn(&Ray) -> Option<f32>,
-    ) -> Result<Seen, CameraError> {
+    ) -> Result<SubjectHit, CameraError> {
         let film = self.mount.film_at(p).point;
         let Some(mean) = beam::mean(beam::through(tracer, map, film, RAYS).iter()) else {
             return Err(self
@@ -177,17 +177,17 @@ impl<'a> Finder<'a> {
         };
         let ray = self.mount.to_render(&mean);
         Ok(match distance_to(&ray) {
-            Some(t) => Seen::Point((ray.origin + ray.direction * t).as_dvec3()),
-            None => Seen::Sky(mean.direction),
+            Some(t) => SubjectHit::Point((ray.origin + ray.direction * t).as_dvec3()),
+            None => SubjectHit::Sky(mean.direction),
         })
     }
 
     /// The film on which that is sharp, and the radius of its spot.
-    fn sharpest(&self, seen: Seen) -> Result<(FilmPlane, f64), CameraError> {
+    fn sharpest(&self, seen: SubjectHit) -> Result<(FilmPlane, f64), CameraError> {
         let film = self.mount.film;
         let subject = match seen {
-            Seen::Point(point) => Subject::Point(self.mount.to_lens(point)),
-            Seen::Sky(direction) => Subject::Direction(direction),
+            SubjectHit::Point(point) => Subject::Point(self.mount.to_lens(point)),
+            SubjectHit::Sky(direction) => Subject::Direction(direction),
         };
         if matches!(self.d.model, Model::Thick | Model::Paraxial) {
             return Ok((self.first_order(subject)?, 0.0));
@@ -222,10 +222,10 @@ impl<'a> Finder<'a> {
         (film.z_mm - before.z_mm).abs() + turned < SETTLED * film.z_mm.abs().max(1.0)
     }
 
-    fn found(&self, rms_spot_mm: f64) -> Focused {
+    fn found(&self, rms_spot_mm: f64) -> SharpFilm {
         let film = &self.mount.film;
         let scale = self.d.focus.focusing.distance_mm(&self.system, self.line_nm, film.z_mm);
-        Focused {
+        SharpFilm {
             film_distance_mm: film.z_mm - self.system.last_vertex_z_mm(),
             focus_scale_mm: scale.is_finite().then_some(scale),
             tilt_rad: film.tilt_rad,
@@ -238,7 +238,7 @@ impl<'a> Finder<'a> {
 
     /// The focus at which the groups of the lens make what is seen sharpest on the film, where that stands: a secant over
     /// the nearness, from infinity and from what is seen itself.
-    fn by_groups(&self, seen: Seen, [width, height]: [u32; 2]) -> Result<Focused, CameraError> {
+    fn by_groups(&self, seen: SubjectHit, [width, height]: [u32; 2]) -> Result<SharpFilm, CameraError> {
         let per_unit = self.d.scale_mm_per_unit.z;
         let at = |nearness_per_mm: f64| -> Result<(Finder<'a>, f64, f64), CameraError> {
             let near = self.d.clone().with(|c| {
@@ -254,7 +254,7 @@ impl<'a> Finder<'a> {
             Ok((finder, behind, rms_spot_mm))
         };
         let (mut finder, mut error, mut rms_spot_mm) = at(0.0)?;
-        if let Seen::Point(point) = seen {
+        if let SubjectHit::Point(point) = seen {
             let (mut before, mut then) = (0.0, error);
             let depth_mm = -self.mount.axes().z_axis.dot(point) * per_unit;
             let mut now = depth_mm.max(1.0).recip();
@@ -269,7 +269,7 @@ impl<'a> Finder<'a> {
                 now = (now - step).clamp(0.5 * now, 2.0 * now);
             }
         }
-        Ok(Focused { moves_groups: true, ..finder.found(rms_spot_mm) })
+        Ok(SharpFilm { moves_groups: true, ..finder.found(rms_spot_mm) })
     }
 }
 

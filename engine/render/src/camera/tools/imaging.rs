@@ -21,14 +21,14 @@ use petzval_optics::trace::{Ray as LensRay, Tracer};
 
 /// A subject of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
+pub enum SeenPlace {
     /// A point, render space.
     Point(DVec3),
     /// A subject infinitely far in a direction.
     Direction(DVec3),
 }
 
-impl Seen {
+impl SeenPlace {
     /// The subject a part of the way from this one to another of its kind.
     pub fn towards(self, other: Self, part: f64) -> Self {
         match (self, other) {
@@ -63,7 +63,7 @@ struct LensEye {
     mount: Mount,
     spectrum: FilmSpectrum,
     /// The lens at each wavelength of the film.
-    lines: Vec<Line>,
+    lines: Vec<ImagedLine>,
     /// The entrance pupil's middle near the axis and its radius, lens space, mm.
     pupil_middle: DVec3,
     pupil_radius: f64,
@@ -72,7 +72,7 @@ struct LensEye {
 }
 
 /// The entrance pupil as something sees it: a fisheye's turns and comes to meet it.
-struct Pupil {
+struct SeenPupil {
     middle: DVec3,
     /// Direction to the point that sees it.
     towards: DVec3,
@@ -80,12 +80,12 @@ struct Pupil {
     turn: DQuat,
 }
 
-enum Line {
+enum ImagedLine {
     Traced(Tracer),
     Gaussian(GaussianLens),
 }
 
-impl Line {
+impl ImagedLine {
     fn to_film(&self, ray: LensRay) -> Option<LensRay> {
         match self {
             Self::Traced(tracer) => tracer.from_scene(ray).ok(),
@@ -118,7 +118,7 @@ impl Imaging {
     }
 
     /// The point of the pupil through which a camera ray sees something.
-    pub fn through(&self, ray: &Ray, seen: Seen) -> PupilPoint {
+    pub fn through(&self, ray: &Ray, seen: SeenPlace) -> PupilPoint {
         let origin = ray.origin.as_dvec3() - self.place;
         PupilPoint(match &self.eye {
             Eye::Pinhole(_) | Eye::Orthographic(_) => DVec3::ZERO,
@@ -133,27 +133,27 @@ impl Imaging {
         })
     }
 
-    fn relative(&self, seen: Seen) -> Seen {
+    fn relative(&self, seen: SeenPlace) -> SeenPlace {
         match seen {
-            Seen::Point(p) => Seen::Point(p - self.place),
+            SeenPlace::Point(p) => SeenPlace::Point(p - self.place),
             other => other,
         }
     }
 
     /// The picture point of a subject seen through a point of the pupil, by light of the wavelength that `u_wavelength` chooses; `None`
     /// where the light is lost.
-    pub fn picture_point(&self, seen: Seen, through: PupilPoint, u_wavelength: f32) -> Option<DVec2> {
+    pub fn picture_point(&self, seen: SeenPlace, through: PupilPoint, u_wavelength: f32) -> Option<DVec2> {
         let seen = self.relative(seen);
         let along = |axes: &DMat3, start: DVec3| match seen {
-            Seen::Point(p) => axes.transpose() * p - start,
-            Seen::Direction(d) => axes.transpose() * d,
+            SeenPlace::Point(p) => axes.transpose() * p - start,
+            SeenPlace::Direction(d) => axes.transpose() * d,
         };
         match &self.eye {
             Eye::Pinhole(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
             // What is infinitely far is seen nowhere in particular.
             Eye::Orthographic(camera) => match seen {
-                Seen::Point(p) => Some(camera.place(camera.axes().transpose() * p)),
-                Seen::Direction(_) => None,
+                SeenPlace::Point(p) => Some(camera.place(camera.axes().transpose() * p)),
+                SeenPlace::Direction(_) => None,
             },
             Eye::Thin(lens) => {
                 let start = through.0 * lens.radius();
@@ -163,11 +163,11 @@ impl Imaging {
                 let pupil = lens.pupil(seen);
                 let target = pupil.middle + pupil.turn * through.0 * lens.pupil_radius;
                 let (origin, direction) = match seen {
-                    Seen::Point(p) => {
+                    SeenPlace::Point(p) => {
                         let from = lens.mount.to_lens(p);
                         (from, (target - from).normalize())
                     }
-                    Seen::Direction(d) => (target, -lens.direction(d)),
+                    SeenPlace::Direction(d) => (target, -lens.direction(d)),
                 };
                 let line = &lens.lines[lens.spectrum.sample(u_wavelength)];
                 lens.mount.picture_point(&line.to_film(LensRay { origin, direction })?).map(|p| p.as_dvec2())
@@ -192,8 +192,8 @@ impl LensEye {
             _ => film_spectrum(d, &system),
         };
         let line = |nm: f64| match order {
-            None => Line::Traced(system.at_wavelength(nm)),
-            Some(_) => Line::Gaussian(GaussianLens::new(&system, nm)),
+            None => ImagedLine::Traced(system.at_wavelength(nm)),
+            Some(_) => ImagedLine::Gaussian(GaussianLens::new(&system, nm)),
         };
         let lines = spectrum.wavelengths().iter().map(|w| line(w.nm)).collect();
         let pupil = Paraxial::new(&system, d.wavelength_nm.unwrap_or(D_LINE_NM)).entrance_pupil;
@@ -208,14 +208,14 @@ impl LensEye {
     }
 
     /// The pupil as something sees it that lies, in render space, as seen from the camera.
-    fn pupil(&self, seen: Seen) -> Pupil {
+    fn pupil(&self, seen: SeenPlace) -> SeenPupil {
         let near_axis = self.entrance.as_ref().map_or(self.pupil_middle, EntranceMap::middle);
         let towards = match seen {
-            Seen::Point(p) => (self.mount.to_lens(p) - near_axis).normalize_or(DVec3::NEG_Z),
-            Seen::Direction(d) => self.direction(d),
+            SeenPlace::Point(p) => (self.mount.to_lens(p) - near_axis).normalize_or(DVec3::NEG_Z),
+            SeenPlace::Direction(d) => self.direction(d),
         };
         let middle = self.entrance.as_ref().map_or(near_axis, |map| map.centre(towards));
-        Pupil { middle, towards, turn: DQuat::from_rotation_arc(DVec3::NEG_Z, towards) }
+        SeenPupil { middle, towards, turn: DQuat::from_rotation_arc(DVec3::NEG_Z, towards) }
     }
 
     /// A direction of render space in lens space.

@@ -98,7 +98,7 @@ struct Script<'a> {
 }
 
 /// Boxes about the pupil, and the light in the middle of the film.
-struct Tables {
+struct PupilBoxes {
     bounds: Vec<f64>,
     /// The light in the middle of the film without the central obstruction, over the square of the opening.
     light: Vec<f64>,
@@ -108,6 +108,7 @@ struct Tables {
 }
 
 impl Script<'_> {
+    #[expect(clippy::too_many_lines, reason = "an entry for each mark of the template")]
     fn written(&self) -> Result<String, CameraError> {
         let Setup { info, system, film, origin_z_mm } = self.setup;
         let surfaces = system.surfaces();
@@ -229,7 +230,7 @@ impl Script<'_> {
         Ok(Setup::new(&d, self.size[0], self.size[1])?.system)
     }
 
-    fn tables(&self, plane_z: f64) -> Result<Tables, CameraError> {
+    fn tables(&self, plane_z: f64) -> Result<PupilBoxes, CameraError> {
         let Setup { info, system, film, .. } = self.setup;
         let half = [0.5 * FILM * info.picture_width_mm, 0.5 * FILM * info.picture_height_mm];
         let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
@@ -271,7 +272,7 @@ impl Script<'_> {
         if !light.iter().chain(&open).all(|value| *value > 0.0 && value.is_finite()) {
             return Err(crate::camera::lens::real_lens::dark(self.d, &info.lens_name));
         }
-        Ok(Tables { bounds, light, hidden, cells_per_mm: (RADII - 1) as f64 / farthest })
+        Ok(PupilBoxes { bounds, light, hidden, cells_per_mm: (RADII - 1) as f64 / farthest })
     }
 
     /// The test of the stop in its own radii, as [`petzval_optics::diaphragm::Diaphragm`] has it.
@@ -305,6 +306,7 @@ impl Script<'_> {
     }
 
     /// The text of the surfaces that are aspheres, with their terms, and of the search for their crossings.
+    #[expect(clippy::too_many_lines, reason = "the text of a loop")]
     fn aspheres(&self) -> (String, String) {
         let surfaces = self.setup.system.surfaces();
         let terms = |i: usize| match &surfaces[i].shape {

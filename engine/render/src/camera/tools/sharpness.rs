@@ -100,13 +100,13 @@ struct Look<'a> {
 }
 
 /// The sharp distances of a place in the picture, lens space, mm.
-struct Found {
+struct SharpDistances {
     place: Vec2,
     mean: Ray,
     distances: [Option<f64>; 3],
 }
 
-impl Found {
+impl SharpDistances {
     fn in_world(self, mount: &Mount, world: &impl Fn(DVec3) -> DVec3) -> SharpPoint {
         let from = world(self.mean.origin);
         let stretch = (mount.vectors() * self.mean.direction).length();
@@ -122,22 +122,22 @@ impl Look<'_> {
         beam::through(self.tracer, self.map, film, count)
     }
 
-    fn at(&self, place: Vec2) -> Option<Found> {
+    fn at(&self, place: Vec2) -> Option<SharpDistances> {
         let film = self.mount.film_at(place).point;
         let rays = self.rays(film, RAYS);
         let mean = beam::mean(rays.iter())?;
-        let across = Across::of(&mean);
+        let across = PlanesAcross::of(&mean);
         let spread = across.spread(&rays);
         // By how much a step on the film moves the view, there: the mean over two directions of the film.
         let size = DVec2::new(self.mount.info.picture_width_mm, self.mount.info.picture_height_mm);
-        let mut scale = Quadratic::default();
+        let mut scale = Parabola::default();
         let own = beam::mean(self.rays(film, NEIGHBOUR_RAYS).iter())?;
         for step in [DVec2::X, DVec2::Y] {
             let beside = place + (step * self.step / size).as_vec2();
             let point = self.mount.film_at(beside).point;
             let neighbour = beam::mean(self.rays(point, NEIGHBOUR_RAYS).iter())?;
             let (a, b) = (across.line(&neighbour), across.line(&own));
-            let apart = Quadratic::squared(a.0 - b.0, a.1 - b.1);
+            let apart = Parabola::squared(a.0 - b.0, a.1 - b.1);
             scale = scale + apart * (0.5 / film.distance_squared(point));
         }
         // An even disc's diameter, squared, is so many times the mean squared distance of its points from the middle.
@@ -146,13 +146,13 @@ impl Look<'_> {
         let least = spread.least().filter(|t| *t > 0.0);
         let own = least.map_or(spread.a / scale.a, |t| spread.at(t) / scale.at(t));
         let limit = spread * disc + scale * -(self.confusion_mm.powi(2) + disc * own);
-        Some(Found { place, mean, distances: distances(spread, limit) })
+        Some(SharpDistances { place, mean, distances: distances(spread, limit) })
     }
 }
 
 /// The distances along the mean ray at which the spread is least, and at which it begins and ends to be below the limit; a far end that is
 /// infinite is infinity, and what lies behind the camera is beyond infinity.
-fn distances(spread: Quadratic, limit: Quadratic) -> [Option<f64>; 3] {
+fn distances(spread: Parabola, limit: Parabola) -> [Option<f64>; 3] {
     let least = spread.least();
     let sharp = least.filter(|t| *t > 0.0);
     let Some([low, high]) = limit.roots() else {
@@ -171,13 +171,13 @@ fn distances(spread: Quadratic, limit: Quadratic) -> [Option<f64>; 3] {
 }
 
 /// Planes across a ray.
-struct Across {
+struct PlanesAcross {
     origin: DVec3,
     along: DVec3,
     axes: [DVec3; 2],
 }
 
-impl Across {
+impl PlanesAcross {
     fn of(mean: &Ray) -> Self {
         let (x, y) = mean.direction.any_orthonormal_pair();
         Self { origin: mean.origin, along: mean.direction, axes: [x, y] }
@@ -192,25 +192,25 @@ impl Across {
     }
 
     /// The mean squared distance of rays from their middle.
-    fn spread(&self, rays: &[Ray]) -> Quadratic {
+    fn spread(&self, rays: &[Ray]) -> Parabola {
         let lines: Vec<(DVec2, DVec2)> = rays.iter().map(|ray| self.line(ray)).collect();
         let count = lines.len() as f64;
         let middle = lines.iter().fold((DVec2::ZERO, DVec2::ZERO), |sum, line| (sum.0 + line.0, sum.1 + line.1));
         let middle = (middle.0 / count, middle.1 / count);
-        let all = lines.iter().map(|line| Quadratic::squared(line.0 - middle.0, line.1 - middle.1));
-        all.fold(Quadratic::default(), |sum, one| sum + one) * (1.0 / count)
+        let all = lines.iter().map(|line| Parabola::squared(line.0 - middle.0, line.1 - middle.1));
+        all.fold(Parabola::default(), |sum, one| sum + one) * (1.0 / count)
     }
 }
 
 /// a t^2 + b t + c.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Quadratic {
+struct Parabola {
     a: f64,
     b: f64,
     c: f64,
 }
 
-impl Quadratic {
+impl Parabola {
     /// The squared length of `from + slope t`.
     fn squared(from: DVec2, slope: DVec2) -> Self {
         Self { a: slope.length_squared(), b: 2.0 * from.dot(slope), c: from.length_squared() }
@@ -233,7 +233,7 @@ impl Quadratic {
     }
 }
 
-impl std::ops::Add for Quadratic {
+impl std::ops::Add for Parabola {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -241,7 +241,7 @@ impl std::ops::Add for Quadratic {
     }
 }
 
-impl std::ops::Mul<f64> for Quadratic {
+impl std::ops::Mul<f64> for Parabola {
     type Output = Self;
 
     fn mul(self, by: f64) -> Self {
@@ -336,9 +336,9 @@ mod tests {
 
     #[test]
     fn roots_are_exact_where_one_is_far() {
-        let q = Quadratic { a: 1e-9, b: -1.0, c: 3.0 };
+        let q = Parabola { a: 1e-9, b: -1.0, c: 3.0 };
         let [low, high] = q.roots().unwrap();
         assert!((low - 3.0).abs() < 1e-7 && (high / 1e9 - 1.0).abs() < 1e-7);
-        assert_eq!(Quadratic { a: 1.0, b: 0.0, c: 1.0 }.roots(), None);
+        assert_eq!(Parabola { a: 1.0, b: 0.0, c: 1.0 }.roots(), None);
     }
 }

@@ -17,6 +17,7 @@ use crate::surface::SurfacePoint;
 use glam::Vec3A;
 
 /// Follows a ray from the camera.
+#[expect(clippy::too_many_lines, reason = "one loop over the vertices of a path")]
 pub(super) fn trace(
     stage: &PreparedScene,
     camera: &CameraEnd<'_>,
@@ -34,7 +35,7 @@ pub(super) fn trace(
         let kind = if bounce == 0 { Rays::CAMERA } else { Rays::BOUNCE };
         let stretch = walk.follow(ray, kind, |_, _| true);
         carried *= stretch.through;
-        let met = Met { stage, ray: &ray, bounce, partial };
+        let met = HitLight { stage, ray: &ray, bounce, partial };
         met.lamps(stretch.distance, |light| {
             result.radiance += limits.clamp_met(carried * light, bounce);
             result.hit = true;
@@ -100,14 +101,14 @@ pub(super) fn trace(
 }
 
 /// Light that a ray hits by chance.
-struct Met<'a> {
+struct HitLight<'a> {
     stage: &'a PreparedScene,
     ray: &'a Ray,
     bounce: u32,
     partial: Partial,
 }
 
-impl Met<'_> {
+impl HitLight<'_> {
     /// Weight of light that a light sample where the ray began would find with `sample_pdf`, and light paths with
     /// `density` per unit of etendue.
     fn weight(&self, sample_pdf: f32, density: f32) -> f32 {

@@ -27,7 +27,7 @@ pub(super) struct Vertex {
     /// Weight of the surface over the probability that it was not passed.
     kept: f32,
     /// BSDF, seen from the direction that the path came from.
-    pub(super) bsdf: Surface,
+    pub(super) bsdf: VertexSurface,
     /// Unit direction to where the path came from.
     pub(super) back: Vec3A,
     /// On a path from the camera: weight of radiance that leaves towards it. From the light: the power that arrives.
@@ -49,13 +49,13 @@ impl Vertex {
             let at_point = || nodes::plain_values(material, plain, stage.around(), &point, &bounced(&point, back));
             plain.constants.unwrap_or_else(at_point)
         });
-        let bsdf = Surface::new(stage, values.as_ref(), kept, &point, back);
+        let bsdf = VertexSurface::new(stage, values.as_ref(), kept, &point, back);
         Self { point, values, kept, bsdf, back, carried, partial }
     }
 
     /// The scattering at the vertex, seen from the other end of `d`.
-    pub(super) fn seen_from(&self, stage: &PreparedScene, d: Vec3A) -> Surface {
-        Surface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d)
+    pub(super) fn seen_from(&self, stage: &PreparedScene, d: Vec3A) -> VertexSurface {
+        VertexSurface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d)
     }
 
     /// Cosine to the triangle's own normal.
@@ -82,7 +82,7 @@ impl Vertex {
 /// The BSDF at a vertex.
 // Vertices are kept one after the other, and most materials of a scene are of the small kind.
 #[allow(clippy::large_enum_variant)]
-pub(super) enum Surface {
+pub(super) enum VertexSurface {
     Plain(Bsdf),
     Layers(Mixture),
 }
@@ -92,7 +92,7 @@ fn bounced(point: &SurfacePoint, wo: Vec3A) -> View {
     View { direction: -wo, distance: 1.0, way: PathState::BOUNCE, moment: point.moment }
 }
 
-impl Surface {
+impl VertexSurface {
     fn new(stage: &PreparedScene, values: Option<&PlainValues>, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
         if let Some((values, tables)) = values.zip(stage.plain_tables[point.material as usize].as_deref()) {
             let mut bsdf = Bsdf::new(tables, values, point, wo);
@@ -111,13 +111,13 @@ impl Surface {
 macro_rules! ask {
     ($surface:expr, $bsdf:ident => $answer:expr) => {
         match $surface {
-            Surface::Plain($bsdf) => $answer,
-            Surface::Layers($bsdf) => $answer,
+            VertexSurface::Plain($bsdf) => $answer,
+            VertexSurface::Layers($bsdf) => $answer,
         }
     };
 }
 
-impl Scattering for Surface {
+impl Scattering for VertexSurface {
     fn receiving_normal(&self) -> Option<Vec3A> {
         ask!(self, bsdf => bsdf.receiving_normal())
     }
@@ -160,7 +160,7 @@ pub(super) fn material<'a>(stage: &'a PreparedScene, point: &SurfacePoint) -> &'
 }
 
 /// A ray from one scattering to the next.
-pub(super) struct Stretch {
+pub(super) struct RayStretch {
     /// The surface interaction at its end, if there is one.
     pub(super) end: Option<(SurfacePoint, Hit)>,
     /// Length of the ray; infinite where it leaves the scene.
@@ -185,7 +185,7 @@ pub(super) struct Walk<'a> {
 
 impl Walk<'_> {
     /// Follows a ray over surfaces that let it pass unbent. `stops` may turn a hit away, given a uniform number.
-    pub(super) fn follow(&mut self, ray: Ray, kind: Rays, stops: impl Fn(&Hit, f32) -> bool) -> Stretch {
+    pub(super) fn follow(&mut self, ray: Ray, kind: Rays, stops: impl Fn(&Hit, f32) -> bool) -> RayStretch {
         let mut ray = ray;
         let mut distance = 0.0;
         let mut through = Rgb::ONE;
@@ -203,12 +203,12 @@ impl Walk<'_> {
                 through *= opening.light / opening.chance;
             } else if stops(&hit, u_alpha / stays) {
                 let (end, kept) = (Some((point, hit)), opening.kept);
-                return Stretch { end, distance, through, kept, u_light: [u_light, u0, u1] };
+                return RayStretch { end, distance, through, kept, u_light: [u_light, u0, u1] };
             }
             let origin = offset_origin(point.position, -point.geometric_normal, point.position_error);
             ray = Ray { t_max: ray.t_max - hit.t, ..point.leaving(origin, ray.direction) };
         }
         let distance = distance + ray.t_max;
-        Stretch { end: None, distance, through, kept: 1.0, u_light: [0.0; 3] }
+        RayStretch { end: None, distance, through, kept: 1.0, u_light: [0.0; 3] }
     }
 }

@@ -16,14 +16,14 @@ const MOST_MEDIA: usize = 8;
 
 /// The medium with which a material fills an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Entry {
+pub(crate) struct StackedMedium {
     /// Index of the instance.
     pub(crate) instance: u32,
     /// Index of the material.
     pub(crate) material: u32,
 }
 
-impl Entry {
+impl StackedMedium {
     /// The entry of the medium that fills all space.
     pub(crate) const WORLD: Self = Self { instance: u32::MAX, material: u32::MAX };
 
@@ -42,7 +42,7 @@ impl Entry {
 
 /// The media that a path is in.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Stack(ArrayVec<Entry, MOST_MEDIA>);
+pub(crate) struct Stack(ArrayVec<StackedMedium, MOST_MEDIA>);
 
 impl Stack {
     /// The media at the start of a path's ray, at a place of which nothing is known.
@@ -61,7 +61,7 @@ impl Stack {
         let ray = Ray::new(ray.origin, Vec3A::Z).at(ray.moment);
         let mut entered = Self::default();
         for (_, point) in crossings(scene, accel, &ray, Rays::ALL) {
-            let entry = Entry { instance: point.instance, material: point.material };
+            let entry = StackedMedium { instance: point.instance, material: point.material };
             if !point.backfacing {
                 entered.enter(entry);
             } else if !entered.leave(entry) {
@@ -75,7 +75,7 @@ impl Stack {
         if scene.materials[point.material as usize].volume().is_none() {
             return;
         }
-        let entry = Entry { instance: point.instance, material: point.material };
+        let entry = StackedMedium { instance: point.instance, material: point.material };
         if point.backfacing {
             self.leave(entry);
         } else {
@@ -85,30 +85,30 @@ impl Stack {
 
     /// Leaves all objects: a ray that hits nothing more is in none.
     pub(crate) fn leave_objects(&mut self) {
-        self.0.retain(|entry| *entry == Entry::WORLD);
+        self.0.retain(|entry| *entry == StackedMedium::WORLD);
     }
 
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    pub(crate) fn iter(&self) -> std::slice::Iter<'_, Entry> {
+    pub(crate) fn iter(&self) -> std::slice::Iter<'_, StackedMedium> {
         self.0.iter()
     }
 
     /// The object that was entered last.
     pub(crate) fn innermost(&self) -> Option<u32> {
-        self.0.iter().rev().find(|entry| **entry != Entry::WORLD).map(|entry| entry.instance)
+        self.0.iter().rev().find(|entry| **entry != StackedMedium::WORLD).map(|entry| entry.instance)
     }
 
-    fn enter(&mut self, entry: Entry) {
+    fn enter(&mut self, entry: StackedMedium) {
         if !self.0.contains(&entry) {
             // One too many is not entered.
             let _ = self.0.try_push(entry);
         }
     }
 
-    fn leave(&mut self, entry: Entry) -> bool {
+    fn leave(&mut self, entry: StackedMedium) -> bool {
         let place = self.0.iter().position(|known| *known == entry);
         if let Some(place) = place {
             self.0.remove(place);

@@ -44,7 +44,7 @@ impl LightOrigin {
 
 /// The part of a path's light, and its features.
 #[derive(Clone, Copy, Debug)]
-struct Path {
+struct PathPart {
     first: First,
     /// Reflectance of the mirrors before the surface of the denoiser's passes; `None` behind it.
     features: Option<Rgb>,
@@ -57,7 +57,7 @@ pub(super) struct ByPart {
     has_colours: bool,
     has_features: bool,
     has_aovs: bool,
-    paths: Vec<Path>,
+    paths: Vec<PathPart>,
 }
 
 impl ByPart {
@@ -85,7 +85,7 @@ impl ByPart {
         if self.parts.list().is_empty() {
             return;
         }
-        self.paths.push(Path { first: First::None, features: Some(Rgb::ONE), is_caught: false });
+        self.paths.push(PathPart { first: First::None, features: Some(Rgb::ONE), is_caught: false });
         for one in [LightPass::White, LightPass::Ray] {
             self.add_to(sums, one, Rgb::ONE);
         }

@@ -25,7 +25,7 @@ use crate::shading::{LobeDecomposition, Scattering};
 use crate::surface::SurfacePoint;
 use found::Found;
 use glam::Vec3A;
-use place::{Place, Shadow};
+use place::{ScatterPlace, Shadow};
 use through::{MediumEvent, MediumState, ShadowMedia, is_only_volume};
 
 /// Memory for paths, used again and again. `VOLUMES`: what fills space counts; where there is nothing, none of it is in the
@@ -94,14 +94,14 @@ enum Next {
     /// The path is scattered.
     Scatter,
     /// The path goes through the surface, unbent.
-    Pass(Passage),
+    Pass(TransparentPassage),
     /// The path ends: it has passed as many surfaces as it may.
     End,
 }
 
 /// A path's way through a transparent surface.
 #[derive(Clone, Copy)]
-struct Passage {
+struct TransparentPassage {
     /// Transmittance over the probability of passing.
     weight: Rgb,
     /// Distance of the surface from the ray's origin.
@@ -117,7 +117,7 @@ const LEAST_SHARE: f32 = 0.02;
 impl Path {
     /// Goes through a surface.
     #[inline(always)]
-    fn pass(&mut self, point: &SurfacePoint, Passage { weight, t, is_counted }: Passage) {
+    fn pass(&mut self, point: &SurfacePoint, TransparentPassage { weight, t, is_counted }: TransparentPassage) {
         if is_counted {
             self.way = self.way.passed();
         }
@@ -230,6 +230,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
     }
 
     /// Light that the rays found; keeps those alive that go on through a surface, and notes where others scatter.
+    #[expect(clippy::too_many_lines, reason = "one loop over the rays of a wavefront: a kernel")]
     fn meet(&mut self, stage: &PreparedScene, limits: &Limits, step: u32) {
         self.meetings.clear();
         self.shadows.clear();
@@ -287,7 +288,11 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             let next = if is_scattered {
                 Next::Scatter
             } else if is_border || limits.goes_on(path.way) {
-                Next::Pass(Passage { weight: opening.light / (1.0 - share), t: hit.t, is_counted: !is_border })
+                Next::Pass(TransparentPassage {
+                    weight: opening.light / (1.0 - share),
+                    t: hit.t,
+                    is_counted: !is_border,
+                })
             } else {
                 Next::End
             };
@@ -390,6 +395,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
     /// A light sample at a meeting, whose shading normal may be bent, and a direction; where that leads into a body, the same at the place
     /// where it comes out.
     #[inline(always)]
+    #[expect(clippy::too_many_lines, reason = "a kernel, inlined")]
     fn go_on(
         &mut self,
         stage: &PreparedScene,
@@ -401,7 +407,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         let SurfaceInteraction { path: i, point, view, u_light, share, next, .. } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
-        let at = Place { stage, limits, point, normal: bent.unwrap_or(point.shading_normal), share: *share };
+        let at = ScatterPlace { stage, limits, point, normal: bent.unwrap_or(point.shading_normal), share: *share };
         if let Next::Scatter = next {
             found.notes.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
         }
@@ -449,7 +455,8 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         let ([u_light, u0, u1, _], [u2, u3, u_lobe, _]) = (sampler.next_4d(), sampler.next_4d());
         let Some((exit, light)) = leave(stage, point, &entry, &mut sampler, &mut found.result.rays) else { return };
         path.throughput *= light;
-        let (at, bsdf) = (Place { point: &exit, normal: exit.shading_normal, share: 1.0, ..at }, Mixture::exit(&exit));
+        let (at, bsdf) =
+            (ScatterPlace { point: &exit, normal: exit.shading_normal, share: 1.0, ..at }, Mixture::exit(&exit));
         let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
         if VOLUMES {
             let inside = &self.inside[*i as usize];

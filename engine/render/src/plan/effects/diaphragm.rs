@@ -7,9 +7,9 @@ use crate::plan::measured::{Known, Measured};
 use crate::plan::unit::Unit;
 use crate::plan::words::size;
 
-pub(super) struct Diaphragm;
+pub(super) struct DiaphragmEffect;
 
-impl LensEffect for Diaphragm {
+impl LensEffect for DiaphragmEffect {
     fn name(&self) -> &'static str {
         "diaphragm"
     }

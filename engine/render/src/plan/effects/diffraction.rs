@@ -7,9 +7,9 @@ use crate::plan::price::diffraction_s;
 use crate::plan::unit::Unit;
 use crate::plan::words::size;
 
-pub(super) struct Diffraction;
+pub(super) struct DiffractionEffect;
 
-impl LensEffect for Diffraction {
+impl LensEffect for DiffractionEffect {
     fn name(&self) -> &'static str {
         "diffraction"
     }

@@ -5,9 +5,9 @@ use crate::camera::Model;
 use crate::plan::choice::{CameraChoice, CameraKind};
 use crate::plan::measured::{Known, Measured};
 
-pub(super) struct Distortion;
+pub(super) struct DistortionEffect;
 
-impl LensEffect for Distortion {
+impl LensEffect for DistortionEffect {
     fn name(&self) -> &'static str {
         "distortion"
     }

@@ -6,9 +6,9 @@ use crate::plan::measured::{Known, Measured};
 use crate::plan::unit::Unit;
 use crate::plan::words::size;
 
-pub(super) struct Ghosts;
+pub(super) struct GhostsEffect;
 
-impl LensEffect for Ghosts {
+impl LensEffect for GhostsEffect {
     fn name(&self) -> &'static str {
         "ghosts"
     }

@@ -7,9 +7,9 @@ use crate::plan::price::glare_s;
 use crate::plan::unit::Unit;
 use crate::plan::words::size;
 
-pub(super) struct Glare;
+pub(super) struct GlareEffect;
 
-impl LensEffect for Glare {
+impl LensEffect for GlareEffect {
     fn name(&self) -> &'static str {
         "glare"
     }

@@ -30,25 +30,25 @@ pub enum Effect {
     /// Spherical aberration, coma, astigmatism, field curvature.
     Aberration,
     /// Distortion: straight lines are bent.
-    Distortion,
+    DistortionEffect,
     /// Colours of different size.
     LateralColour,
     /// Colours of different focus.
     AxialColour,
     /// Fall-off of light towards the corners.
-    Vignetting,
+    VignettingEffect,
     /// The shape of the opening in blur discs.
-    Diaphragm,
+    DiaphragmEffect,
     /// Something moves, or the lens changes, while the shutter is open.
     MotionBlur,
     /// Losses in glass and at coatings in each colour.
-    Transmission,
+    TransmissionEffect,
     /// Light reflected between surfaces.
-    Ghosts,
+    GhostsEffect,
     /// Light scattered in the lens.
-    Glare,
+    GlareEffect,
     /// The wave nature of light.
-    Diffraction,
+    DiffractionEffect,
     /// Materials that are more than three colours.
     SpectralMaterials,
 }
@@ -75,16 +75,16 @@ impl Effect {
         match self {
             Self::Defocus => &defocus::Defocus,
             Self::Aberration => &aberration::Aberration,
-            Self::Distortion => &distortion::Distortion,
+            Self::Distortion => &distortion::DistortionEffect,
             Self::LateralColour => &colour::LATERAL,
             Self::AxialColour => &colour::AXIAL,
-            Self::Vignetting => &vignetting::Vignetting,
-            Self::Diaphragm => &diaphragm::Diaphragm,
+            Self::Vignetting => &vignetting::VignettingEffect,
+            Self::Diaphragm => &diaphragm::DiaphragmEffect,
             Self::MotionBlur => &motion_blur::MotionBlur,
-            Self::Transmission => &transmission::Transmission,
-            Self::Ghosts => &ghosts::Ghosts,
-            Self::Glare => &glare::Glare,
-            Self::Diffraction => &diffraction::Diffraction,
+            Self::Transmission => &transmission::TransmissionEffect,
+            Self::Ghosts => &ghosts::GhostsEffect,
+            Self::Glare => &glare::GlareEffect,
+            Self::Diffraction => &diffraction::DiffractionEffect,
             Self::SpectralMaterials => &spectral_materials::SpectralMaterials,
         }
     }

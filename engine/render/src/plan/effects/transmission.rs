@@ -7,9 +7,9 @@ use crate::plan::price::{Price, transmission_ns};
 use crate::plan::unit::Unit;
 use crate::plan::words::worst;
 
-pub(super) struct Transmission;
+pub(super) struct TransmissionEffect;
 
-impl LensEffect for Transmission {
+impl LensEffect for TransmissionEffect {
     fn name(&self) -> &'static str {
         "transmission"
     }

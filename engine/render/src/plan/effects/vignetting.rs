@@ -7,9 +7,9 @@ use crate::plan::measured::{Known, Measured};
 use crate::plan::unit::Unit;
 use crate::plan::words::size;
 
-pub(super) struct Vignetting;
+pub(super) struct VignettingEffect;
 
-impl LensEffect for Vignetting {
+impl LensEffect for VignettingEffect {
     fn name(&self) -> &'static str {
         "vignetting"
     }

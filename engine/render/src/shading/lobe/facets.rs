@@ -6,8 +6,8 @@ use super::super::beckmann;
 use super::super::energy;
 use super::super::fresnel::{self, F82Tint};
 use super::super::microfacet::{MIRROR_BELOW, reflect, refract};
-use super::super::thin_film::Film;
-use super::Local;
+use super::super::thin_film::RelativeFilm;
+use super::LobeDirection;
 use crate::Rgb;
 use crate::scene::closure::Distribution;
 use glam::Vec3A;
@@ -112,9 +112,9 @@ pub(in crate::shading) enum Fresnel {
     /// A metal's index of refraction and extinction coefficient.
     Conductor([Rgb; 2]),
     /// A film's over metal.
-    Film(Film),
+    RelativeFilm(RelativeFilm),
     /// A film's over a dielectric.
-    FilmedDielectric { film: Film, f0: Rgb, reflection: Rgb, transmission: Rgb },
+    FilmedDielectric { film: RelativeFilm, f0: Rgb, reflection: Rgb, transmission: Rgb },
 }
 
 impl Fresnel {
@@ -250,7 +250,7 @@ impl Facets {
     }
 
     /// A direction; `u_choice` chooses between mirrored and refracted.
-    pub(super) fn sample(&self, wo: Vec3A, u_choice: f32, u: [f32; 2]) -> Option<Local> {
+    pub(super) fn sample(&self, wo: Vec3A, u_choice: f32, u: [f32; 2]) -> Option<LobeDirection> {
         let h = if self.is_mirror() { Vec3A::Z } else { self.slopes.sample(wo, u) };
         let cos = wo.dot(h);
         if cos <= 0.0 {
@@ -264,7 +264,7 @@ impl Facets {
         let mirrored = u_choice * total < reflected.element_sum();
         let wi = if mirrored { reflect(wo, h) } else { refract(wo, h, self.eta)? };
         let single = self.is_mirror().then(|| self.single(!mirrored, wo));
-        Some(Local { wi, transmitted: !mirrored, single })
+        Some(LobeDirection { wi, transmitted: !mirrored, single })
     }
 
     /// The value of a mirror along its mirrored or refracted direction, and the probability of that choice.

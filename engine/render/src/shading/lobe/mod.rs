@@ -19,7 +19,7 @@ use std::f32::consts::FRAC_1_PI;
 
 /// The scattering model of a lobe.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum LobeModel {
     Lambert,
     OrenNayar(OrenNayar),
     /// Lambert's on the far side.
@@ -35,7 +35,7 @@ enum Kind {
 }
 
 /// A direction that a lobe chose, in its frame.
-pub(super) struct Local {
+pub(super) struct LobeDirection {
     /// The direction that the lobe chose, unit.
     pub(super) wi: Vec3A,
     /// True if the direction is meant to go through the surface; a mirrored one that does is lost.
@@ -54,17 +54,17 @@ pub(super) struct Lobe {
     frame: [Vec3A; 3],
     /// The view, in the frame.
     wo: Vec3A,
-    kind: Kind,
+    kind: LobeModel,
 }
 
 impl Lobe {
-    fn new(weight: Rgb, frame: [Vec3A; 3], wo: Vec3A, kind: impl FnOnce(Vec3A) -> Kind) -> Self {
+    fn new(weight: Rgb, frame: [Vec3A; 3], wo: Vec3A, kind: impl FnOnce(Vec3A) -> LobeModel) -> Self {
         let wo = warp::to_local(&frame, wo);
         Self { weight, chance: weight.element_sum() / 3.0, frame, wo, kind: kind(wo) }
     }
 
     pub(super) fn lambert(weight: Rgb, normal: Vec3A, wo: Vec3A) -> Self {
-        Self::new(weight, warp::frame(normal), wo, |_| Kind::Lambert)
+        Self::new(weight, warp::frame(normal), wo, |_| LobeModel::Lambert)
     }
 
     /// `weight` holds the albedo, too.
@@ -73,16 +73,16 @@ impl Lobe {
         if roughness < 1e-5 {
             return Self::lambert(weight, normal, wo);
         }
-        let kind = |wo: Vec3A| Kind::OrenNayar(OrenNayar::new(albedo, roughness, wo.z));
+        let kind = |wo: Vec3A| LobeModel::OrenNayar(OrenNayar::new(albedo, roughness, wo.z));
         Self::new(weight, warp::frame(normal), wo, kind)
     }
 
     pub(super) fn translucent(weight: Rgb, normal: Vec3A, wo: Vec3A) -> Self {
-        Self::new(weight, warp::frame(normal), wo, |_| Kind::Translucent)
+        Self::new(weight, warp::frame(normal), wo, |_| LobeModel::Translucent)
     }
 
     pub(super) fn velvet(weight: Rgb, sigma: f32, normal: Vec3A, wo: Vec3A) -> Self {
-        Self::new(weight, warp::frame(normal), wo, |_| Kind::Velvet(Velvet::new(sigma)))
+        Self::new(weight, warp::frame(normal), wo, |_| LobeModel::Velvet(Velvet::new(sigma)))
     }
 
     /// The lobe of cloth by transformed cosines; `None` if there is nothing to see of it.
@@ -90,17 +90,17 @@ impl Lobe {
         let (cloth, albedo) = Microfiber::new(roughness, normal.dot(wo));
         let x = (wo - normal * normal.dot(wo)).normalize_or(warp::frame(normal)[0]);
         let frame = [x, normal.cross(x), normal];
-        let lobe = Self::new(weight * albedo, frame, wo, |_| Kind::Microfiber(cloth));
+        let lobe = Self::new(weight * albedo, frame, wo, |_| LobeModel::Microfiber(cloth));
         (cloth.is_valid() && albedo > 1e-5).then_some(lobe)
     }
 
     pub(super) fn toon(weight: Rgb, size: f32, smooth: f32, glossy: bool, normal: Vec3A, wo: Vec3A) -> Self {
-        Self::new(weight, warp::frame(normal), wo, |_| Kind::Toon(Toon::new(size, smooth, glossy)))
+        Self::new(weight, warp::frame(normal), wo, |_| LobeModel::Toon(Toon::new(size, smooth, glossy)))
     }
 
     /// `alpha` along the frame's x and y.
     pub(super) fn ashikhmin_shirley(weight: Rgb, alpha: [f32; 2], frame: [Vec3A; 3], wo: Vec3A) -> Self {
-        Self::new(weight, frame, wo, |_| Kind::AshikhminShirley(AshikhminShirley::new(alpha)))
+        Self::new(weight, frame, wo, |_| LobeModel::AshikhminShirley(AshikhminShirley::new(alpha)))
     }
 
     /// A lobe of facets. `albedo` is an approximation of its albedo, for the probability of its choice.
@@ -113,7 +113,7 @@ impl Lobe {
         frame: [Vec3A; 3],
         wo: Vec3A,
     ) -> Self {
-        let kind = |wo: Vec3A| Kind::Facets(Facets::new(slopes, fresnel, eta, wo));
+        let kind = |wo: Vec3A| LobeModel::Facets(Facets::new(slopes, fresnel, eta, wo));
         let lobe = Self::new(weight, frame, wo, kind);
         Self { chance: (weight * albedo).element_sum() / 3.0, ..lobe }
     }
@@ -127,7 +127,7 @@ impl Lobe {
         frame: [Vec3A; 3],
         wo: Vec3A,
     ) -> Self {
-        Self::new(weight, frame, wo, |wo| Kind::Fibre(Fibre::new(through, tilt, roughness, wo)))
+        Self::new(weight, frame, wo, |wo| LobeModel::Fibre(Fibre::new(through, tilt, roughness, wo)))
     }
 
     /// `frame` as of [`Lobe::fibre`].
@@ -136,19 +136,19 @@ impl Lobe {
         let lobe = Self::new(weight, frame, wo, |wo| {
             let fibre = Chiang::new(shape, wo);
             albedo = fibre.albedo();
-            Kind::Chiang(fibre)
+            LobeModel::Chiang(fibre)
         });
         Self { chance: (weight * albedo).element_sum() / 3.0, ..lobe }
     }
 
     /// `weight` holds the albedo, too.
     pub(super) fn body(weight: Rgb, body: Body, normal: Vec3A, wo: Vec3A) -> Self {
-        Self::new(weight, warp::frame(normal), wo, |_| Kind::Body(body))
+        Self::new(weight, warp::frame(normal), wo, |_| LobeModel::Body(body))
     }
 
     /// A way into the body, as far as the lobe is one; in world space.
     pub(super) fn enter(&self, u: [f32; 2]) -> Option<Entry> {
-        let Kind::Body(body) = &self.kind else { return None };
+        let LobeModel::Body(body) = &self.kind else { return None };
         body.enter(self.weight / self.chance, &self.frame, self.in_world(self.wo), u)
     }
 
@@ -158,42 +158,42 @@ impl Lobe {
 
     /// Index of refraction beyond the surface over that before it; `None` if the lobe does not refract.
     pub(super) fn relative_index(&self) -> Option<f32> {
-        if let Kind::Facets(facets) = &self.kind { facets.transmits().then_some(facets.eta) } else { None }
+        if let LobeModel::Facets(facets) = &self.kind { facets.transmits().then_some(facets.eta) } else { None }
     }
 
     /// True if any light comes through the surface.
     pub(super) fn transmits(&self) -> bool {
-        matches!(self.kind, Kind::Translucent) || self.is_hair() || self.relative_index().is_some()
+        matches!(self.kind, LobeModel::Translucent) || self.is_hair() || self.relative_index().is_some()
     }
 
     /// True if the lobe scatters about a fibre, independent of the surface's sides.
     #[inline]
     pub(super) fn is_hair(&self) -> bool {
-        matches!(self.kind, Kind::Fibre(_) | Kind::Chiang(_))
+        matches!(self.kind, LobeModel::Fibre(_) | LobeModel::Chiang(_))
     }
 
     /// True if light that it takes comes out elsewhere.
     pub(super) fn is_body(&self) -> bool {
-        matches!(self.kind, Kind::Body(_))
+        matches!(self.kind, LobeModel::Body(_))
     }
 
     /// True if the lobe has single directions alone.
     pub(super) fn is_mirror(&self) -> bool {
         match &self.kind {
-            Kind::Facets(facets) => facets.is_mirror(),
+            LobeModel::Facets(facets) => facets.is_mirror(),
             // No light sample can find a way through a body.
-            Kind::Body(_) => true,
+            LobeModel::Body(_) => true,
             _ => false,
         }
     }
 
     /// True if a path that it scatters counts as diffuse.
     pub(super) fn scatters_evenly(&self) -> bool {
-        use Kind::{Body, Lambert, Microfiber, OrenNayar, Translucent, Velvet};
+        use LobeModel::{Body, Lambert, Microfiber, OrenNayar, Translucent, Velvet};
         match &self.kind {
             Lambert | OrenNayar(_) | Translucent | Velvet(_) | Microfiber(_) | Body(_) => true,
-            Kind::Toon(toon) => !toon.is_glossy(),
-            Kind::AshikhminShirley(_) | Kind::Facets(_) | Kind::Fibre(_) | Kind::Chiang(_) => false,
+            LobeModel::Toon(toon) => !toon.is_glossy(),
+            LobeModel::AshikhminShirley(_) | LobeModel::Facets(_) | LobeModel::Fibre(_) | LobeModel::Chiang(_) => false,
         }
     }
 
@@ -201,12 +201,12 @@ impl Lobe {
     /// otherwise than their paths do.
     pub(super) fn rays(&self) -> Rays {
         match &self.kind {
-            Kind::Velvet(_) | Kind::AshikhminShirley(_) => Rays::GLOSSY,
-            Kind::Toon(toon) if toon.is_glossy() => Rays::GLOSSY,
-            Kind::Fibre(fibre) if fibre.is_through() => Rays::TRANSMISSION,
-            Kind::Fibre(_) => Rays::GLOSSY,
-            Kind::Chiang(_) => Rays::GLOSSY.and(Rays::TRANSMISSION),
-            Kind::Facets(facets) => match (facets.reflects(), facets.transmits()) {
+            LobeModel::Velvet(_) | LobeModel::AshikhminShirley(_) => Rays::GLOSSY,
+            LobeModel::Toon(toon) if toon.is_glossy() => Rays::GLOSSY,
+            LobeModel::Fibre(fibre) if fibre.is_through() => Rays::TRANSMISSION,
+            LobeModel::Fibre(_) => Rays::GLOSSY,
+            LobeModel::Chiang(_) => Rays::GLOSSY.and(Rays::TRANSMISSION),
+            LobeModel::Facets(facets) => match (facets.reflects(), facets.transmits()) {
                 (_, false) => Rays::GLOSSY,
                 (false, true) => Rays::TRANSMISSION,
                 (true, true) => Rays::GLOSSY.and(Rays::TRANSMISSION),
@@ -218,8 +218,8 @@ impl Lobe {
     /// Albedos of the lobe, mirrors included: in all or of reflection, and of transmission where that is told apart.
     pub(super) fn albedos(&self) -> [Rgb; 2] {
         let both = match &self.kind {
-            Kind::Facets(facets) => facets.albedos(self.wo),
-            Kind::Chiang(fibre) => [fibre.albedo(), Rgb::ZERO],
+            LobeModel::Facets(facets) => facets.albedos(self.wo),
+            LobeModel::Chiang(fibre) => [fibre.albedo(), Rgb::ZERO],
             _ => [Rgb::ONE, Rgb::ZERO],
         };
         both.map(|albedo| albedo * self.weight)
@@ -227,22 +227,22 @@ impl Lobe {
 
     /// The product of the widths of facets; 1 for broad lobes.
     pub(super) fn width_squared(&self) -> f32 {
-        if let Kind::Facets(facets) = &self.kind { facets.width_squared() } else { 1.0 }
+        if let LobeModel::Facets(facets) = &self.kind { facets.width_squared() } else { 1.0 }
     }
 
     /// Makes the lobe at least so wide, of those that Cycles blurs (`bsdf_blur` in bsdf.h): facets and Principled Hair.
     pub(super) fn widen(&mut self, alpha: f32) {
         match &mut self.kind {
-            Kind::Facets(facets) => facets.widen(alpha, self.wo),
-            Kind::AshikhminShirley(lobe) => lobe.widen(alpha),
-            Kind::Chiang(fibre) => fibre.widen(alpha),
+            LobeModel::Facets(facets) => facets.widen(alpha, self.wo),
+            LobeModel::AshikhminShirley(lobe) => lobe.widen(alpha),
+            LobeModel::Chiang(fibre) => fibre.widen(alpha),
             _ => {}
         }
     }
 
     /// True if the lobe is broad enough for the shadows of a bent normal to show.
     fn is_matte(&self) -> bool {
-        use Kind::{Lambert, Microfiber, OrenNayar, Toon, Velvet};
+        use LobeModel::{Lambert, Microfiber, OrenNayar, Toon, Velvet};
         matches!(self.kind, Lambert | OrenNayar(_) | Velvet(_) | Microfiber(_) | Toon(_))
     }
 
@@ -259,26 +259,26 @@ impl Lobe {
             return (Rgb::ZERO, 0.0);
         }
         let (value, pdf) = match &self.kind {
-            Kind::Translucent if !above => {
+            LobeModel::Translucent if !above => {
                 let pdf = -wi.z * FRAC_1_PI;
                 (Rgb::splat(pdf), pdf)
             }
-            Kind::Facets(facets) if (above || facets.transmits()) && wo.z > 0.0 && !facets.is_mirror() => {
+            LobeModel::Facets(facets) if (above || facets.transmits()) && wo.z > 0.0 && !facets.is_mirror() => {
                 facets.evaluate(wo, wi)
             }
             _ if !above => return (Rgb::ZERO, 0.0),
-            Kind::Lambert => (Rgb::splat(wi.z * FRAC_1_PI), wi.z * FRAC_1_PI),
-            Kind::OrenNayar(rough) => (rough.evaluate(wo, wi), wi.z * FRAC_1_PI),
-            Kind::Velvet(velvet) => (Rgb::splat(velvet.evaluate(wo, wi)), Velvet::PDF),
-            Kind::Microfiber(cloth) => {
+            LobeModel::Lambert => (Rgb::splat(wi.z * FRAC_1_PI), wi.z * FRAC_1_PI),
+            LobeModel::OrenNayar(rough) => (rough.evaluate(wo, wi), wi.z * FRAC_1_PI),
+            LobeModel::Velvet(velvet) => (Rgb::splat(velvet.evaluate(wo, wi)), Velvet::PDF),
+            LobeModel::Microfiber(cloth) => {
                 let pdf = cloth.density(wi);
                 (Rgb::splat(pdf), pdf)
             }
-            Kind::Toon(toon) => {
+            LobeModel::Toon(toon) => {
                 let (value, pdf) = toon.evaluate(wo, wi);
                 (Rgb::splat(value), pdf)
             }
-            Kind::AshikhminShirley(lobe) if wo.z > 0.0 => {
+            LobeModel::AshikhminShirley(lobe) if wo.z > 0.0 => {
                 let (value, pdf) = lobe.evaluate(wo, wi);
                 (Rgb::splat(value), pdf)
             }
@@ -292,11 +292,11 @@ impl Lobe {
     #[cold]
     fn about_fibre(&self, wi: Vec3A) -> (Rgb, f32) {
         match &self.kind {
-            Kind::Fibre(fibre) => {
+            LobeModel::Fibre(fibre) => {
                 let pdf = fibre.evaluate(wi);
                 (self.weight * pdf, pdf)
             }
-            Kind::Chiang(fibre) => {
+            LobeModel::Chiang(fibre) => {
                 let (value, pdf) = fibre.evaluate(wi);
                 (self.weight * value, pdf)
             }
@@ -305,23 +305,25 @@ impl Lobe {
     }
 
     /// A direction that the lobe samples; what is mirrored or refracted is chosen by `u_choice`.
-    pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<Local> {
-        let (wo, broad) = (self.wo, |wi| Some(Local { wi, transmitted: false, single: None }));
+    pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<LobeDirection> {
+        let (wo, broad) = (self.wo, |wi| Some(LobeDirection { wi, transmitted: false, single: None }));
         match &self.kind {
-            Kind::Lambert | Kind::OrenNayar(_) => broad(warp::sample_cosine_hemisphere(u)),
-            Kind::Translucent => {
+            LobeModel::Lambert | LobeModel::OrenNayar(_) => broad(warp::sample_cosine_hemisphere(u)),
+            LobeModel::Translucent => {
                 let wi = -warp::sample_cosine_hemisphere(u);
-                Some(Local { wi, transmitted: true, single: None })
+                Some(LobeDirection { wi, transmitted: true, single: None })
             }
-            Kind::Velvet(_) => broad(Velvet::sample(u)),
-            Kind::Microfiber(cloth) => broad(cloth.sample(u)),
-            Kind::Toon(toon) => broad(toon.sample(wo, u)),
-            Kind::AshikhminShirley(lobe) if wo.z > 0.0 => broad(lobe.sample(wo, u)),
-            Kind::Facets(facets) if wo.z > 0.0 => facets.sample(wo, u_choice, u),
-            Kind::Fibre(fibre) => Some(Local { wi: fibre.sample(u), transmitted: fibre.is_through(), single: None }),
-            Kind::Chiang(fibre) => {
+            LobeModel::Velvet(_) => broad(Velvet::sample(u)),
+            LobeModel::Microfiber(cloth) => broad(cloth.sample(u)),
+            LobeModel::Toon(toon) => broad(toon.sample(wo, u)),
+            LobeModel::AshikhminShirley(lobe) if wo.z > 0.0 => broad(lobe.sample(wo, u)),
+            LobeModel::Facets(facets) if wo.z > 0.0 => facets.sample(wo, u_choice, u),
+            LobeModel::Fibre(fibre) => {
+                Some(LobeDirection { wi: fibre.sample(u), transmitted: fibre.is_through(), single: None })
+            }
+            LobeModel::Chiang(fibre) => {
                 let (wi, mirrored) = fibre.sample(u_choice, u);
-                Some(Local { wi, transmitted: !mirrored, single: None })
+                Some(LobeDirection { wi, transmitted: !mirrored, single: None })
             }
             _ => None,
         }
@@ -329,7 +331,7 @@ impl Lobe {
 
     /// The value of a mirror along `wi`, if that is its direction, and the probability of the choice.
     pub(super) fn single(&self, transmitted: bool, wi: Vec3A) -> Option<(Rgb, f32)> {
-        let Kind::Facets(facets) = &self.kind else { return None };
+        let LobeModel::Facets(facets) = &self.kind else { return None };
         if !facets.is_mirror() || self.wo.z <= 0.0 {
             return None;
         }

@@ -17,7 +17,7 @@ const FINER: usize = 4;
 const DIRECTIONS: [usize; 3] = [2, 512, 8192];
 
 /// (1 − transfer) / frequency, as a matrix of colours.
-pub(super) struct Table {
+pub(super) struct TransferTable {
     /// The first of the frequencies, per mm.
     first_per_mm: f32,
     count: usize,
@@ -28,7 +28,7 @@ pub(super) struct Table {
     values: Vec<[f32; 9]>,
 }
 
-impl Table {
+impl TransferTable {
     pub(super) fn new(outline: &Outline, spectrum: &FilmSpectrum, pixel_mm: [f64; 2], size: [usize; 2]) -> Self {
         let larger = size[0].max(size[1]);
         let directions = (DIRECTIONS[0] * larger).next_power_of_two().clamp(DIRECTIONS[1], DIRECTIONS[2]);

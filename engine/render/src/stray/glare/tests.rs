@@ -20,11 +20,11 @@ fn shapes_hold_their_light() {
     for l in [0.003, 0.01, 0.02] {
         // ∫ 2π β (1 + (β/l)²)^(−3/4) dβ = 4π l² ((1 + 1/l²)^(1/4) − 1).
         let whole = 4.0 * PI * l * l * ((1.0f64 + 1.0 / (l * l)).powf(0.25) - 1.0);
-        let shape = Shape::harvey(l);
+        let shape = ScatterProfile::harvey(l);
         assert!((shape.at(1e-6) * whole - 1.0).abs() < 2e-3, "{l}: {}", shape.at(1e-6) * whole);
     }
     let d = 20.0;
-    let one = Shape::of(|sine| 0.25 * PI * (d / 0.55f64).powi(2) * airy(PI * d * sine / 0.55));
+    let one = ScatterProfile::of(|sine| 0.25 * PI * (d / 0.55f64).powi(2) * airy(PI * d * sine / 0.55));
     assert!((one.whole - 1.0).abs() < 0.02, "{}", one.whole);
 }
 

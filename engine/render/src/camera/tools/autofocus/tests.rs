@@ -29,7 +29,7 @@ fn wall(d: &CameraDescription, depth: f64, lean: f64) -> impl Fn(&Ray) -> Option
     }
 }
 
-fn focused(d: &CameraDescription, f: &Focused) -> CameraDescription {
+fn focused(d: &CameraDescription, f: &SharpFilm) -> CameraDescription {
     let film_distance_mm = Some(f.film_distance_mm);
     d.clone().with(|c| {
         c.focus.film_distance_mm = film_distance_mm;
@@ -65,7 +65,7 @@ fn what_a_picture_point_sees_is_sharpest() {
             let found = on_picture_point(&d, PIXELS, p, wall(&d, 2.5, 0.4)).unwrap();
             let subject = found.subject_world.unwrap();
             let at = |off: f64| {
-                let moved = Focused { film_distance_mm: found.film_distance_mm + off, ..found };
+                let moved = SharpFilm { film_distance_mm: found.film_distance_mm + off, ..found };
                 blur(&focused(&d, &moved), p, subject)
             };
             // A step of the film by the spot's depth, at either side, blurs more; the vertex of the parabola is here but
@@ -150,7 +150,7 @@ fn three_points_of_the_world_are_sharp() {
             let mut finder = Finder::new(&camera, PIXELS[0], PIXELS[1]).unwrap();
             let z_mm = finder.system.last_vertex_z_mm() + found.film_distance_mm;
             finder.put(FilmPlane { z_mm, ..finder.mount.film });
-            let (film, rms) = finder.sharpest(Seen::Point(point - d.position())).unwrap();
+            let (film, rms) = finder.sharpest(SubjectHit::Point(point - d.position())).unwrap();
             assert!((film.z_mm - z_mm).abs() < 1e-6, "{anchor:?}: {} {z_mm}", film.z_mm);
             assert!(rms <= found.rms_spot_mm * (1.0 + 1e-6));
         }
@@ -161,7 +161,7 @@ fn three_points_of_the_world_are_sharp() {
 #[test]
 fn what_cannot_be_focused_says_why() {
     let d = described(Anchor::EntrancePupil, 0.0);
-    let text = |r: Result<Focused, CameraError>| r.unwrap_err().to_string();
+    let text = |r: Result<SharpFilm, CameraError>| r.unwrap_err().to_string();
     let pinhole = CameraDescription { model: Model::Pinhole, ..d.clone() };
     assert!(text(on_picture_point(&pinhole, PIXELS, Vec2::ZERO, |_| None)).contains("camera model"));
     let close = text(on_picture_point(&d, PIXELS, Vec2::ZERO, wall(&d, 0.08, 0.0)));

@@ -28,7 +28,7 @@ pub(super) struct Shadow<Of> {
 
 /// A place where a path scatters.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'a> {
+pub(super) struct ScatterPlace<'a> {
     pub(super) stage: &'a PreparedScene,
     pub(super) limits: &'a Limits,
     pub(super) point: &'a SurfacePoint,
@@ -38,7 +38,7 @@ pub(super) struct Place<'a> {
     pub(super) share: f32,
 }
 
-impl Place<'_> {
+impl ScatterPlace<'_> {
     /// A sample of the lights. Gives the receiver that it was for; `None` of a surface that no light sample can light.
     #[inline(always)]
     pub(super) fn light<N: AovSink>(

@@ -122,7 +122,7 @@ impl MediumState {
                     Some(Beside::Pivot(pivot)) => density / (density + pivot.density(distance)),
                     Some(Beside::Scattered { part }) => part,
                 };
-                let at = Place { stage, limits, position, medium: &medium, share };
+                let at = VolumePlace { stage, limits, position, medium: &medium, share };
                 let to = if let Some(Beside::Scattered { .. }) = beside {
                     // Its light sample has been taken.
                     self.receiver(stage, limits, position).at(path.ray.moment)
@@ -184,7 +184,7 @@ impl MediumState {
         let light = path.throughput * left / density;
         if light.is_finite() && light != Rgb::ZERO {
             let position = ray.origin + ray.direction * distance;
-            let at = Place { stage, limits, position, medium: &medium, share };
+            let at = VolumePlace { stage, limits, position, medium: &medium, share };
             self.light(&at, path, light, found, shades, [u_light, u0, u1, u_seed]);
         }
         Some(beside)
@@ -193,14 +193,14 @@ impl MediumState {
     /// A light sample at a place that this much light comes to.
     fn light<N: AovSink>(
         &self,
-        at: &Place<'_>,
+        at: &VolumePlace<'_>,
         path: &Path,
         throughput: Rgb,
         found: &mut Found<'_, N>,
         (shadows, veils): (&mut Vec<Shadow<N::Of>>, &mut Vec<ShadowMedia>),
         [u_light, u0, u1, u_seed]: [f32; 4],
     ) -> LightSampleContext {
-        let Place { stage, limits, position, medium, share } = *at;
+        let VolumePlace { stage, limits, position, medium, share } = *at;
         let to = self.receiver(stage, limits, position).at(path.ray.moment);
         let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way) else {
             return to;
@@ -230,7 +230,7 @@ impl MediumState {
     /// A direction to go on in.
     fn turn(
         &mut self,
-        at: &Place<'_>,
+        at: &VolumePlace<'_>,
         path: &mut Path,
         to: LightSampleContext,
         [u_end, u_lobe, u_cos, u_around]: [f32; 4],
@@ -335,7 +335,7 @@ impl MediumState {
 
 /// A place in a volume where light is scattered.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct VolumePlace<'a> {
     stage: &'a PreparedScene,
     limits: &'a Limits,
     position: Vec3A,
