@@ -38,11 +38,11 @@ impl From<wgpu::DeviceType> for DeviceKind {
 /// A device that could be opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceInfo {
-    /// Its name, as its driver says it.
+    /// Name of the device, as its driver gives it.
     pub name: String,
     /// The kind of the device.
     pub kind: DeviceKind,
-    /// Name and version of its driver.
+    /// Name and version of the device's driver.
     pub driver: String,
 }
 

@@ -32,7 +32,7 @@ pub struct Beam {
 
 /// Rays that are tried before a beam is made smaller.
 const TRIED: u32 = 2000;
-/// The part of them that must pass.
+/// The part of the tried rays that must pass.
 const ENOUGH: f64 = 0.97;
 
 impl Beam {

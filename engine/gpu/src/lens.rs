@@ -39,12 +39,12 @@ pub(crate) struct Stage {
     pub(crate) side: f64,
     pub(crate) clear_squared: f64,
     pub(crate) obstruction_squared: f64,
-    /// Its axes x, y, z and its vertex.
+    /// The surface's axes x, y, z and its vertex; `None`: on the axis, upright.
     pub(crate) pose: Option<[[f64; 3]; 4]>,
     pub(crate) bend: Bend,
     pub(crate) is_stop: bool,
     pub(crate) is_far: bool,
-    /// Its number, counted from the scene.
+    /// Index of the surface, counted from the scene.
     pub(crate) surface: usize,
     /// Ratio and excess of the interface by wavelength; beside a gradient the indices before and behind without it.
     pub(crate) interfaces: Vec<[f64; 2]>,

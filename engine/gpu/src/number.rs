@@ -5,7 +5,7 @@ use petzval_optics::lane::Real;
 
 /// A kind of number on the device: `f32`, or `f64` where the device has it.
 pub trait Number: Real + bytemuck::Pod {
-    /// Its name in shaders and messages.
+    /// Name of the number type in shaders and messages.
     const NAME: &'static str;
     /// The shader's first part: what `real` is.
     const WGSL: &'static str;

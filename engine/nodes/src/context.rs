@@ -169,7 +169,7 @@ pub trait Context {
 
     /// A field, at the point or beside it.
     fn read(&self, field: Field, shift: Shift) -> Vec3A;
-    /// An attribute by its place in [`Program::attributes`](crate::Program::attributes); what is missing is zero.
+    /// An attribute by its index in [`Program::attributes`](crate::Program::attributes); a missing one is zero.
     fn attribute(&self, index: usize, shift: Shift) -> Vec4;
     /// A vector from one space to another; a normal comes at length 1.
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A;

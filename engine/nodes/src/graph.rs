@@ -10,7 +10,7 @@ pub enum Parsing {
     /// The text is no JSON.
     #[error("the graph is not JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// A part is not what it must be.
+    /// A part of the graph is missing or has another type than it must.
     #[error("the graph's {0}")]
     Shape(String),
 }

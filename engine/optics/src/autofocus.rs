@@ -75,7 +75,7 @@ pub struct Autofocus {
     length_mm: f64,
 }
 
-/// A ray behind the lens, and what it counts.
+/// A ray behind the lens, and its weight.
 type Weighted = (Ray, f64);
 
 impl Autofocus {

@@ -46,7 +46,7 @@ pub struct SurfaceRow {
     pub semi_diameter_mm: f64,
     /// Half of the diameter of a central obstruction, or 0.
     pub obstruction_mm: f64,
-    /// Thin films on the surface; `None`: nothing is known of them.
+    /// Thin films on the surface; `None`: it is not known whether there are any.
     pub coating: Option<Coating>,
     /// The beginning of the row in its file.
     pub place: Place,

@@ -35,7 +35,7 @@ pub struct LensSettings {
     pub focal_length: FocalLength,
     /// |efl| / diameter of the entrance pupil at d; `None`: wide open.
     pub f_number: Option<f64>,
-    /// The diameter of the entrance pupil at d, mm, instead: what is said of eyes. With an f-number this one counts.
+    /// The diameter of the entrance pupil at d, mm, as it is given for eyes; it goes before the f-number.
     pub pupil_diameter_mm: Option<f64>,
     /// Blades of the diaphragm; fewer than 3: round.
     pub blades: u32,

@@ -20,7 +20,7 @@ const MERIDIANS: u32 = 16;
 /// The sine of a bend that is rounding: such a ray goes on straight, or comes at right angles, and has no plane of incidence.
 const STRAIGHT: f64 = 1e-7;
 
-/// One ray through a lens, as what it loses depends on it.
+/// One ray through a lens, with the numbers that its losses depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Passage {
     met: Vec<CrossedSurface>,

@@ -204,8 +204,7 @@ impl Accel {
         }
     }
 
-    /// The part of light that gets from one end of the ray to the other; `opacity` says how much of it each
-    /// surface in between takes (1: all).
+    /// The transmittance between the ends of the ray; `opacity` gives the part of the light that each surface in between takes (1: all).
     pub fn transmittance(&self, ray: &Ray, opacity: impl FnMut(&Hit) -> f32) -> f32 {
         self.transmittance_of(ray, Rays::SHADOW, opacity)
     }

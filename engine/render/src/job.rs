@@ -80,7 +80,7 @@ pub struct Statistics {
     pub counts: Counts,
     /// Number of threads used.
     pub threads: usize,
-    /// A thread failed; the picture is what was done until then.
+    /// The failure of a thread; the picture then holds the samples before it.
     pub failure: Option<String>,
     /// Statistics of keeping and resuming the render; `None` if not asked for.
     pub kept: Option<Kept>,
@@ -192,7 +192,7 @@ impl Job {
         *running == 0
     }
 
-    /// Asks to stop; what is finished stays. Returns at once.
+    /// Asks the threads to stop; finished samples stay. Returns at once.
     pub fn stop(&self) {
         self.shared.stop.store(true, Ordering::Relaxed);
     }
@@ -292,7 +292,7 @@ impl Job {
 }
 
 impl Drop for Job {
-    /// Threads end before what they use goes.
+    /// Ends the threads before the data that they use are freed.
     fn drop(&mut self) {
         self.stop();
         for thread in self.threads.drain(..) {

@@ -65,7 +65,7 @@ type Lowered = Result<Outputs, String>;
 /// Chains longer than this are no longer followed: they would not fit on the stack.
 const DEEPEST: usize = 1000;
 
-/// A program for a graph, and what had to be left out of it.
+/// A program for a graph, and reports on its parts that had to be left out.
 pub fn compile(graph: &Graph) -> (Program, Vec<Report>) {
     let mut compiler = Compiler::new(graph);
     let surface = compiler.layers(graph.surface.as_ref());

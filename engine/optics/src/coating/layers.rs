@@ -18,7 +18,7 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// `MgF2:100nm`, or by waves inside of it, `MgF2:0.25w@550`.
+    /// Parses a layer such as `MgF2:100nm`, or `MgF2:0.25w@550`: a quarter of a wave of 550 nm inside the film.
     pub(super) fn parse(text: &str) -> Result<Self, CoatingError> {
         let (film, thickness) = text.split_once(':').ok_or_else(|| CoatingError::Thickness(text.to_owned()))?;
         let film = Film::parse(film)?;
@@ -37,7 +37,7 @@ impl Layer {
         Ok(Self { film, thickness_nm })
     }
 
-    /// A layer that is so many waves of a vacuum wavelength thick, inside of it.
+    /// A layer whose thickness is this number of waves of a vacuum wavelength inside the film.
     pub fn of_waves(film: Film, waves: f64, wavelength_nm: f64) -> Self {
         let thickness_nm = waves * wavelength_nm / film.index(wavelength_nm).re;
         Self { film, thickness_nm }

@@ -112,7 +112,7 @@ impl<'a> FilmView<'a> {
         Some(Self { tracer, touching, normal, window: [ends.0 - margin, ends.1 + margin] })
     }
 
-    /// True for those of these directions of the light that are open.
+    /// For each direction of the light, by its direction cosines: true if the light gets through.
     fn are_open(&self, cosines: &[DVec2]) -> Vec<bool> {
         let mut bundle = self.tracer.bundle(Travel::FromFilm);
         let mut is_real = Vec::with_capacity(cosines.len());
@@ -158,7 +158,7 @@ impl Lattice {
         !(0..self.is_open.len()).any(|i| on_rim(i) && self.is_open[i])
     }
 
-    /// The edge, as closed polygons with what is open on their left.
+    /// The edge as closed polygons, with the open side on their left.
     fn loops(&self, seen: &FilmView<'_>) -> Vec<Vec<DVec2>> {
         let (sides, points) = self.crossings(seen);
         let number = |side: Side| sides.binary_search(&side).ok();

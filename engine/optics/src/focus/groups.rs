@@ -82,7 +82,7 @@ impl Focusing {
     }
 }
 
-/// The place between two ends at which the error, `first` at the first of them, is none.
+/// The zero of the error between two ends, by bisection; `first` is the error at the first end.
 fn bisect(
     at: &impl Fn(f64) -> Result<Focused, GroupsError>,
     error: &impl Fn(&Focused) -> Result<f64, GroupsError>,

@@ -48,7 +48,7 @@ impl GlassLines {
     }
 }
 
-/// The glasses of a catalogue, and what of it could not be used: that glass is left out.
+/// The glasses of a catalogue, with remarks on those that could not be used and are left out.
 pub fn parse_bytes(bytes: &[u8], file: &str) -> Result<(Vec<Medium>, Vec<Remark>), LensFileError> {
     parse(&text::any_encoding(bytes, file)?, file)
 }

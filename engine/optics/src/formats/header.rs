@@ -136,8 +136,8 @@ impl Header {
         Ok(())
     }
 
-    /// `NAME from=1.59 z1=0.05 r2=-0.002 z1r2=0.001`: what is added to the index of a glass that was defined before, by powers of
-    /// z and r, and where z is 0.
+    /// Reads `NAME from=1.59 z1=0.05 r2=-0.002 z1r2=0.001`: the gradient of a glass that was defined before, by coefficients of powers of z
+    /// and r, and the place of z = 0.
     fn gradient(&mut self, value: &str) -> Result<(), Problem> {
         let bad = |found: &str| Problem::GradientLine(found.to_owned());
         let mut words = value.split_whitespace();

@@ -14,9 +14,9 @@ use crate::focus::FilmFrame;
 use crate::system::System;
 use crate::trace::{Bundle, ReflectedTracer, Tracer, Travel};
 
-/// Rays along the beam's width that find the part of it which gets through: at least, and at most.
+/// The fewest and the most rays along the beam's width by which the part of the beam that gets through is found.
 const SEARCH: [usize; 2] = [24, 256];
-/// Number of those rays on the narrowest part that is to be found.
+/// Rays of the search on the narrowest part that is to be found.
 const ON_PART: f64 = 6.0;
 /// Points along a side at which the power is known; and where these are too few, by places between them (parts of the window) at
 /// which it may be off by so much.

@@ -8,7 +8,7 @@ use crate::focus::FilmFrame;
 use crate::system::System;
 use crate::trace::Tracer;
 
-/// A path with reflections, and what it makes of a source.
+/// A path with reflections, and the ghost that it makes of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ranked {
     /// The surfaces that reflect, in the order of the light.
@@ -41,7 +41,7 @@ fn part_on_film([a, b, c]: &[DVec2; 3], is_film: &impl Fn(DVec2) -> bool) -> f64
     inside as f64 / (PARTS * PARTS)
 }
 
-/// Number of parts into which each side of a piece is cut to see what of it lies on the film.
+/// Number of parts into which each side of a piece is cut to find the share of the piece on the film.
 const PARTS: f64 = 4.0;
 
 /// All ghosts of a beam at the tracer's wavelength with so many reflections, 2 or 4. `is_film` tells which points (u, v), mm, the

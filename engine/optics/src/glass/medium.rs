@@ -26,7 +26,7 @@ pub const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
 /// Indices that a medium may have at a visible wavelength.
 const PLAUSIBLE_INDEX: std::ops::RangeInclusive<f64> = 0.5..=6.0;
 
-/// A transparent medium: its index by wavelength, and what is known of its transmittance and its index gradient.
+/// A transparent medium: its index by wavelength and, where it has them, its internal transmittance and its index gradient.
 #[derive(Clone, PartialEq)]
 pub struct Medium {
     name: String,

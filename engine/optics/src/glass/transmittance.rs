@@ -7,7 +7,7 @@ pub struct InternalTransmittance {
     points: Vec<[f64; 3]>,
 }
 
-/// A table says 0 where less than it can print passes; this is what is taken for it.
+/// The transmittance that is taken for a 0 of a table, which stands for less than the table can print.
 const NOTHING: f64 = 1e-6;
 
 impl InternalTransmittance {

@@ -102,7 +102,7 @@ impl FromStr for Part {
 pub struct Position {
     /// Nominal focal length, mm; `None` for a lens that does not zoom.
     pub zoom_mm: Option<f64>,
-    /// Distance of what is sharp, from the first vertex, mm; may be infinite.
+    /// Distance of the sharp plane from the first vertex, mm; may be infinite.
     pub focus_mm: f64,
     /// Values of the moving parts.
     pub values: Vec<f64>,
@@ -119,7 +119,7 @@ pub enum MovingError {
         /// The last surface of the lens.
         last: usize,
     },
-    /// The index of what is no medium.
+    /// The index behind a surface is to change where there is a mirror, or air.
     #[error("behind surface {surface} is a mirror, or air, whose index does not change; name another surface")]
     NoIndex {
         /// Index of the surface.

@@ -224,7 +224,7 @@ fn group<R>(column: &[R], first: usize) -> &[R; LINES] {
     column[first..].first_chunk().expect("groups are added whole")
 }
 
-/// A lens's interfaces at several lines, and which of them the rays of a bundle have.
+/// A lens's interfaces at several spectral lines, and the lines of a bundle's rays.
 pub(super) struct Lines<'a, R> {
     /// Ratios, then excesses, by step and line; beside a gradient the indices before and behind.
     pub(super) tables: &'a [[Box<[R]>; 2]],

@@ -48,7 +48,7 @@ struct LocalMedium<R> {
     from: R,
 }
 
-/// The length of the steps, in t, and the largest number of them.
+/// The length of a ray's steps in t, and their largest number.
 #[derive(Clone, Copy, Debug)]
 struct March<R> {
     step: R,

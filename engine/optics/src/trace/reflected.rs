@@ -19,7 +19,7 @@ pub struct SurfaceCrossing {
     pub surface: usize,
     /// True if the ray comes from the scene's side of the lens.
     pub towards_film: bool,
-    /// True if the path turns round here; otherwise the surface does what it is made for.
+    /// True if the path turns round here by a reflection that the lens was not made for.
     pub turns: bool,
 }
 

@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// Slices of the shutter's time, as bits: as many as an instance has moments at least.
 const SLICE_BITS: u32 = 4;
 
-/// Instances that move, and trees over what they sweep.
+/// Instances that move, and trees over the boxes that they sweep.
 pub(super) struct MovingPlaces {
     slices: Vec<Slice>,
     items: Vec<Item>,

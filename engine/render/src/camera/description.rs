@@ -59,7 +59,7 @@ impl Spectrum {
 /// The effects of a traced lens that the picture shows; by default all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EnabledEffects {
-    /// Blur of what is out of focus; if false, everything is seen through the middle of the pupil.
+    /// Blur of subjects out of focus; if false, everything is seen through the middle of the pupil.
     pub defocus: bool,
     /// Aberrations; if false, Gaussian optics make the image, with all else of the lens.
     pub aberration: bool,
@@ -117,8 +117,8 @@ pub struct FocusSettings {
     pub point_world: Option<DVec3>,
     /// Distance from the last vertex to the film's middle, mm.
     pub film_distance_mm: Option<f64>,
-    /// The picture point, 0 to 1 from the lower left, on whose subject [`super::tools::autofocus`] is to focus; a camera itself leaves it out of
-    /// account.
+    /// The picture point, 0 to 1 from the lower left, on whose subject [`super::tools::autofocus`] is to focus; a camera itself leaves it
+    /// out of account.
     pub autofocus: Option<[f64; 2]>,
 }
 
@@ -187,8 +187,7 @@ pub struct CameraDescription {
     pub exposure: Option<PhysicalExposure>,
     /// Width of an orthographic picture, Blender units.
     pub orthographic_width: f64,
-    /// Clipping range, Blender units: camera rays do not see what is nearer along the camera's axis than the first or farther than the
-    /// second.
+    /// Clipping range along the camera's axis, Blender units: camera rays see nothing nearer than the first or farther than the second.
     pub clip: [f64; 2],
 }
 
@@ -227,7 +226,7 @@ impl Default for CameraDescription {
 }
 
 impl CameraDescription {
-    /// These settings after a change.
+    /// The settings after a change.
     #[must_use]
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);

@@ -80,9 +80,9 @@ impl TileRect {
 pub struct FilmChannels {
     /// True to keep the surfaces that the pixels see.
     pub surfaces: bool,
-    /// True to keep motion vectors of these surfaces over the picture.
+    /// True to keep the motion over the picture of the surfaces that the pixels see.
     pub vectors: bool,
-    /// The objects or materials of these surfaces.
+    /// The mattes to keep: objects or materials of the surfaces that the pixels see.
     pub mattes: Mattes,
     /// True to keep counts of samples that differ, in [`halves`].
     pub halves: bool,
@@ -233,7 +233,7 @@ pub struct Film {
     keep: FilmChannels,
     /// Factor of the light when it is read.
     exposure: f32,
-    /// A further factor for each pixel, rows from below; empty where that is one.
+    /// A further factor for each pixel, rows from below; empty: 1 everywhere.
     gains: Arc<[f32]>,
     groups: Vec<Film>,
 }
@@ -298,7 +298,7 @@ impl Film {
         Self { gains, groups, ..self }
     }
 
-    /// Factors of the film's light: of all of it, and by pixel as well; without these, one.
+    /// Factors of the film's light: one for the whole film, and one for each pixel; empty: 1 everywhere.
     pub fn scales(&self) -> (f32, &[f32]) {
         (self.exposure, &self.gains)
     }

@@ -127,7 +127,7 @@ pub(super) enum Event {
         /// Density per unit of the scattering there; 0 where the medium varies and nothing competes.
         density: f32,
     },
-    /// The light is absorbed: nothing is left of it.
+    /// All light of the path is absorbed.
     Absorbed,
 }
 

@@ -86,9 +86,9 @@ pub struct Limits {
     /// The most bounces of each kind.
     pub kinds: KindLimits,
     /// Most radiance, in the mean of its channels, that light may add which the camera sees, or which is scattered once: fewer bright
-    /// specks for less light. Infinite takes all of it.
+    /// specks for less light. Infinite: no limit.
     pub clamp_direct: f32,
-    /// Most radiance, in the mean of its channels, that light scattered more than once may add. Infinite takes all of it.
+    /// Most radiance, in the mean of its channels, that light scattered more than once may add. Infinite: no limit.
     pub clamp_indirect: f32,
     /// Approximations of indirect light.
     pub approximations: Approximations,

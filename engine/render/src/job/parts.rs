@@ -4,8 +4,8 @@ use super::Job;
 use crate::integrator::path::parts::LightPass;
 
 impl Job {
-    /// Three numbers a pixel of what is kept beside, as they are now, rows from below: light as it is, all else relative to
-    /// what it is to be. `None` for what was not asked for.
+    /// A part of the light so far, three numbers a pixel, rows from below: light as it is, any other part divided by its reference. `None`:
+    /// the part was not asked for.
     pub fn part(&self, part: LightPass) -> Option<Vec<[f32; 3]>> {
         let place = self.shared.parts.place(part)?;
         let whole = self.shared.film.parts()[place].picture().into_iter().map(|[r, g, b, _]| [r, g, b]);

@@ -32,8 +32,8 @@ pub struct LightHit {
 }
 
 impl Lights {
-    /// Passes `found` each lamp with extent that a ray hits; `to` is where a light sample would have been taken. Lamps do not hide what is
-    /// behind them, as in Cycles.
+    /// Passes `found` each lamp with extent that a ray hits; `to` is where a light sample would have been taken. Lamps hide nothing behind
+    /// them, as in Cycles.
     #[inline(always)]
     pub fn lamps_along(
         &self,

@@ -10,7 +10,7 @@ const WIDTH: usize = 8;
 /// Size of the stack: more than the nodes that can wait in any tree of eighths over 2^32 lamps.
 const STACK: usize = 96;
 
-/// Boxes, lane by lane, and what is in them.
+/// Boxes, lane by lane, and their contents.
 #[derive(Clone, Debug)]
 struct Node {
     min: [f32x8; 3],

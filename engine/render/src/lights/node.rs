@@ -87,7 +87,7 @@ impl Node {
         }
     }
 
-    /// A bit for each child whose box is near for its size: what [`Node::importances`] says of it may be off by a factor of two.
+    /// A bit for each child whose box is near for its size: its importance by [`Node::importances`] may be off by a factor of two.
     #[inline]
     pub(super) fn near(&self, p: Vec3A) -> u32 {
         let to = [

@@ -21,7 +21,7 @@ const TABLE_WIDTH: usize = 1024;
 /// Columns of the table of a smaller image, whose pixels are split into cells: an image is interpolated, and samples by whole pixels have
 /// the noise of their steps. A table of 1024 columns would not stay in a cache, and a picture took 8 to 18 % more time.
 const SPLIT_WIDTH: usize = 256;
-/// Irradiance beyond which suns are chosen alike, so that sums of it stay finite.
+/// Irradiance beyond which suns are chosen alike, so that sums stay finite.
 const BRIGHTEST: f32 = 1e30;
 
 /// The lights at infinity: the world and the suns.

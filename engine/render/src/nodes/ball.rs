@@ -23,7 +23,7 @@ pub(super) fn read(field: Field, instance: &Instance, points: &Points, surface: 
     }
 }
 
-/// An attribute that a program asks for; what is missing is zero, as are UV maps.
+/// An attribute that a program asks for; a missing one is zero, as are UV maps.
 pub(super) fn attribute(points: &Points, kind: &AttributeKind, name: &str, point: u32) -> Vec4 {
     match kind {
         AttributeKind::Uv | AttributeKind::Colour | AttributeKind::Geometry => points.attribute(name, point),

@@ -189,7 +189,7 @@ impl Transparency {
     }
 }
 
-/// Sums over the closures of a surface, by what they do with light.
+/// Sums over the closures of a surface, by their effect on light.
 #[derive(Default)]
 struct ClosureSums {
     /// Transmittance of the closures that let light through unbent.
@@ -329,8 +329,8 @@ pub fn aovs(around: SceneQueries<'_>, point: &SurfacePoint, view: &View, mut fou
     );
 }
 
-/// Emitted radiance of a point of a triangle, the same on both sides; negative where it takes light away, as in Cycles. What sheen and
-/// coat absorb of it is not taken off.
+/// Emitted radiance of a point of a triangle, the same on both sides; negative where it takes light away, as in Cycles. Absorption by sheen
+/// and coat is left out.
 pub fn emission(
     material: &Material,
     around: SceneQueries<'_>,

@@ -38,7 +38,7 @@ pub(super) fn named(curves: &Curves, name: &str, segment: u32, u: f32) -> Option
     curves.attribute(name, segment, u).or_else(uv)
 }
 
-/// An attribute that a program asks for; what is missing is zero, as are tangents of UV maps.
+/// An attribute that a program asks for; a missing one is zero, as are tangents of UV maps.
 pub(super) fn attribute(curves: &Curves, kind: &AttributeKind, name: &str, segment: u32, u: f32) -> Vec4 {
     match kind {
         AttributeKind::Uv => {

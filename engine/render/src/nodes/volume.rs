@@ -58,7 +58,7 @@ impl Medium {
         (value, if total > 0.0 { pdf / total } else { 0.0 })
     }
 
-    /// A cosine to go on at, for what is left of light.
+    /// A cosine of the scattering angle, sampled for a path of throughput `light`; `None` where nothing of that is scattered.
     pub fn sample(&self, light: Rgb, u_lobe: f32, u: f32) -> Option<f32> {
         let chances = self.lobes.iter().map(|(scattering, _)| luminance((light * *scattering).abs()));
         let mut left = u_lobe * chances.clone().sum::<f32>();

@@ -16,7 +16,7 @@ const WAY_BITS: u32 = 12;
 pub struct Shutter {
     /// Openness at times that lie evenly over the exposure, the first and the last at its ends; fewer than two: fully, all the time.
     pub openness: Vec<f32>,
-    /// The picture is taken from the top to the bottom over the exposure, each row for this part of it; `None`: all rows at once.
+    /// Rolling shutter: rows are exposed from the top to the bottom, each for this part of the exposure; `None`: all rows at once.
     pub rolling: Option<f32>,
     /// Camera space to world space at keys that lie evenly over the exposure; empty: the camera stands still. Deserialized row by row.
     #[serde(deserialize_with = "all_by_rows")]

@@ -81,7 +81,7 @@ impl Pipeline {
 pub struct RenderContext<'a> {
     /// The prepared scene that is rendered.
     pub stage: &'a PreparedScene,
-    /// The camera, at times that lie evenly over the time that the shutter is open; one, if nothing of it moves.
+    /// The camera at times that lie evenly over the time that the shutter is open; one, if the camera does not move.
     pub cameras: &'a [Camera],
     /// The clip planes of their rays; `None`: none.
     pub clip: Option<Clip>,
@@ -131,14 +131,14 @@ impl RenderContext<'_> {
     }
 }
 
-/// Counts of what was done.
+/// Counts of samples and rays, and times of the timed samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
     /// Samples asked of the camera.
     pub camera_rays: u64,
     /// Samples lost in the lens.
     pub camera_rays_lost: u64,
-    /// Wavelengths at which light of them was carried back through the lens.
+    /// Wavelengths at which light of samples was carried back through the lens.
     pub wavelengths_carried: u64,
     /// Rays traced through the scene.
     pub rays: u64,
@@ -245,7 +245,7 @@ impl Sample<'_> {
         }
     }
 
-    /// Counts a path that was followed; false if what it found is not finite.
+    /// Counts a path that was followed; false if its light is not finite.
     fn count_path(&mut self, found: &PathResult) -> bool {
         self.counts.rays += u64::from(found.rays);
         let is_finite = found.radiance.is_finite();

@@ -5,7 +5,7 @@ use crate::camera::lens::setup::D_LINE_NM;
 use crate::camera::{CameraDescription, EnabledEffects, Model, Spectrum};
 use crate::pipeline::Pipeline;
 
-/// The kind of camera that stands for what was asked for.
+/// The kind of camera that stands for the one that was asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraKind {
     /// The camera as it was given: it has no lens that could be planned.

@@ -29,7 +29,7 @@ pub struct Brightest {
     pub irradiance: f32,
     /// The part of all arriving light.
     pub part: f32,
-    /// Place of the light in the picture, fractions of the width and height from the centre; `None` outside of it.
+    /// Place of the light in the picture, fractions of the width and height from the centre; `None`: outside of the picture.
     pub place: Option<Vec2>,
 }
 

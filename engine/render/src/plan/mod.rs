@@ -65,7 +65,7 @@ impl EffectMode {
     }
 }
 
-/// Number of sources, of those that send most light, whose ghosts are looked for.
+/// Number of the sources that send most light whose ghosts are looked for.
 const GHOST_SOURCES: usize = 3;
 
 /// The ghosts of the brightest sources before the lens.
@@ -354,7 +354,7 @@ impl Plan {
         self.decisions.iter().map(|one| one.picture_s).sum::<f64>() / threads.max(1) as f64
     }
 
-    /// The camera with what was decided.
+    /// The camera with the plan's decisions applied.
     pub fn applied(&self, d: &CameraDescription) -> CameraDescription {
         self.camera.applied(d)
     }

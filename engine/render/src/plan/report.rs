@@ -93,7 +93,7 @@ pub struct SourceReport {
     pub irradiance: f32,
     /// The part of all arriving light.
     pub part: f32,
-    /// Place in the picture, fractions of the width and height from the centre; `None` outside of it.
+    /// Place in the picture, fractions of the width and height from the centre; `None`: outside of the picture.
     pub place: Option<Vec2>,
 }
 
@@ -185,7 +185,7 @@ impl Plan {
         }
     }
 
-    /// The report with a forecast of the samples' time; what is done once a picture is added to it.
+    /// The report with a forecast of the samples' time, to which the work once a picture is added.
     pub fn report_with(&self, samples: Predicted) -> PlanReport {
         let Predicted { seconds, threads, camera_part, .. } = samples;
         let mut report = self.report();

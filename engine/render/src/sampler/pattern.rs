@@ -21,7 +21,7 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// Every pixel has a sequence of its own: what it gets is independent of all others.
+    /// Every pixel has a sequence of its own, independent of all others.
     pub fn independent(seed: u32) -> Self {
         Self { seed, bits: SEQUENCE }
     }

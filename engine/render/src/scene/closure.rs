@@ -244,7 +244,7 @@ pub struct PrincipledHair<C, N> {
     pub random: N,
 }
 
-/// A film on a surface, thin enough to colour what it reflects.
+/// A film on a surface, so thin that it colours the reflected light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinFilm<N> {
     /// Thickness, nanometres; no film at 0.

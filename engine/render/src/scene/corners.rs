@@ -4,7 +4,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-/// Values by what they belong to; [`super::mesh::Mesh::at_corners`] finds those of a triangle.
+/// Values of vertices, triangles or corners; [`super::mesh::Mesh::at_corners`] finds those of a triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Corners<T> {
     /// One value for each vertex.

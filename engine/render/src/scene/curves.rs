@@ -42,7 +42,7 @@ pub struct CurvesDescription {
     pub shape: CurveShape,
     /// The number of the first strand: by theirs they get random numbers.
     pub first_number: u32,
-    /// UV maps by name, a place by strand: where its root is on what it grows from.
+    /// UV maps by name: for each strand the place of its root on the surface that it grows from.
     pub uv_maps: Vec<(String, Vec<Vec2>)>,
     /// Attributes by name, with values by key or by strand.
     pub attributes: Vec<(String, StrandValues)>,

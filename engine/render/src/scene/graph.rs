@@ -65,7 +65,7 @@ const KNOWN: [Field; 51] = [
     Field::PointRandom,
 ];
 
-/// A program and what it is for.
+/// The shader graph of a material or of the world, compiled: a program, and the closures whose inputs it computes.
 #[derive(Debug)]
 pub struct Graph {
     /// The program, to be run at each point.
@@ -74,7 +74,7 @@ pub struct Graph {
     pub slices: Slices,
     /// The closures, which add up.
     pub layers: Vec<GraphLayer>,
-    /// The closures that scatter light, without what they emit.
+    /// The closures that scatter light, without their emission.
     pub scattering: Vec<GraphLayer>,
     /// The scattering closures as a plain surface, if they are one.
     pub plain: Option<Plain>,

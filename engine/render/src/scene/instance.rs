@@ -12,9 +12,9 @@ const EVEN: f32 = 1e-4;
 /// A mesh placed in the scene.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// The Blender object it comes from.
+    /// Name of the Blender object that the instance comes from.
     pub object_name: String,
-    /// That object's topmost parent.
+    /// Name of the object's topmost parent.
     pub asset_name: String,
     /// Index of the mesh in [`Scene::meshes`].
     pub mesh: u32,
@@ -35,7 +35,7 @@ pub struct Instance {
     pub visible: Rays,
     /// The instance's part in light linking.
     pub links: LightLinking,
-    /// The number of the light group of what it emits; 0 is none.
+    /// The number of the light group of its emission; 0 is none.
     pub light_group: u16,
     /// Softening of the shadow terminator on its smooth faces.
     pub shadow_terminator: ShadowTerminator,

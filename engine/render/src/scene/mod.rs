@@ -106,7 +106,7 @@ pub enum SceneError {
 pub struct Scene {
     /// Meshes in object space.
     pub meshes: Vec<Arc<Mesh>>,
-    /// The instances. Those of [`Self::placed`] come first, then what stands for moments of what moves.
+    /// The instances. Those of [`Self::placed`] come first, then those that stand for the moments of moving ones.
     pub instances: Vec<Instance>,
     /// The instances that move while the shutter is open.
     pub moving: Vec<Moving>,

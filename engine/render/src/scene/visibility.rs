@@ -51,7 +51,7 @@ impl Rays {
         Self(self.0 & other.0)
     }
 
-    /// These kinds without those of `other`.
+    /// The kinds of `self` without those of `other`.
     #[inline(always)]
     #[must_use]
     pub const fn without(self, other: Self) -> Self {

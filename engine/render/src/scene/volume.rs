@@ -121,7 +121,7 @@ pub struct PrincipledVolume {
     pub density_grid: String,
     /// Mean cosine of the scattering angle.
     pub anisotropy: Source,
-    /// Tint of what goes through.
+    /// Tint of the light that goes through.
     pub absorption_color: Source,
     /// Radiance that a Blender unit of length adds, times [`Self::emission_color`].
     pub emission_strength: Source,
@@ -144,7 +144,7 @@ impl PrincipledVolume {
     }
 }
 
-/// A closure and what it counts.
+/// A closure and its weight.
 #[derive(Clone, Debug)]
 pub struct VolumeLayer {
     /// Weight, 0 to 1.

@@ -75,7 +75,7 @@ impl Mixture {
         self.push(Lobe::oren_nayar(left * p.base_color.max(Rgb::ZERO), base, p.diffuse_roughness, normal, here.wo));
     }
 
-    /// The clear coat; gives what is left below it.
+    /// Adds the clear coat; returns the part of the light that is left below it.
     fn add_coat(&mut self, left: Rgb, p: &Principled<Rgb, f32>, normal: Vec3A) -> Rgb {
         let here = self.here;
         let eta = p.coat_ior.max(1.0);
@@ -100,7 +100,7 @@ impl Mixture {
         below * (Rgb::ONE + (tint - Rgb::ONE) * p.coat_weight)
     }
 
-    /// The dielectric over the diffuse base; gives what is left to it.
+    /// Adds the dielectric over the diffuse base; returns the part of the light that is left to the base.
     fn add_dielectric(
         &mut self,
         left: Rgb,

@@ -46,7 +46,7 @@ impl Ggx {
         a2 / (PI * t * t)
     }
 
-    /// The area of facets that are hidden from `w` over that of those it sees.
+    /// Smith's lambda: the area of the facets that are hidden from `w` over that of the visible ones.
     #[inline]
     pub fn lambda(&self, w: Vec3A) -> f32 {
         let cos2 = w.z * w.z;

@@ -15,7 +15,7 @@ use crate::surface::{Strand, SurfacePoint};
 use arrayvec::ArrayVec;
 use glam::{Quat, Vec3A};
 
-/// Lobes that a mixture may have; what comes after is left out.
+/// Lobes that a mixture may have; further ones are left out.
 const MOST_LOBES: usize = 32;
 /// Closures that count less are left out.
 const LEAST: f32 = 1e-5;

@@ -84,7 +84,7 @@ pub struct Ghosts {
 pub enum StrayPass {
     /// Ghosts: light reflected between surfaces of the lens.
     Ghosts,
-    /// Light scattered by surfaces, dust, barrel and film; what it takes from where it should be is negative.
+    /// Light scattered by surfaces, dust, barrel and film; negative where it takes light away.
     Glare,
     /// The wave nature of light; negative where it takes light away.
     Diffraction,

@@ -45,7 +45,7 @@ impl Mount {
         &self.vectors
     }
 
-    /// The z in lens space of what stands at the camera's origin.
+    /// The z in lens space, mm, of the point that stands at the camera's origin.
     pub(in crate::camera) fn origin_z_mm(&self) -> f64 {
         self.origin_z_mm
     }

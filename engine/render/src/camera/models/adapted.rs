@@ -54,7 +54,7 @@ pub struct Adapted {
     is_sharp: bool,
     /// The part of the maker's picture that this one is, in width and height.
     part: f32,
-    /// The map from each place to the place at which the maker sees what is to be seen there; `None`: the identity.
+    /// The map from each place to the place at which the maker sees the same subject; `None`: the identity.
     warp: Option<Warp>,
     /// The maps to the place of each wavelength of the film, applied after `warp`. Empty where all colours take one way.
     by_colour: Vec<Warp>,
@@ -247,7 +247,7 @@ impl Sight {
         Some(self.seen(&lens.into_scene(film, lens.slopes(film, DVec2::ZERO))))
     }
 
-    /// The map from each place to the place at which the maker of the rays sees what is to be seen there; `None` if both are the same.
+    /// The map from each place to the place at which the maker of the rays sees the same subject; `None`: the identity.
     fn warp(&self, shown: EnabledEffects, line_nm: f64) -> Option<Warp> {
         // What makes the rays has distortion itself, or none.
         if shown.distortion == shown.aberration {

@@ -38,7 +38,7 @@ impl Pinhole {
         DVec3::new(x, y, -1.0)
     }
 
-    /// The picture point of what lies in a direction, camera space; `None` behind.
+    /// The picture point of a direction in camera space; `None` behind the camera.
     pub(in crate::camera) fn place(&self, d: DVec3) -> Option<DVec2> {
         let [x, y] = [d.x, d.y].map(|across| across / -d.z);
         (d.z < 0.0).then(|| DVec2::new((x - self.centre[0]) / self.width, (y - self.centre[1]) / self.height))

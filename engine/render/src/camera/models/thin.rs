@@ -54,7 +54,7 @@ impl Thin {
         self.diaphragm.radius_mm() / self.mm_per_unit
     }
 
-    /// The picture point of what is seen along `d` from the point `start` of the opening, camera space; `None` behind.
+    /// The picture point of a subject along `d` from the point `start` of the opening, both in camera space; `None` behind the camera.
     pub(in crate::camera) fn place(&self, start: DVec3, d: DVec3) -> Option<DVec2> {
         let along = if self.focus.is_finite() { start + d * (self.focus / -d.z) } else { d };
         (d.z < 0.0).then(|| self.pinhole.place(along)).flatten()

@@ -21,7 +21,7 @@ use serde::Deserialize;
 const RAYS: u32 = 1024;
 /// Cells over the picture's larger side. Distortion is smooth: cubics between so many are right to some 1e-6 of the picture.
 const CELLS: usize = 64;
-/// Cells beyond the picture's edge, for what lies just outside of it.
+/// Cells beyond the picture's edge, for places just outside of the picture.
 const BEYOND: usize = 4;
 /// Newton's method is done or lost after so many steps, and done when so near, parts of the picture.
 const MOST_STEPS: u32 = 30;

@@ -140,8 +140,8 @@ impl Imaging {
         }
     }
 
-    /// The picture point of what is seen through a point of the pupil by the light that `u_wavelength` chooses; `None`
-    /// where it is lost.
+    /// The picture point of a subject seen through a point of the pupil, by light of the wavelength that `u_wavelength` chooses; `None`
+    /// where the light is lost.
     pub fn picture_point(&self, seen: SeenPlace, through: PupilPoint, u_wavelength: f32) -> Option<DVec2> {
         let seen = self.relative(seen);
         let along = |axes: &DMat3, start: DVec3| match seen {

@@ -61,7 +61,7 @@ pub(super) struct ByPart {
 }
 
 impl ByPart {
-    /// Notes of these parts.
+    /// Notes that keep these parts, of no path yet.
     pub(super) fn new(parts: Parts) -> Self {
         let has_colours = parts.any(|part| matches!(part, LightPass::Colour(_)));
         let has_features = parts.any(|part| {

@@ -45,7 +45,7 @@ pub trait AovSink {
     /// The first surface that a path did not pass.
     fn finds(&mut self, path: u32, stage: &PreparedScene, point: &SurfacePoint, view: &View);
 
-    /// A surface that a path is to be scattered by, with what comes to it, so far from where the ray began.
+    /// A surface that is to scatter a path, with the path's throughput up to it and its distance from the ray's origin.
     fn looks_at(&mut self, path: u32, way: PathState, throughput: Rgb, bsdf: &impl LobeDecomposition, distance: f32);
 
     /// True if [`Self::looks_at`] notes something of a surface that scatters nothing.

@@ -25,7 +25,7 @@ use serde::Deserialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Effect {
-    /// Blur of what is not at the distance of focus.
+    /// Blur of subjects that are not at the focus distance.
     Defocus,
     /// Spherical aberration, coma, astigmatism, field curvature.
     Aberration,

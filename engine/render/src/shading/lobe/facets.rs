@@ -53,7 +53,7 @@ impl Slopes {
         }
     }
 
-    /// The area of facets that are hidden from `w` over that of those it sees.
+    /// Smith's lambda: the area of the facets that are hidden from `w` over that of the visible ones.
     fn lambda(&self, w: Vec3A) -> f32 {
         let [ax, ay] = self.alpha;
         let (x, y) = (ax * w.x, ay * w.y);
@@ -103,7 +103,7 @@ impl Slopes {
 pub(in crate::shading) enum Fresnel {
     /// All, as far as it is not refracted.
     Mirror,
-    /// All but what is totally reflected, which is lost.
+    /// All light is transmitted; totally reflected light is lost.
     Through,
     /// A dielectric's by Fresnel's law, each part with a tint.
     Dielectric { f0: Rgb, reflection: Rgb, transmission: Rgb },

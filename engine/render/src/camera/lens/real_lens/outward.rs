@@ -52,7 +52,7 @@ struct ToRender<R> {
     /// Rows, of points and of directions.
     points: [[R; 3]; 3],
     directions: [[R; 3]; 3],
-    /// The z in lens space of what stands at the camera's origin.
+    /// The z in lens space, mm, of the point that stands at the camera's origin.
     origin_z: R,
 }
 

@@ -78,7 +78,7 @@ impl Chosen {
         Self { asked, is_single, error_px }
     }
 
-    /// The word for what was chosen.
+    /// The name of the precision that was chosen.
     pub fn name(&self) -> &'static str {
         if self.is_single { "f32" } else { "f64" }
     }

@@ -45,7 +45,7 @@ impl Subject {
         }
     }
 
-    /// The depth before the first vertex at which Gaussian optics would have it, mm; infinite for what is far.
+    /// Depth of the subject before the first vertex for Gaussian optics, mm; infinite for [`Self::Far`].
     fn depth_mm(self) -> f64 {
         match self {
             Self::Far => f64::INFINITY,
@@ -195,7 +195,7 @@ impl Fan {
         (0..8).map(aside).fold(0.0, f64::max)
     }
 
-    /// Distance of the place from the one at which Gaussian optics would show what it sees, px.
+    /// Distance of the place from that at which Gaussian optics would show the same subject, px.
     pub(super) fn distortion(&self, survey: &Survey, subject: Subject) -> f64 {
         let (Some(mean), Some(pupil)) = (self.mean, survey.entrance_pupil) else { return f64::INFINITY };
         // The ray from what is seen to the middle of the entrance pupil.
