@@ -30,25 +30,25 @@ pub enum Effect {
     /// Spherical aberration, coma, astigmatism, field curvature.
     Aberration,
     /// Distortion: straight lines are bent.
-    DistortionEffect,
+    Distortion,
     /// Colours of different size.
     LateralColour,
     /// Colours of different focus.
     AxialColour,
     /// Fall-off of light towards the corners.
-    VignettingEffect,
+    Vignetting,
     /// The shape of the opening in blur discs.
-    DiaphragmEffect,
+    Diaphragm,
     /// Something moves, or the lens changes, while the shutter is open.
     MotionBlur,
     /// Losses in glass and at coatings in each colour.
-    TransmissionEffect,
+    Transmission,
     /// Light reflected between surfaces.
-    GhostsEffect,
+    Ghosts,
     /// Light scattered in the lens.
-    GlareEffect,
+    Glare,
     /// The wave nature of light.
-    DiffractionEffect,
+    Diffraction,
     /// Materials that are more than three colours.
     SpectralMaterials,
 }
