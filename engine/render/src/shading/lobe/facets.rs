@@ -112,7 +112,7 @@ pub(in crate::shading) enum Fresnel {
     /// A metal's index of refraction and extinction coefficient.
     Conductor([Rgb; 2]),
     /// A film's over metal.
-    RelativeFilm(RelativeFilm),
+    Film(RelativeFilm),
     /// A film's over a dielectric.
     FilmedDielectric { film: RelativeFilm, f0: Rgb, reflection: Rgb, transmission: Rgb },
 }
