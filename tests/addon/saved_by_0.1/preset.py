@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+
+petzval = (getattr(bpy.context, "camera", None) or bpy.context.scene.camera.data).petzval
+
+petzval.lens_file = "nikkor-105-f1.4.lens"
+petzval.model = "LENS"
+petzval.focal_mode = "SCALE"
+petzval.focal_length = 50.0
+petzval.focal_scale = 1.5
+petzval.wide_open = False
+petzval.f_number = 4.0
+petzval.pupil_diameter = 0.0
+petzval.blades = 9
+petzval.blade_rotation = 0.25
+petzval.blade_curvature = 0.0
+petzval.glare_roughness = 2.0
+petzval.glare_cleanliness = 300.0
+petzval.glare_veil = 0.01
+petzval.coating = "AS_FILE"
+petzval.exposes_by_f_number = False
+petzval.spectrum = "THREE"
+petzval.wavelength = 587.5618
+petzval.precision = "AUTO"
+petzval.film_mode = "SIZE"
+petzval.film_width = 36.0
+petzval.film_height = 24.0
+petzval.anchor = "ENTRANCE_PUPIL"
+petzval.focus_relation = "EXACT"

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files that older versions have saved open with the same settings."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from support.places import ROOT
+
+#: Of Petzval 0.1 in Blender 4.5: a file in which no setting has its default, and their values.
+SAVED = ROOT / "tests/addon/saved_by_0.1"
+
+
+def test_a_file_of_the_version_before_opens_with_its_settings(blender):
+    blender.ops.wm.open_mainfile(filepath=str(SAVED / "settings.blend"))
+    scene = blender.context.scene
+    assert scene.render.engine == "PETZVAL"
+    holders = {"scene": scene.petzval, "camera": scene.camera.data.petzval}
+    for where, values in json.loads((SAVED / "settings.json").read_text()).items():
+        assert len(values) > 20
+        for name, value in values.items():
+            found = getattr(holders[where], name)
+            assert (list(found) if isinstance(value, list) else found) == pytest.approx(value), (where, name)
+
+
+def test_a_preset_of_the_version_before_loads(blender, parts):
+    own = parts.set_up(model="LENS").camera.data.petzval
+    preset = SAVED / "preset.py"
+    assert blender.ops.script.execute_preset(filepath=str(preset), menu_idname="PETZVAL_PT_camera_presets") == {
+        "FINISHED"
+    }
+    for line in preset.read_text().splitlines():
+        if line.startswith("petzval."):
+            name, value = line.removeprefix("petzval.").split(" = ")
+            assert getattr(own, name) == pytest.approx(eval(value)), name
