@@ -23,7 +23,7 @@ use crate::field::{Field, Origin};
 use crate::focus::{FilmFrame, FilmPlane, Focus};
 use crate::system::System;
 use crate::trace::{Ray, Tracer, Travel};
-use crate::vignetting::{Probe, Window};
+use crate::vignetting::{FieldWindow, RimlessLens};
 
 /// Angles are not followed in shorter steps, in degrees.
 const SHORTEST_STEP_DEG: f64 = 1e-3;
@@ -32,7 +32,7 @@ const SHORTEST_STEP_DEG: f64 = 1e-3;
 struct AnalysedWavelength<'a> {
     wavelength_nm: f64,
     tracer: Tracer,
-    probe: Probe<'a>,
+    probe: RimlessLens<'a>,
 }
 
 /// A lens at one focus, looked at in some wavelengths.
@@ -49,7 +49,7 @@ pub struct Analysis<'a> {
 #[derive(Clone, Copy, Debug)]
 struct FieldView {
     field: Field,
-    window: Window,
+    window: FieldWindow,
 }
 
 /// A ray on the film.
@@ -77,7 +77,7 @@ impl<'a> Analysis<'a> {
     ) -> Option<Self> {
         wavelengths_nm.get(main)?;
         let line = |&wavelength_nm: &f64| {
-            let probe = Probe::new(system, wavelength_nm, focus.object_plane_mm)?;
+            let probe = RimlessLens::new(system, wavelength_nm, focus.object_plane_mm)?;
             Some(AnalysedWavelength { wavelength_nm, tracer: system.at_wavelength(wavelength_nm), probe })
         };
         let film = FilmPlane {
@@ -140,7 +140,7 @@ impl<'a> Analysis<'a> {
     /// that are halved where it is lost.
     fn view(&self, angle_deg: f64) -> Option<FieldView> {
         let probe = &self.lines[self.main].probe;
-        let mut window = Window::about(probe.paraxial_rim().into_iter())?.find(probe, &self.field(0.0))?.window;
+        let mut window = FieldWindow::about(probe.paraxial_rim().into_iter())?.find(probe, &self.field(0.0))?.window;
         let (mut here, mut step) = (0.0, angle_deg);
         while here != angle_deg {
             let next = if (angle_deg - here).abs() <= step.abs() { angle_deg } else { here + step };

@@ -36,7 +36,8 @@ impl Plan {
     ) -> Result<Self, Error> {
         let ghost_reflections = Reflections::of(ghost_reflections)
             .ok_or_else(|| invalid(format!("{ghost_reflections} reflections of ghosts: give 2 or 4")))?;
-        let options = PlanOptions { quality, ghost_reflections, ..PlanOptions::new(&effects.0) };
+        let mut options = PlanOptions::new(&effects.0);
+        (options.quality, options.ghost_reflections) = (quality, ghost_reflections);
         let moving: Vec<CameraDescription> = over_the_shutter.into_iter().map(|d| d.0).collect();
         let (stage, shutter) = (scene.stage.clone(), shutter.map(|shutter| shutter.0));
         let made = || settings.0.plan(&stage, &camera.0, &moving, options, shutter.as_ref());

@@ -53,7 +53,7 @@ pub struct OutputOptions {
     pub motion: Option<Motion>,
     /// The clip planes of the camera's rays; `None`: none.
     pub clip: Option<Clip>,
-    /// Factor of each pixel's light, rows from below; `None`: one ([`crate::camera::shade`]).
+    /// Factor of each pixel's light, rows from below; `None`: one ([`crate::camera::tools::shade`]).
     pub gains: Option<Vec<f32>>,
     /// Groups of emitters, from number 1 on, for [`Film::groups`]; bidirectional paths leave them black.
     pub light_groups: u16,

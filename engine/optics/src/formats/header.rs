@@ -6,7 +6,8 @@ use crate::prescription::{LensGroup, Metadata, Place, PrescriptionError};
 
 use super::columns::{ElementLine, element};
 use super::moving::MovingLines;
-use super::{LensFileError, Problem, finite, not_a_number};
+use super::problem::{LensFileError, Problem};
+use super::text::{finite, not_a_number};
 use crate::formats::draft::Draft;
 use crate::formats::problem::at;
 

@@ -99,8 +99,6 @@
 //!
 //! A diaphragm that opens with the focal length is the `diameter` of its row.
 
-mod columns;
-mod moving;
 mod write;
 
 use std::path::{Path, PathBuf};
@@ -112,13 +110,14 @@ use crate::surface::{Conic, Shape};
 
 use super::draft::MOST_SURFACES;
 use super::glass_names::Glasses;
+use super::header::{self, Header};
 use super::problem::at;
 use super::remarks::{Reading, Remarks};
 use super::text::{self, Token, finite, not_a_number, stem, tokens};
 
 pub use super::problem::{LensFileError, Problem};
 
-use columns::{COATING, ElementLine, Misalignment, NO_COATING_SAID, OBSTRUCTION, POSE, RADIUS_X, power};
+use super::columns::{COATING, ElementLine, Misalignment, NO_COATING_SAID, OBSTRUCTION, POSE, RADIUS_X, power};
 
 pub use write::write;
 pub(super) use write::{common_coating, header_lines, one_line};

@@ -5,11 +5,13 @@
 pub mod agf;
 mod beams;
 pub mod bench;
+mod columns;
 mod draft;
 mod draft_row;
 mod glass_names;
 mod header;
 pub mod lens;
+mod moving;
 pub mod oslo;
 mod problem;
 mod remarks;

@@ -3,7 +3,8 @@
 use crate::glass::{Catalogue, Medium};
 use crate::prescription::{NextMedium, Place};
 
-use super::draft::{Draft, DraftRow, MOST_SURFACES};
+use super::draft::{Draft, MOST_SURFACES};
+use super::draft_row::DraftRow;
 use super::glass_names::Glasses;
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::Reading;

@@ -7,13 +7,15 @@
 
 use glam::DVec3;
 
+use crate::diaphragm::Diaphragm;
 use crate::glass::{Medium, line_nm};
+use crate::interface::Interfaces;
 use crate::lane::{Lane, Mask, Real};
 use crate::surface::Pose;
 use crate::system::Surface;
 use crate::vector::Vector;
 
-use super::step::Step;
+use super::step::{Intersection, Step};
 
 /// Steps are as short as it takes for the place at the other end to change by less than this when they are halved, in
 /// lengths of the way: 1e-10 mm in an eye's lens.

@@ -99,7 +99,7 @@ impl<R: Real> Step<R> {
 
     /// A place and a direction in the surface's own coordinates.
     #[inline(always)]
-    fn own<L: Lane<Real = R>>(&self, p: Vector<L>, d: Vector<L>) -> (Vector<L>, Vector<L>) {
+    pub(super) fn own<L: Lane<Real = R>>(&self, p: Vector<L>, d: Vector<L>) -> (Vector<L>, Vector<L>) {
         match &self.pose {
             Some(pose) => (pose.point_in(p), pose.direction_in(d)),
             None => (p, d),

@@ -5,7 +5,8 @@ use super::forecast::Forecast;
 use super::{Job, OutputOptions, Settings, SettingsError, catcher};
 use crate::camera::clip::Clip;
 use crate::camera::tools::imaging::Imaging;
-use crate::camera::{Camera, CameraDescription, CameraError, shade};
+use crate::camera::tools::shade;
+use crate::camera::{Camera, CameraDescription, CameraError};
 use crate::film::cryptomatte::MatteLayer;
 use crate::integrator::path::parts::{LightPass, Parts, Seen};
 use crate::integrator::{Integrator, PreparedScene};
@@ -118,10 +119,10 @@ impl Settings {
         stage: &PreparedScene,
         d: &CameraDescription,
         moving: &[CameraDescription],
-        options: PlanOptions,
+        mut options: PlanOptions,
         shutter: Option<&Shutter>,
     ) -> Result<Plan, PlanError> {
-        let options = PlanOptions { pipeline: self.pipeline, ..options };
+        options.pipeline = self.pipeline;
         let needs_lens = self.integrator == Integrator::Bidirectional;
         let exposure = shutter.map(|shutter| Exposure::of(shutter, stage.scene.origin));
         Plan::new(stage, d, moving, [self.width, self.height], &options, needs_lens, exposure.as_ref())

@@ -8,7 +8,7 @@ use super::plain::Plain;
 use super::volume::Volume;
 use crate::{Rgb, luminance};
 use glam::Vec3A;
-use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Operand, Program, Registers, Slice, compile};
+use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Program, compile};
 
 /// The fields of a point that the engine knows.
 const KNOWN: [Field; 51] = [

@@ -1,6 +1,6 @@
 //! Bounds of how dense a medium is: cells over an object's box, found by trying points in each.
 
-use super::Entry;
+use super::StackedMedium;
 use crate::accel::Ray;
 use crate::nodes::volume::{Medium, within_box};
 use crate::nodes::{OF_BOUNCES, PathState};
@@ -52,7 +52,7 @@ pub(super) enum Bound {
 
 impl Bound {
     /// The bound of an object's medium.
-    pub(super) fn of_object(scene: &Scene, entry: Entry) -> Self {
+    pub(super) fn of_object(scene: &Scene, entry: StackedMedium) -> Self {
         let mesh = mesh_of(scene, entry.instance);
         let Some(volume) = entry.volume(scene) else { return Self::Even };
         let has = |name: &str| mesh.grids.iter().any(|grid| grid.name == name);
@@ -102,7 +102,7 @@ impl Bound {
 
     /// The bound of the world's medium, in a scene that fills these bounds.
     pub(super) fn of_world(scene: &Scene, around: Option<(Vec3A, Vec3A)>) -> Self {
-        let entry = Entry::WORLD;
+        let entry = StackedMedium::WORLD;
         let Some(volume) = entry.volume(scene) else { return Self::Even };
         if volume.is_even {
             return Self::Even;

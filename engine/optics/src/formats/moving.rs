@@ -3,7 +3,8 @@
 use crate::prescription::moving::{MovingError, MovingParts, Part, Position};
 use crate::prescription::{Place, SurfaceRow};
 
-use super::{Problem, finite};
+use super::problem::Problem;
+use super::text::finite;
 
 /// The contents of the lines, with their places.
 #[derive(Clone, Default)]

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use crate::prescription::Place;
 use crate::surface::{LAST_POWER, Pose};
 
-use super::finite;
+use super::text::finite;
 
 /// Columns that may follow, beside the coefficients.
 pub(super) const OBSTRUCTION: &str = "obstruction";
