@@ -47,6 +47,7 @@ const NOISE: &str =
 const MAPPING: &str = r#"{"type": "ShaderNodeMapping", "inputs": {"Vector": {"node": 0, "socket": "UV"},
     "Location": [0.1, 0.2, 0.0], "Rotation": [0.0, 0.0, 0.3], "Scale": [2.0, 2.0, 2.0]}}"#;
 
+#[expect(clippy::too_many_lines, reason = "a program for each kind of node")]
 fn main() {
     let table: Vec<String> = (0..257).map(|i| format!("[{0}, {0}, {0}, 1]", i as f32 / 256.0)).collect();
     let ramp = format!(

@@ -134,7 +134,6 @@ impl<'a> OsloReader<'a> {
         Ok(())
     }
 
-    #[expect(clippy::too_many_lines, reason = "an arm for each command")]
     fn of_surface(
         &mut self,
         line: usize,

@@ -32,8 +32,8 @@ impl Drop for Folder {
     }
 }
 
-fn read(file: &Path) -> Part {
-    Part::read(file, u64::MAX).unwrap().0
+fn read(file: &Path) -> PicturePart {
+    PicturePart::read(file, u64::MAX).unwrap().0
 }
 
 #[test]

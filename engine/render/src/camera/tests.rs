@@ -417,7 +417,7 @@ fn what_stands_in_the_middle_counts_for_the_t_number() {
     }
     let d = with_lens("reflex-nikkor-500-f8.lens", 36.0, 24.0, 0.0);
     let info = lens_info(&d, 30, 20).unwrap();
-    let system = setup::Setup::new(&d, 30, 20).unwrap().system;
+    let system = lens::setup::Setup::new(&d, 30, 20).unwrap().system;
     let middle = Passages::new(&system, 550.0).in_the_middle(info.film_z_mm, &[550.0]).unwrap()[0];
     // As fast as its rim allows: the diaphragm is wider.
     let t = axial_beam::f_number(&system, 550.0).unwrap() / (expected * middle).sqrt();

@@ -76,7 +76,6 @@ struct SectionX {
 ///
 /// # Errors
 /// [`ReportError`].
-#[expect(clippy::too_many_lines, reason = "a field for each fact")]
 pub fn info(
     lens: &Prescription,
     settings: &LensSettings,

@@ -307,6 +307,7 @@ impl SceneBuilder {
 
     /// The finished scene, with render space's origin at `origin` (world space); images, materials and meshes stay for the next scene, at
     /// their indices. Instances, lamps and the world go, and so do the warnings.
+    #[expect(clippy::too_many_lines, reason = "an instance has many fields")]
     pub fn build_keeping(&mut self, origin: DVec3) -> Scene {
         let place = |m: DMat4| -> Affine3A {
             let moved = DMat4::from_translation(-origin) * m;

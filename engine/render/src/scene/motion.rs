@@ -82,10 +82,6 @@ impl AnimatedTransform {
         let (key, between) = key_at(self.0.len(), part);
         self.0[key].between(&self.0[key + 1], between)
     }
-
-    fn key_count(&self) -> usize {
-        self.0.len()
-    }
 }
 
 /// The key before a part of the time, and how far it is to the next, 0 to 1.

@@ -138,7 +138,6 @@ impl Bsdf {
     }
 
     /// Metal, glass and coat, and what they leave to the diffuse base.
-    #[expect(clippy::too_many_lines, reason = "each layer leaves the rest to the next: a kernel")]
     fn add_facets(
         &mut self,
         tables: &PrincipledTables,

@@ -91,6 +91,7 @@ fn shot(d: CameraDescription, depth: f64, width: u32) -> Shot {
 }
 
 /// A picture for each effect in which the effect grows with one number from 0 to 1.
+#[expect(clippy::too_many_lines, reason = "a scene for each effect")]
 fn growing(effect: Effect, x: f64) -> Shot {
     let between = |low: f64, high: f64| low * (high / low).powf(x);
     match effect {

@@ -92,6 +92,7 @@ pub(crate) fn profile_at(profile: &Profile, r: f64) -> Option<ProfileAt> {
 
 impl Local {
     /// The surface of `case` about the point `p`; `None` where the profile has ended.
+    #[expect(clippy::too_many_lines, reason = "an arm for each shape")]
     pub(super) fn new(case: &Case, p: Triple) -> Option<Self> {
         let [x, y, z] = p;
         Some(match &case.shape {

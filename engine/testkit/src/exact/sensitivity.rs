@@ -158,6 +158,7 @@ impl<'a> About<'a> {
     }
 
     /// The movement of the result after `change`.
+    #[expect(clippy::too_many_lines, reason = "one chain of formulas")]
     fn after(&self, change: &Change) -> Sensitivity {
         let side = self.case.side;
         // value + slope τ + bend τ² / 2 = 0 gives the shift τ of the crossing along the ray.

@@ -7,8 +7,8 @@ use crate::glass::{Catalogue, Medium};
 use crate::prescription::{NextMedium, Prescription, SurfaceRow};
 use crate::surface::{Section, Shape};
 
-use super::super::header::{OF_THE_LENS, glass_lines};
 use super::super::columns::{COATING, Misalignment, NO_COATING_SAID, OBSTRUCTION, POSE, RADIUS_X};
+use super::super::header::{OF_THE_LENS, glass_lines};
 
 /// The text of a lens file, and what of the lens cannot stand in one.
 pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>) {

@@ -89,7 +89,6 @@ pub(in crate::camera) struct LensSample {
 }
 
 impl RealLens {
-    #[expect(clippy::too_many_lines, reason = "each table is made of those before it")]
     pub(in crate::camera) fn new(
         d: &CameraDescription,
         axes: DMat3,

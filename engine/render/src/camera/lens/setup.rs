@@ -86,6 +86,7 @@ pub(in crate::camera) struct Setup {
 }
 
 impl Setup {
+    #[expect(clippy::too_many_lines, reason = "a field for each fact")]
     pub(in crate::camera) fn new(d: &CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
         if let Some(nm) = d.wavelength_nm.filter(|nm| !(100.0..=20_000.0).contains(nm)) {
             return Err(d.error(format!("the wavelength is {nm} nm; visible light is 380 to 780 nm")));

@@ -1,6 +1,7 @@
 //! The models of one lens against each other: what parts them is of third order in aperture and field.
 
-use super::*;
+use crate::camera::{Camera, CameraDescription, Model, lens_info};
+use glam::Vec2;
 use proptest::prelude::*;
 use std::io::Write;
 use std::path::PathBuf;

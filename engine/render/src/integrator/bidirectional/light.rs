@@ -20,7 +20,6 @@ const LIGHT_SETS: u32 = 2;
 const AIM_SETS: u32 = 4096;
 
 /// Follows light from a source, as things are at a moment; its scattering places replace those in `path`. Gives the rays traced.
-#[expect(clippy::too_many_lines, reason = "one loop over the vertices of a path")]
 pub(super) fn trace(
     stage: &PreparedScene,
     limits: &Limits,

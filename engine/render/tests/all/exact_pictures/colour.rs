@@ -51,6 +51,7 @@ fn slope_at(pencil: &[[DVec2; 2]], place: DVec2) -> DVec2 {
 /// The film point that a chief ray of the reference data hits sees along that ray, at F, d and C alike: what the lens
 /// does to colours is in the camera to a fiftieth of a pixel.
 #[test]
+#[expect(clippy::too_many_lines, reason = "a picture, and all that is read from it")]
 fn image_heights_are_those_of_the_reference() {
     let lenses = [
         ("wide-angle-smith-f3.4", "seed-wide-angle"),

@@ -48,7 +48,7 @@ fn spread(pixels: &[[[f64; 2]; 3]], middle: DVec2, reach: f64) -> f64 {
 
 #[test]
 fn lamps_on_the_hinges_plane_are_sharp_in_the_picture() {
-    let turned = |name: &str, focal_length_mm, tilt: f64, swing: f64| {
+    let turned = |name: &str, focal_length_mm: Option<f64>, tilt: f64, swing: f64| {
         lens(name).with(|c| {
             c.lens.focal_length = focal_length_mm.map_or(FocalLength::AsPublished, FocalLength::Millimetres);
             c.focus.distance = Some(1.2);

@@ -84,7 +84,6 @@ fn dot(axis: &[f32; 3], [x, y, z]: [f32x8; 3]) -> f32x8 {
 impl RealLens {
     /// The result of a ray that one wavelength led to, when all wavelengths of its set have left the lens on their way
     /// back; as [`Self::joined`] has it.
-    #[expect(clippy::too_many_lines, reason = "a kernel")]
     pub(in crate::camera) fn joined_in_short(
         &self,
         film: &ShortFilm,

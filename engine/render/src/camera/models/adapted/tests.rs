@@ -1,8 +1,9 @@
 //! Each effect alone: what is taken out is gone, and what is left is the lens's.
 
 use super::*;
+use crate::camera::Camera;
 use crate::camera::tests::with_lens;
-use crate::camera::{Camera, shade};
+use crate::camera::tools::shade;
 
 const SIZE: [u32; 2] = [900, 600];
 

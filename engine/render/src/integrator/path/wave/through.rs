@@ -62,6 +62,7 @@ impl MediumState {
     }
 
     /// Follows a path to what its ray hits, and adds the light of lamps on the way.
+    #[expect(clippy::too_many_lines, reason = "a kernel")]
     pub(super) fn bring<N: AovSink>(
         &mut self,
         stage: &PreparedScene,

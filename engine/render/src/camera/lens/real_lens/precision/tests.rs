@@ -8,7 +8,7 @@ use petzval_optics::formats::lens;
 use petzval_optics::glass::{Catalogue, line_nm};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::surface::Section;
-use petzval_optics::system::{LensSettings, System};
+use petzval_optics::system::{FocalLength, LensSettings, System};
 use std::path::{Path, PathBuf};
 
 /// Every lens of the cabinet and of the reference tables.
@@ -100,7 +100,7 @@ fn double_precision_stays_where_it_is_needed() {
 fn a_lens_of_a_thousand_light_years_has_double_precision() {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses/tessar-brendel.lens");
     let camera = camera(&shipped, [1920, 1080], |d| {
-        d.focal_scale = Some(1e20);
+        d.lens.focal_length = FocalLength::Scale(1e20);
         (d.film.width_mm, d.film.height_mm) = (1e20 * d.film.width_mm, 1e20 * d.film.height_mm);
     });
     let chosen = camera.traced_lens().unwrap().precision();
