@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from petzval.cost import accuracy, advice, flip, intervals, ladder, tables
+from petzval.description import CameraDescription
 
 pytestmark = pytest.mark.once
 
@@ -108,20 +109,18 @@ def test_time_to_an_error_is_that_of_its_noise():
 
 
 def test_simple_cameras_frame_what_the_lens_does():
-    class Camera:
-        f_number, exposure, scale_mm_per_unit = None, None, (1000.0, 1000.0, 1000.0)
-
+    camera = CameraDescription("Camera", np.eye(4).tolist())
     info = {"viewport_focal_length_mm": 50.0, "entrance_pupil_diameter_mm": 20.0, "picture_width_mm": 36.0,
             "viewport_shift": [0.1, 0.0], "focus_distance_mm": 2000.0}  # fmt: skip
     rungs = {
         one.key: one
-        for one in ladder.ladder(Camera(), info, ["defocus", "lateral_colour"], {"effects": {}, "quality": 1.0})
+        for one in ladder.ladder(camera, info, ["defocus", "lateral_colour"], {"effects": {}, "quality": 1.0})
     }
-    assert rungs["thin"].camera["f_number"] == 2.5 and rungs["thin"].camera["focus_distance"] == 2.0
-    assert rungs["pinhole"].camera["pinhole_shift"] == (0.1, 0.0)
+    assert rungs["thin"].camera["lens.f_number"] == 2.5 and rungs["thin"].camera["focus.distance"] == 2.0
+    assert rungs["pinhole"].camera["perspective.shift"] == (0.1, 0.0)
     assert "lateral_colour" not in rungs["one-f32"].effects and rungs["no-defocus"].effects["defocus"] == "off"
     assert rungs["with-transmission"].missing and rungs["with-ghosts"].missing
-    able = {one.key: one for one in ladder.ladder(Camera(), info, ["ghosts"], {"effects": {}, "quality": 1.0})}
+    able = {one.key: one for one in ladder.ladder(camera, info, ["ghosts"], {"effects": {}, "quality": 1.0})}
     assert able["with-ghosts"].effects == {"ghosts": "on"} and able["hero"].effects == {"ghosts": "off"}
 
 
