@@ -70,7 +70,7 @@ def test_lenses_are_found_by_name_group_and_focal_length(blender, parts):
         assert ids("", group) == {entry["id"] for entry in files.shipped() if entry["group"] == group}
         assert ids(group) >= ids("", group)
     # So does Blender's own search, which looks at names alone.
-    items = {key: name for key, name, _ in parts.part("operators.common.common")._shipped_items(None, None)}
+    items = {key: name for key, name, _ in parts.part("operators.common")._shipped_items(None, None)}
     assert "wide angle, 28.41 mm, f/1.45" in items["nikkor-28-f1.4.lens"]
 
 
