@@ -134,8 +134,11 @@ def test_an_image_shows_each_number_over_its_own_part():
 def test_colours_are_matplotlibs():
     matplotlib = pytest.importorskip("matplotlib")
     parts = np.linspace(0.0, 1.0, 256)
-    # A polynomial of the sixth power: steps of six of 255 are seen in no report.
-    assert np.abs(colour_maps.coloured(parts, "inferno") - matplotlib.colormaps["inferno"](parts)[:, :3]).max() < 0.025
+    # Linear between 33 places: within one step of 255.
+    assert (
+        np.abs(colour_maps.coloured(parts, "inferno") - matplotlib.colormaps["inferno"](parts)[:, :3]).max()
+        < 1.0 / 255.0
+    )
 
 
 def test_a_plot_may_take_a_whole_row_of_a_grid():

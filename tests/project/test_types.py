@@ -24,7 +24,7 @@ READERS = {
     "LensSettings": ("LensSettings", "optics/src/system.rs"),
     "Focusing": ("Focusing", "optics/src/focus/scale.rs"),
     "ApertureMask": ("GreyPicture", "optics/src/diaphragm/mask.rs"),
-    "LensReportSettings": ("Look", "python/src/report.rs"),
+    "LensReportSettings": ("ReportSettings", "render/src/reports/mod.rs"),
     "Perspective": ("Perspective", "render/src/camera/description.rs"),
     "FocusSettings": ("FocusSettings", "render/src/camera/description.rs"),
     "FilmSettings": ("FilmSettings", "render/src/camera/description.rs"),

@@ -276,8 +276,8 @@ class Axes:
         scale = owner._x if axis == "x" else owner._y
         low, high = scale.limits
         if (low is None or high is None) and owner._image is not None:
-            ends = owner._image.extent[:2] if axis == "x" else owner._image.extent[2:]
-            low, high = (ends[0] if low is None else low), (ends[1] if high is None else high)
+            extent = owner._image.extent[:2] if axis == "x" else owner._image.extent[2:]
+            low, high = (extent[0] if low is None else low), (extent[1] if high is None else high)
         if low is None or high is None:
             sharers = [one for one in self.figure.axes if (one.share_x if axis == "x" else one.share_y) is owner]
             lines = [line for one in sharers for line in one.lines if line.endless in ("", axis)]
