@@ -134,7 +134,7 @@ def test_an_image_shows_each_number_over_its_own_part():
 def test_colours_are_matplotlibs():
     matplotlib = pytest.importorskip("matplotlib")
     parts = np.linspace(0.0, 1.0, 256)
-    # Linear between 33 places: within one step of 255.
+    # Linear between 52 places: within one step of 255.
     assert (
         np.abs(colour_maps.coloured(parts, "inferno") - matplotlib.colormaps["inferno"](parts)[:, :3]).max()
         < 1.0 / 255.0
