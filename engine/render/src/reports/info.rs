@@ -26,7 +26,7 @@ pub struct LensFacts {
     image_focal_plane_mm: Option<f64>,
     entrance_pupil: Pupil,
     exit_pupil: Pupil,
-    /// By the circle that holds the opening.
+    /// F-number by the circle that holds the opening.
     f_number: Option<f64>,
     t_number: Option<f64>,
     coatings: Vec<String>,
@@ -35,7 +35,7 @@ pub struct LensFacts {
     working_f_number: Option<f64>,
     stop_diameter_mm: f64,
     stop_area_mm2: f64,
-    /// By a round opening of the area `stop_area_mm2`.
+    /// F-number by a round opening of the area `stop_area_mm2`.
     f_number_by_area: Option<f64>,
     focus_distance_mm: Option<f64>,
     object_plane_mm: Option<f64>,

@@ -22,7 +22,7 @@ pub struct Summary {
     focal_length_mm: Option<f64>,
     zoom_range_mm: Option<[f64; 2]>,
     focuses_inside: bool,
-    /// Of the beam that comes through wide open.
+    /// F-number of the beam that comes through wide open.
     f_number: Option<f64>,
     back_focus_mm: Option<f64>,
     half_field_deg: Option<f64>,
