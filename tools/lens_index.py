@@ -186,7 +186,9 @@ def main() -> int:
         origin = pages.made(name)
         draw(found)
         origin = origin.took(time.monotonic() - began)
-    README.write_text(texts[README], encoding="utf-8")
+    # The wheel holds it, and is built anew for each newer file.
+    if README.read_text(encoding="utf-8") != texts[README]:
+        README.write_text(texts[README], encoding="utf-8")
     PAGE.write_text(pages.stamped(texts[PAGE], origin), encoding="utf-8")
     return 0
 
