@@ -37,3 +37,10 @@ pub type Rgb = glam::Vec3;
 pub fn luminance(c: Rgb) -> f32 {
     0.212_671 * c.x + 0.715_160 * c.y + 0.072_169 * c.z
 }
+
+/// Mean of a colour's channels: the weight of a closure where one of several is chosen, as in Cycles. Noise is judged by channel, and
+/// luminance would seldom choose the only closure that gives red or blue.
+#[inline]
+pub fn average(c: Rgb) -> f32 {
+    c.element_sum() / 3.0
+}

@@ -9,7 +9,7 @@ use crate::scene::layer::{GraphLayer, MOST_LAYERS, Source};
 use crate::scene::material::{Aovs, Material};
 use crate::scene::plain::{Plain, PlainValues};
 use crate::surface::SurfacePoint;
-use crate::{Rgb, luminance};
+use crate::{Rgb, average, luminance};
 use arrayvec::ArrayVec;
 use glam::Vec3A;
 use petzval_nodes::{Registers, Slice};
@@ -179,7 +179,7 @@ impl Transparency {
     pub const NONE: Self = Self { light: Rgb::ZERO, chance: 0.0, kept: 1.0, rest: 1.0, share: 1.0 };
 
     fn of(ClosureSums { light, rest, glowing, scattering }: ClosureSums) -> Self {
-        let through = luminance(light);
+        let through = average(light);
         if through <= 0.0 {
             return Self::NONE;
         }
@@ -240,10 +240,6 @@ impl ClosureSums {
         self.scattering +=
             weight * closure.tint().map_or(1.0, |tint| (average(color(tint).max(Rgb::ZERO)) + least).min(1.0));
     }
-}
-
-fn average(color: Rgb) -> f32 {
-    color.element_sum() / 3.0
 }
 
 /// The opening of a material at a point.

@@ -10,7 +10,7 @@ use crate::sampler::warp;
 use crate::scene::plain::{Plain, PlainValues};
 use crate::scene::visibility::Rays;
 use crate::surface::SurfacePoint;
-use crate::{Rgb, luminance};
+use crate::{Rgb, average};
 use glam::{Vec3A, Vec4};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -131,7 +131,7 @@ impl Bsdf {
         };
         if has_facets {
             bsdf.add_facets(tables, values, point.backfacing, warp::to_local(&frame, wo), caustics);
-        } else if luminance(bsdf.diffuse) <= 0.0 {
+        } else if average(bsdf.diffuse) <= 0.0 {
             bsdf.chance = [0.0; 4];
         }
         bsdf
@@ -155,18 +155,18 @@ impl Bsdf {
         let opaque = dielectric * (1.0 - values.transmission);
         let has_coat = tables.is_coated && opaque > 0.0 && reflective;
         // What single scattering loses is given back in proportion.
-        let (single, average) = if values.metallic > 0.0 || has_coat {
+        let (single, mean) = if values.metallic > 0.0 || has_coat {
             (tables.reflection.at(r, cos), tables.reflection.average(r))
         } else {
             (1.0, 1.0)
         };
-        let restored = |fresnel_average: Rgb| give_back(fresnel_average, single, average);
+        let restored = |fresnel_average: Rgb| give_back(fresnel_average, single, mean);
 
         let (mut metal, mut metal_weight, mut metal_chance) = (F82Tint::default(), Rgb::ZERO, 0.0);
         if values.metallic > 0.0 && reflective {
             metal = F82Tint::new(base, Rgb::ONE);
             metal_weight = restored(metal.average()) * values.metallic;
-            metal_chance = luminance(metal.at(cos)) * values.metallic;
+            metal_chance = average(metal.at(cos)) * values.metallic;
         }
 
         let glass_chance = if reflective || refractive { dielectric * values.transmission } else { 0.0 };
@@ -191,7 +191,7 @@ impl Bsdf {
             coat_albedo = (tables.coat.at(r, cos) * give_back).min(1.0);
         }
         self.diffuse = values.base_color * (opaque * (1.0 - coat_albedo));
-        let chance = Vec4::new(metal_chance, glass_chance, coat_albedo * opaque, luminance(self.diffuse));
+        let chance = Vec4::new(metal_chance, glass_chance, coat_albedo * opaque, average(self.diffuse));
         let total = (chance.x + chance.y) + (chance.z + chance.w);
         self.chance = if total > 0.0 { (chance / total).to_array() } else { [0.0; 4] };
         self.facets = Some(FacetData {

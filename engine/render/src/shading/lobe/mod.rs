@@ -6,9 +6,9 @@ mod matte;
 
 use super::microfacet::{reflect, refract};
 use super::subsurface::{Body, Entry};
-use crate::Rgb;
 use crate::sampler::warp;
 use crate::scene::visibility::Rays;
+use crate::{Rgb, average};
 use facets::Facets;
 pub(super) use facets::{Fresnel, Slopes};
 use glam::Vec3A;
@@ -60,7 +60,7 @@ pub(super) struct Lobe {
 impl Lobe {
     fn new(weight: Rgb, frame: [Vec3A; 3], wo: Vec3A, kind: impl FnOnce(Vec3A) -> LobeModel) -> Self {
         let wo = warp::to_local(&frame, wo);
-        Self { weight, chance: weight.element_sum() / 3.0, frame, wo, kind: kind(wo) }
+        Self { weight, chance: average(weight), frame, wo, kind: kind(wo) }
     }
 
     pub(super) fn lambert(weight: Rgb, normal: Vec3A, wo: Vec3A) -> Self {
@@ -115,7 +115,7 @@ impl Lobe {
     ) -> Self {
         let kind = |wo: Vec3A| LobeModel::Facets(Facets::new(slopes, fresnel, eta, wo));
         let lobe = Self::new(weight, frame, wo, kind);
-        Self { chance: (weight * albedo).element_sum() / 3.0, ..lobe }
+        Self { chance: average(weight * albedo), ..lobe }
     }
 
     /// `frame`: across the fibre on the viewer's side, and along it.
@@ -138,7 +138,7 @@ impl Lobe {
             albedo = fibre.albedo();
             LobeModel::Chiang(fibre)
         });
-        Self { chance: (weight * albedo).element_sum() / 3.0, ..lobe }
+        Self { chance: average(weight * albedo), ..lobe }
     }
 
     /// `weight` holds the albedo, too.
