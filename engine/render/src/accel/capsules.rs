@@ -13,16 +13,16 @@ use glam::{Vec3A, Vec4};
 /// Rounding of an end of an axis as it is seen along a ray, and of its distance, as a share of the coordinates of both.
 const ROUNDING: f32 = 4.0 * Bounds::SLACK;
 
-/// A leaf's capsules, a lane each.
+/// A leaf's capsules, a lane each: four lines of a cache.
 #[derive(Clone, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(super) struct Capsules {
     /// Ends of the axes, then coordinates.
     ends: [[[f32; LANES]; 3]; 2],
     /// NaN in lanes without a capsule.
     radius: [f32; LANES],
-    /// The segment of the first lane; the others follow.
-    pub(super) first: u32,
+    /// The first of the four keys of each lane's segment.
+    pub(super) controls: [u32; LANES],
 }
 
 /// The capsules of a leaf that a ray hits.
@@ -34,14 +34,13 @@ pub(super) struct Candidates {
 }
 
 impl Capsules {
-    /// A leaf of the segments from `first` on, without capsules yet.
-    pub(super) fn new(first: u32) -> Self {
-        Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], first }
-    }
+    /// A leaf without capsules.
+    pub(super) const NONE: Self =
+        Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], controls: [0; LANES] };
 
-    /// Puts a capsule into a lane, around all that is between each two neighbours of some balls. Its axis has the direction of the line
+    /// Puts a capsule into a lane, for the segment of the keys from `controls` on, around all that is between each two neighbours of some balls. Its axis has the direction of the line
     /// from the first to the last, and lies beside that line where the balls do.
-    pub(super) fn set(&mut self, lane: usize, balls: &[Vec4]) {
+    pub(super) fn set(&mut self, lane: usize, balls: &[Vec4], controls: u32) {
         /// Steps towards the axis of the thinnest capsule: the first is the last one of a plain bend, an S takes some.
         const STEPS: usize = 6;
         let [start, end] = [balls.first(), balls.last()].map(|ball| Vec3A::from_vec4(*ball.expect("at least one")));
@@ -76,6 +75,7 @@ impl Capsules {
         }
         let rounding = ROUNDING * start.abs().max(end.abs()).max_element();
         self.radius[lane] = thinnest * (1.0 + ROUNDING) + rounding;
+        self.controls[lane] = controls;
     }
 
     /// The capsules that a ray hits before `t_max`, or may hit.

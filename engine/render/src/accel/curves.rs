@@ -41,6 +41,8 @@ struct CurveTree {
     nodes: Vec<Node>,
     /// The leaves, each with capsules around some of the segments.
     leaves: Vec<Capsules>,
+    /// The first segment of each leaf; the others follow.
+    firsts: Vec<u32>,
     /// The segments, in the order of the leaves.
     segments: Vec<Segment>,
     /// The keys of all strands; each strand's first key is repeated before it, and its last one behind it.
@@ -361,6 +363,7 @@ impl CurveTree {
         tree.nodes = built.nodes;
         tree.set_order(boxes.iter().map(|bounds| bounds.name()[0] as usize), &strands, &strand_of);
         drop(boxes);
+        tree.firsts = built.leaves.iter().map(|leaf| leaf.start as u32).collect();
         tree.leaves = built.leaves.into_par_iter().map(|leaf| tree.capsules(leaf)).collect();
         tree
     }
@@ -385,12 +388,12 @@ impl CurveTree {
 
     /// The capsules around some of the tree's segments.
     fn capsules(&self, of: Range<usize>) -> Capsules {
-        let mut capsules = Capsules::new(of.start as u32);
+        let mut capsules = Capsules::NONE;
         let mut balls = Vec::new();
         for (lane, segment) in self.segments[of].iter().enumerate() {
             let controls = super::Controls(self.controls(segment.controls));
             segment.cut.balls(&controls, segment.part.clone(), &mut balls);
-            capsules.set(lane, &balls);
+            capsules.set(lane, &balls, segment.controls);
         }
         capsules
     }
@@ -421,14 +424,16 @@ impl CurveTree {
             boxes,
             t_max,
             #[inline(always)]
-            |leaf, mut t_max| {
-                let leaf = &self.leaves[leaf];
+            |number, mut t_max| {
+                let leaf = &self.leaves[number];
                 if let Some(candidates) = leaf.meet(simd, gaze, t_max) {
+                    let first = self.firsts[number] as usize;
                     for lane in lanes(candidates.lanes) {
-                        let segment = &self.segments[leaf.first as usize + lane];
+                        let segment = &self.segments[first + lane];
                         if candidates.near[lane] < t_max && wanted(segment) {
-                            let both =
-                                meet(simd, gaze, self.controls(segment.controls), (segment.cut, &segment.part), t_max);
+                            // The leaf names the keys too: they are read from memory beside the segment, not after it.
+                            let controls = self.controls(leaf.controls[lane]);
+                            let both = meet(simd, gaze, controls, (segment.cut, &segment.part), t_max);
                             t_max = met(segment, both, t_max)?;
                         }
                     }

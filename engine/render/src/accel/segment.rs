@@ -59,10 +59,12 @@ impl RayFrame {
         self.origin.abs().max_element()
     }
 
+    /// A key in this frame. (Arrays are not mapped here: their closures would not be inlined.)
+    #[inline(always)]
     fn seen(&self, key: Vec4) -> Vec4 {
         let from = Vec3A::from_vec4(key) - self.origin;
-        let [x, y, z] = self.axes.map(|axis| axis.dot(from));
-        Vec4::new(x, y, z, key.w)
+        let [x, y, z] = self.axes;
+        Vec4::new(x.dot(from), y.dot(from), z.dot(from), key.w)
     }
 }
 
@@ -150,8 +152,11 @@ pub(super) fn meet<S: Simd>(
     (cut, part): (SegmentCut, &Range<u16>),
     t_max: f32,
 ) -> BothMet {
-    let seen = Controls(controls.map(|key| gaze.seen(key)));
-    if !matches!(cut, SegmentCut::Straight) && passes_by(&seen) {
+    let [a, b, c, d] = controls;
+    let seen = Controls([gaze.seen(a), gaze.seen(b), gaze.seen(c), gaze.seen(d)]);
+    // The capsule of a part is tighter than the segment's polygon.
+    let is_whole = part.len() == usize::from(cut.pieces());
+    if is_whole && !matches!(cut, SegmentCut::Straight) && passes_by(&seen) {
         return [None; 2];
     }
     match cut {

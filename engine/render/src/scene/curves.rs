@@ -57,6 +57,8 @@ pub struct Curves {
     pub keys: Vec<Vec4>,
     /// Index of the first key by strand; then the number of keys.
     first_keys: Vec<u32>,
+    /// The strand of each key whose number is a multiple of [`STRAND_STEP`].
+    strand_at: Vec<u32>,
     /// The shape of the strands.
     pub shape: CurveShape,
     /// The numbers by strand that random numbers are made of.
@@ -105,6 +107,14 @@ impl Controls {
         let [p, a, b, q] = self.0;
         [a, a + (b - p) / 6.0, b - (q - a) / 6.0, b]
     }
+}
+
+/// Keys between two entries of the table of strands.
+const STRAND_STEP: usize = 32;
+
+/// The last of some strands that begins at a key or before it, by the strands' first keys.
+fn strand_among(first_keys: &[u32], key: u32) -> u32 {
+    first_keys.partition_point(|&first| first <= key) as u32 - 1
 }
 
 impl Curves {
@@ -159,7 +169,8 @@ impl Curves {
             key.w = key.w.max(0.0);
         }
         let CurvesDescription { keys, first_keys, shape, uv_maps, attributes, moved_keys, .. } = d;
-        Ok((Self { keys, first_keys, shape, numbers, uv_maps, attributes, moved_keys }, warning))
+        let strand_at = (0..keys.len() as u32).step_by(STRAND_STEP).map(|key| strand_among(&first_keys, key)).collect();
+        Ok((Self { keys, first_keys, strand_at, shape, numbers, uv_maps, attributes, moved_keys }, warning))
     }
 
     /// True if the curves are ribbons.
@@ -184,7 +195,10 @@ impl Curves {
 
     /// The strand of a segment.
     pub fn strand_of(&self, segment: u32) -> u32 {
-        (self.first_keys.partition_point(|&first| first <= segment) - 1) as u32
+        let at = segment as usize / STRAND_STEP;
+        let low = self.strand_at[at] as usize;
+        let end = self.strand_at.get(at + 1).map_or(self.first_keys.len(), |&high| high as usize + 1);
+        low as u32 + strand_among(&self.first_keys[low..end], segment)
     }
 
     /// The control points of a segment of a strand.

@@ -21,12 +21,12 @@ fn segment(i: u32, seed: u32) -> Controls {
 }
 
 fn capsules(of: &[Controls], shape: CurveShape) -> Capsules {
-    let mut capsules = Capsules::new(0);
+    let mut capsules = Capsules::NONE;
     for (lane, controls) in of.iter().enumerate() {
         let mut balls = vec![];
         let cut = SegmentCut::new(shape, controls);
         cut.balls(controls, 0..cut.pieces(), &mut balls);
-        capsules.set(lane, &balls);
+        capsules.set(lane, &balls, 0);
     }
     capsules
 }
