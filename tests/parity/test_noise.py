@@ -53,8 +53,8 @@ def stage(blender):
     return scene
 
 
-def variance(folder, engine: str, samples: int) -> tuple[float, float]:
-    """Of a pixel, relative to the square of the picture's mean, and the mean."""
+def variance(folder, engine: str, samples: int, by_channel: bool = False) -> tuple[float, float]:
+    """Of a pixel, relative to the square of the picture's mean, or of each channel's, and the mean."""
     import bpy
 
     from support import beside_cycles
@@ -66,7 +66,8 @@ def variance(folder, engine: str, samples: int) -> tuple[float, float]:
         scene.petzval.seed = scene.cycles.seed = seed
         pictures.append(beside_cycles.take(folder, engine).astype(np.float64))
     taken = np.stack(pictures)
-    return float(taken.var(0, ddof=1).mean() / taken.mean() ** 2), float(taken.mean())
+    means = taken.mean((0, 1, 2)) if by_channel else taken.mean()
+    return float((taken.var(0, ddof=1) / means**2).mean()), float(taken.mean())
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -86,11 +87,11 @@ def test_several_lights_are_no_noisier_than_in_cycles(stage, blender, tmp_path, 
     assert_no_noisier(tmp_path, name, (16, 64, 256), WITHIN)
 
 
-def assert_no_noisier(folder, name: str, samples: tuple[int, ...], within: float) -> None:
+def assert_no_noisier(folder, name: str, samples: tuple[int, ...], within: float, by_channel: bool = False) -> None:
     """At each of these samples a pixel the variance is that of Cycles, times `within` at most."""
     for count in samples:
-        ours, our_mean = variance(folder, "PETZVAL", count)
-        theirs, their_mean = variance(folder, "CYCLES", count)
+        ours, our_mean = variance(folder, "PETZVAL", count, by_channel)
+        theirs, their_mean = variance(folder, "CYCLES", count, by_channel)
         print(f"{name}, {count} samples: {ours:.3g} / {theirs:.3g} = {ours / theirs:.2f}")
         assert our_mean == pytest.approx(their_mean, rel=0.005)
         assert ours < within * theirs, f"{count} samples: {ours / theirs:.2f} of Cycles' variance"
@@ -171,6 +172,23 @@ def test_floors_under_a_sky_are_no_noisier_than_in_cycles(stage, blender, tmp_pa
     sky.links.new(texture.outputs["Color"], sky.nodes["Background"].inputs["Color"])
     # At 256 samples so few pixels are taken that a limit could not be told from noise.
     assert_no_noisier(tmp_path, name, (16, 64), WITHIN)
+
+
+def test_gloss_on_a_saturated_colour_is_no_noisier_than_in_cycles(stage, blender, tmp_path):
+    """Red and blue come from the gloss alone, so the gloss is chosen by the mean of the channels: by luminance, which is high for
+    green, it would be chosen half as often. Of each channel the relative variance counts."""
+    from support import scenes as parts
+
+    material = blender.data.materials.new("Floor")
+    material.use_nodes = True
+    principled = material.node_tree.nodes["Principled BSDF"]
+    for key, value in {"Base Color": (0.008, 0.8, 0.005, 1.0), "Roughness": 0.5, "IOR": 1.5}.items():
+        principled.inputs[key].default_value = value
+    blender.context.object.data.materials.append(material)
+    stage.camera.location, stage.camera.rotation_euler = (0, -6, 1.6), (math.pi / 2 - 0.26, 0, 0)
+    stage.camera.data.lens, blender.context.object.scale = 300, (10.0, 10.0, 1.0)
+    stage.world = parts.grey_world(0.5)
+    assert_no_noisier(tmp_path, "saturated gloss", (16, 64), WITHIN, by_channel=True)
 
 
 def ball_under_a_sun(stage, blender, kind: str, inputs: dict, passed: float, strength: float) -> None:
