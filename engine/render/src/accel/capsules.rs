@@ -4,9 +4,9 @@
 //! strand whichever way it runs. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
 //! "Exploiting Local Orientation Similarity for Efficient Ray Traversal of Hair and Fur"); here the leaves alone are oriented.
 
+use super::block::LANES;
 use super::bounds::Bounds;
 use super::segment::RayFrame;
-use super::triangles::LANES;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec3A, Vec4};
 
