@@ -4,38 +4,37 @@
 mod apart;
 mod balls;
 mod beside;
+mod block;
 mod bounds;
 mod build;
 mod capsules;
 pub(crate) mod curves;
 mod divide;
+mod members;
 mod moving;
 mod node;
 mod places;
 pub(crate) mod points;
-mod posed;
+mod query;
 mod refit;
 mod segment;
 mod source;
 mod traverse;
+mod tree;
 mod triangles;
+mod two_level;
 
 use crate::Rgb;
-use crate::scene::{Scene, curves::Controls, motion::MIDDLE, visibility::Rays};
+use crate::scene::{Scene, motion::MIDDLE, visibility::Rays};
 use beside::ExtraTrees;
 use bounds::Bounds;
-use build::build;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::Level;
 use glam::Vec3A;
-use node::Node;
-use places::{PlacedMesh, placed};
-use rayon::prelude::*;
 use refit::Topology;
-use source::{Parts, TriangleSource};
-use std::ops::{ControlFlow, Range};
-use std::sync::Arc;
-use traverse::{Found, TreeRay, TriangleTree, traverse};
-use triangles::{Block, LANES};
+use source::Parts;
+use std::ops::ControlFlow;
+use triangles::Triangles;
+use two_level::TwoLevel;
 
 /// A half line in render space.
 #[derive(Clone, Copy, Debug)]
@@ -135,15 +134,8 @@ impl Across {
 /// The trees of one scene.
 pub struct Accel {
     level: Level,
-    /// The tree in render space of all meshes that have one instance.
-    common: TriangleTree,
-    /// The trees in object space of the other meshes.
-    meshes: Vec<Arc<TriangleTree>>,
-    /// The nodes over the instances of the meshes with trees of their own.
-    places: Vec<Node>,
-    /// The instances, in the order of the leaves of `places`.
-    placed: Vec<PlacedMesh>,
-    /// Trees of hair, point clouds and moving instances, if there are any.
+    triangles: TwoLevel<Triangles>,
+    /// Trees of hair and point clouds, if there are any.
     beside: Option<Box<ExtraTrees>>,
     /// The kinds of ray that see it, by instance.
     visible: Vec<Rays>,
@@ -158,31 +150,18 @@ impl Accel {
     /// Builds all trees on the current rayon pool.
     pub fn new(scene: &Scene) -> Self {
         let parts = Parts::of(scene);
-        let common = TriangleTree::new(&TriangleSource::placed(scene, &parts.alone));
-        let tree = |source: Option<TriangleSource<'_>>| {
-            Arc::new(source.map_or_else(TriangleTree::default, |s| TriangleTree::new(&s)))
-        };
-        let meshes = parts.shared_meshes(scene).into_par_iter().map(tree).collect();
-        Self::over(scene, common, meshes, &parts, Topology::of(scene))
+        Self::over(scene, TwoLevel::new(scene, &parts), &parts, Topology::of(scene))
     }
 
-    /// The trees of a scene over `common` and `meshes`.
-    fn over(
-        scene: &Scene,
-        common: TriangleTree,
-        meshes: Vec<Arc<TriangleTree>>,
-        parts: &Parts,
-        topology: Topology,
-    ) -> Self {
-        let (places, placed) = placed(scene, &parts.several, |instance| meshes[instance.mesh as usize].bounds());
-
+    /// The trees of a scene over those of its triangles.
+    fn over(scene: &Scene, triangles: TwoLevel<Triangles>, parts: &Parts, topology: Topology) -> Self {
         let visible: Vec<Rays> = scene.instances.iter().map(|instance| instance.visible).collect();
         let all_visible = visible.iter().fold(Rays::ALL, |all, one| all.common(*one));
         let beside = ExtraTrees::new(scene, parts);
-        let bounds = places.first().map(Node::bounds).into_iter().chain(common.bounds());
-        let bounds = bounds.chain(beside.as_ref().and_then(|beside| beside.bounds())).reduce(|a, b| a.union(&b));
+        let bounds = triangles.bounds().into_iter().chain(beside.as_ref().and_then(|beside| beside.bounds()));
+        let bounds = bounds.reduce(|a, b| a.union(&b));
         let (level, refitted) = (Level::new(), 0);
-        Self { level, common, meshes, places, placed, beside, visible, all_visible, bounds, topology, refitted }
+        Self { level, triangles, beside, visible, all_visible, bounds, topology, refitted }
     }
 
     /// Number of the trees that were there before, see [`Self::new_after`].
@@ -197,11 +176,13 @@ impl Accel {
 
     /// The closest hit of a ray of this kind.
     pub fn closest(&self, ray: &Ray, kind: Rays) -> Option<Hit> {
-        let found = dispatch!(self.level, simd => self.closest_with(simd, ray, kind));
-        match &self.beside {
-            None => found,
-            Some(beside) => beside.closest(self.level, ray, found, |instance| self.shows(instance, kind)),
+        let shows = move |instance| self.shows(instance, kind);
+        let mut nearest = None;
+        self.triangles.closest(self.level, ray, &mut nearest, &shows);
+        if let Some(beside) = &self.beside {
+            beside.closest(self.level, ray, &mut nearest, &shows);
         }
+        nearest
     }
 
     /// The transmittance between the ends of the ray; `opacity` gives the part of the light that each surface in between takes (1: all).
@@ -236,146 +217,16 @@ impl Accel {
 
     /// [`Self::each_between`] of one type for all callers: the kernels are compiled once, not once for each type of `pass`.
     fn each_between_dyn(&self, ray: &Ray, kind: Rays, pass: &mut dyn FnMut(&Hit) -> bool) {
-        let end = dispatch!(self.level, simd => self.each_between_with(simd, ray, kind, pass));
+        let shows = move |instance| self.shows(instance, kind);
+        let end = self.triangles.each_between(self.level, ray, &shows, pass);
         if let (ControlFlow::Continue(()), Some(beside)) = (end, &self.beside) {
-            let _ = beside.each_between(self.level, ray, |instance| self.shows(instance, kind), pass);
+            let _ = beside.each_between(self.level, ray, &shows, pass);
         }
     }
 
     #[inline(always)]
     fn shows(&self, instance: u32, kind: Rays) -> bool {
         self.all_visible.all_of(kind) || self.visible[instance as usize].any_of(kind)
-    }
-
-    #[inline(always)]
-    fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, kind: Rays) -> Option<Hit> {
-        let here = TreeRay::new(ray.origin, ray.direction);
-        let found = self.common.closest(
-            simd,
-            &here,
-            ray.t_max,
-            #[inline(always)]
-            |instance, triangle| self.shows(instance, kind) && !ray.skip.is(instance, triangle),
-        );
-        let mut nearest = found.map(|found| hit(found, 1.0, found.instance, ray.moment));
-        if !self.places.is_empty() {
-            let t_max = nearest.map_or(ray.t_max, |hit| hit.t);
-            let _ = traverse(
-                simd,
-                &self.places,
-                &here.boxes,
-                t_max,
-                #[inline(always)]
-                |leaf, mut t_max| {
-                    if let Some((placed, there, scale)) = self.enter(leaf, ray, kind)
-                        && let Some(found) = self.meshes[placed.mesh as usize].closest(
-                            simd,
-                            &there,
-                            t_max * scale,
-                            #[inline(always)]
-                            |_, triangle| !ray.skip.is(placed.instance, triangle),
-                        )
-                    {
-                        let hit = hit(found, scale, placed.instance, ray.moment);
-                        // Not so where the division rounds up.
-                        t_max = t_max.min(hit.t);
-                        nearest = Some(hit);
-                    }
-                    ControlFlow::Continue(t_max)
-                },
-            );
-        }
-        nearest
-    }
-
-    #[inline(always)]
-    fn each_between_with<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        kind: Rays,
-        pass: &mut dyn FnMut(&Hit) -> bool,
-    ) -> ControlFlow<()> {
-        let mut pass = |hit: Hit| {
-            let goes_on = ray.skip.is(hit.instance, hit.triangle) || pass(&hit);
-            if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        };
-        let here = TreeRay::new(ray.origin, ray.direction);
-        self.common.visit(
-            simd,
-            &here,
-            ray.t_max,
-            #[inline(always)]
-            |found| {
-                if self.shows(found.instance, kind) {
-                    pass(hit(found, 1.0, found.instance, ray.moment))
-                } else {
-                    ControlFlow::Continue(())
-                }
-            },
-        )?;
-        if self.places.is_empty() {
-            return ControlFlow::Continue(());
-        }
-        traverse(
-            simd,
-            &self.places,
-            &here.boxes,
-            ray.t_max,
-            #[inline(always)]
-            |leaf, t_max| {
-                if let Some((placed, there, scale)) = self.enter(leaf, ray, kind) {
-                    let tree = &self.meshes[placed.mesh as usize];
-                    tree.visit(
-                        simd,
-                        &there,
-                        t_max * scale,
-                        #[inline(always)]
-                        |found| pass(hit(found, scale, placed.instance, ray.moment)),
-                    )?;
-                }
-                ControlFlow::Continue(t_max)
-            },
-        )
-    }
-
-    /// The ray in the object space of an instance, and how much longer distances are there; `None` where the ray
-    /// cannot see it.
-    #[inline(always)]
-    fn enter(&self, leaf: usize, ray: &Ray, kind: Rays) -> Option<(&PlacedMesh, TreeRay, f32)> {
-        let placed = &self.placed[leaf];
-        let within = placed.enter(ray).filter(|_| self.shows(placed.instance, kind))?;
-        Some((placed, TreeRay::new(within.origin, within.direction), within.scale))
-    }
-}
-
-#[inline(always)]
-fn hit(found: Found, scale: f32, instance: u32, moment: u16) -> Hit {
-    Hit { t: found.t / scale, u: found.u, v: found.v, instance, triangle: found.triangle, moment }
-}
-
-impl TriangleTree {
-    fn new(source: &TriangleSource<'_>) -> Self {
-        let mut items = source.boxes();
-        items.retain(Bounds::is_within_reach);
-        let built = build(&mut items, LANES);
-        // The boxes take four times the memory of their names, and blocks are yet to come.
-        let names: Vec<[u32; 2]> = items.iter().map(Bounds::name).collect();
-        drop(items);
-        let block = |leaf: Range<usize>| {
-            let mut block = Block::EMPTY;
-            for (lane, name) in names[leaf].iter().enumerate() {
-                block.set(lane, &source.corners(*name), *name);
-            }
-            block
-        };
-        let blocks = built.leaves.into_par_iter().map(block).collect();
-        let tree = Self { nodes: built.nodes, blocks, surface: 0.0 };
-        Self { surface: tree.surface_now(), ..tree }
-    }
-
-    fn bounds(&self) -> Option<Bounds> {
-        self.nodes.first().map(Node::bounds)
     }
 }
 

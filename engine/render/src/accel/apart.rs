@@ -1,9 +1,12 @@
 //! Trees of a scene that is edited: every mesh has one of its own, which stays while other meshes and all places change.
 
 use super::Accel;
+use super::members::Members;
 use super::refit::Topology;
 use super::source::{Parts, TriangleSource};
-use super::traverse::TriangleTree;
+use super::tree::{Primitives, Tree};
+use super::triangles::Triangles;
+use super::two_level::TwoLevel;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -14,28 +17,30 @@ impl Accel {
     /// answers may differ.
     pub fn apart(previous: Option<(&Self, &Scene)>, scene: &Scene) -> Self {
         let parts = Parts::apart(scene);
+        let members = Members::of::<Triangles>(scene, &parts);
         // The tree of a mesh that was there with the same triangles; and whether its vertices are the same still.
         let before = |i: usize| {
             let (accel, then) = previous?;
-            let tree = accel.meshes.get(i).filter(|tree| !tree.nodes.is_empty())?;
+            let tree = accel.triangles.shared.get(i).filter(|tree| !tree.nodes.is_empty())?;
             let (old, now) = (then.meshes.get(i)?, &scene.meshes[i]);
             let is_same = Arc::ptr_eq(old, now);
             (is_same || old.triangles == now.triangles).then_some((tree, is_same))
         };
-        let tree = |(i, source): (usize, Option<TriangleSource<'_>>)| match (source, before(i)) {
-            (None, _) => (Arc::default(), false),
-            (Some(_), Some((tree, true))) => (tree.clone(), true),
+        let kept = |i: usize| match before(i)? {
+            (tree, true) => Some(tree.clone()),
             // An edit that moves vertices alone.
-            (Some(source), Some((tree, false))) => match tree.refitted(&source) {
-                Some(refitted) => (Arc::new(refitted), true),
-                None => (Arc::new(TriangleTree::new(&source)), false),
-            },
-            (Some(source), None) => (Arc::new(TriangleTree::new(&source)), false),
+            (tree, false) => Some(Arc::new(tree.refitted(&TriangleSource::Mesh(&scene.meshes[i]))?)),
         };
-        let (meshes, kept): (Vec<Arc<TriangleTree>>, Vec<bool>) =
-            parts.shared_meshes(scene).into_par_iter().enumerate().map(tree).unzip();
+        let tree = |(i, &is_wanted): (usize, &bool)| match is_wanted.then(|| kept(i)).flatten() {
+            Some(tree) => (tree, true),
+            None if is_wanted => (Arc::new(Triangles::in_object_space(&scene.meshes[i])), false),
+            None => (Arc::default(), false),
+        };
+        let (shared, kept): (Vec<Arc<Tree<Triangles>>>, Vec<bool>) =
+            members.rigid.par_iter().enumerate().map(tree).unzip();
         let refitted = kept.into_iter().filter(|&kept| kept).count();
-        Self { refitted, ..Self::over(scene, TriangleTree::default(), meshes, &parts, Topology::of(scene)) }
+        let triangles = TwoLevel::over(scene, &members, Tree::default(), shared);
+        Self { refitted, ..Self::over(scene, triangles, &parts, Topology::of(scene)) }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Balls, eight at a time. As in Cycles they are hit from outside alone: a ray that has gone into one does not hit it again.
 
-use super::triangles::LANES;
+use super::block::LANES;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec3A, Vec4};
 

@@ -39,6 +39,29 @@ pub(super) fn build(items: &mut [Bounds], most: usize) -> Built {
     built
 }
 
+/// A tree whose leaves are lists of names.
+pub(super) struct NamedLeaves {
+    pub(super) nodes: Vec<Node>,
+    names: Vec<[u32; 2]>,
+    leaves: Vec<Range<usize>>,
+}
+
+impl NamedLeaves {
+    /// Builds a tree over those boxes that are within reach, known by what they name, `most` in each leaf at most.
+    pub(super) fn new(mut boxes: Vec<Bounds>, most: usize) -> Self {
+        boxes.retain(Bounds::is_within_reach);
+        let Built { nodes, leaves } = build(&mut boxes, most);
+        // The boxes take four times the memory of their names, and what leaves hold is yet to come.
+        let names = boxes.iter().map(Bounds::name).collect();
+        Self { nodes, names, leaves }
+    }
+
+    /// The results of a function of the names in each leaf, in the order of the leaves.
+    pub(super) fn leaves<T: Send>(&self, make: impl Fn(&[[u32; 2]]) -> T + Sync) -> Vec<T> {
+        self.leaves.par_iter().map(|leaf| make(&self.names[leaf.clone()])).collect()
+    }
+}
+
 /// A node before it is known where its children will be.
 struct Branch {
     node: Node,

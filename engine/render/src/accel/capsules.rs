@@ -4,9 +4,9 @@
 //! strand whichever way it runs. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
 //! "Exploiting Local Orientation Similarity for Efficient Ray Traversal of Hair and Fur"); here the leaves alone are oriented.
 
+use super::block::LANES;
 use super::bounds::Bounds;
 use super::segment::RayFrame;
-use super::triangles::LANES;
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
 use glam::{Vec3A, Vec4};
 
@@ -38,7 +38,8 @@ impl Capsules {
     pub(super) const NONE: Self =
         Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], controls: [0; LANES] };
 
-    /// Puts a capsule into a lane, for the segment of the keys from `controls` on, around all that is between each two neighbours of some balls. Its axis has the direction of the line
+    /// Puts a capsule into a lane, for the segment of the keys from `controls` on, around all that is between each two neighbours of some
+    /// balls. Its axis has the direction of the line
     /// from the first to the last, and lies beside that line where the balls do.
     pub(super) fn set(&mut self, lane: usize, balls: &[Vec4], controls: u32) {
         /// Steps towards the axis of the thinnest capsule: the first is the last one of a plain bend, an S takes some.

@@ -3,23 +3,14 @@
 //! The shutter's time is parted into slices, each with a tree over what its instances sweep meanwhile; a ray asks the tree of its
 //! moment's slice, and an instance where it stands at that moment.
 
-use super::beside::Forest;
 use super::bounds::Bounds;
 use super::build::build;
 use super::node::Node;
-use super::places::{PlacedMesh, Within};
-use super::posed::PosedTree;
-use super::source::TriangleSource;
-use super::traverse::{Found, TreeRay, TriangleTree, traverse};
-use super::{Hit, Ray, hit};
-use crate::scene::mesh::Mesh;
+use super::places::PlacedMesh;
 use crate::scene::motion::{Moving, Pose};
 use crate::scene::{Instance, Scene};
-use fearless_simd::Simd;
 use glam::Affine3A;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
-use std::sync::Arc;
 
 /// Slices of the shutter's time, as bits: as many as an instance has moments at least.
 const SLICE_BITS: u32 = 4;
@@ -114,132 +105,9 @@ impl MovingPlaces {
     }
 }
 
-/// Meshes whose instances move while the shutter is open, or whose vertices do.
-pub(super) struct MovingForest {
-    places: MovingPlaces,
-    /// Trees of the meshes that keep their shape, by mesh; empty for the others.
-    still: Vec<TriangleTree>,
-    /// Trees of the meshes that change their shape, by mesh, then by key: from there to the next.
-    posed: Vec<Vec<PosedTree>>,
-}
-
-impl MovingForest {
-    /// The trees of the scene's meshes that move; `None` if none does.
-    pub(super) fn new(scene: &Scene) -> Option<Self> {
-        let is_of_triangles = |one: &Moving| mesh_of(scene, one.instance).is_of_triangles();
-        let mut moves = vec![false; scene.meshes.len()];
-        for one in scene.moving.iter().filter(|one| is_of_triangles(one)) {
-            moves[scene.instances[one.instance as usize].mesh as usize] = true;
-        }
-        let meshes = || scene.meshes.par_iter().zip(&moves);
-        let still = |(mesh, &moves): (&Arc<Mesh>, &bool)| {
-            let is_still = moves && mesh.poses.is_none();
-            if is_still { TriangleTree::new(&TriangleSource::Mesh(mesh)) } else { TriangleTree::default() }
-        };
-        let posed = |(mesh, &moves): (&Arc<Mesh>, &bool)| match &mesh.poses {
-            Some(poses) if moves => (0..poses.key_count() - 1).map(|key| PosedTree::new(mesh, poses, key)).collect(),
-            _ => Vec::new(),
-        };
-        let (still, posed): (Vec<_>, Vec<Vec<PosedTree>>) =
-            (meshes().map(still).collect(), meshes().map(posed).collect());
-        let bounds = |now: &Instance| {
-            let of_posed = posed[now.mesh as usize].get(now.pose.key as usize);
-            of_posed.map_or(&still[now.mesh as usize], |posed| &posed.tree).bounds()
-        };
-        let places = MovingPlaces::new(scene, is_of_triangles, bounds)?;
-        Some(Self { places, still, posed })
-    }
-
-    pub(super) fn bounds(&self) -> Option<Bounds> {
-        self.places.bounds()
-    }
-}
-
-impl Forest for MovingForest {
-    #[inline(always)]
-    fn closest_with<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        mut nearest: Option<Hit>,
-        wanted: &impl Fn(u32) -> bool,
-    ) -> Option<Hit> {
-        let here = TreeRay::new(ray.origin, ray.direction);
-        let t_max = nearest.map_or(ray.t_max, |hit| hit.t);
-        let _ = traverse(
-            simd,
-            self.places.nodes(ray.moment),
-            &here.boxes,
-            t_max,
-            #[inline(always)]
-            |leaf, mut t_max| {
-                let (placed, pose) = self.places.placed(leaf, ray.moment);
-                if wanted(placed.instance)
-                    && let Some(Within { origin, direction, scale }) = placed.enter(ray)
-                {
-                    let there = TreeRay::new(origin, direction);
-                    let wanted = |_: u32, triangle: u32| !ray.skip.is(placed.instance, triangle);
-                    let found = match self.posed[placed.mesh as usize].get(pose.key as usize) {
-                        None => self.still[placed.mesh as usize].closest(simd, &there, t_max * scale, wanted),
-                        Some(posed) => posed.closest(simd, &there, pose.part, t_max * scale, wanted),
-                    };
-                    if let Some(found) = found {
-                        let hit = hit(found, scale, placed.instance, ray.moment);
-                        // Not so where the division rounds up.
-                        t_max = t_max.min(hit.t);
-                        nearest = Some(hit);
-                    }
-                }
-                ControlFlow::Continue(t_max)
-            },
-        );
-        nearest
-    }
-
-    #[inline(always)]
-    fn each_between_with<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        wanted: &impl Fn(u32) -> bool,
-        pass: &mut dyn FnMut(&Hit) -> bool,
-    ) -> ControlFlow<()> {
-        let mut pass = |hit: Hit| {
-            let goes_on = ray.skip.is(hit.instance, hit.triangle) || pass(&hit);
-            if goes_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        };
-        let here = TreeRay::new(ray.origin, ray.direction);
-        traverse(
-            simd,
-            self.places.nodes(ray.moment),
-            &here.boxes,
-            ray.t_max,
-            #[inline(always)]
-            |leaf, t_max| {
-                let (placed, pose) = self.places.placed(leaf, ray.moment);
-                if wanted(placed.instance)
-                    && let Some(Within { origin, direction, scale }) = placed.enter(ray)
-                {
-                    let there = TreeRay::new(origin, direction);
-                    let mut pass = |found: Found| pass(hit(found, scale, placed.instance, ray.moment));
-                    match self.posed[placed.mesh as usize].get(pose.key as usize) {
-                        None => self.still[placed.mesh as usize].visit(simd, &there, t_max * scale, &mut pass),
-                        Some(posed) => posed.visit(simd, &there, pose.part, t_max * scale, &mut pass),
-                    }?;
-                }
-                ControlFlow::Continue(t_max)
-            },
-        )
-    }
-}
-
-fn mesh_of(scene: &Scene, instance: u32) -> &Mesh {
-    &scene.meshes[scene.instances[instance as usize].mesh as usize]
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::Accel;
+    use super::super::{Accel, Ray};
     use super::*;
     use crate::scene::SceneBuilder;
     use crate::scene::mesh::MeshDescription;

@@ -41,21 +41,42 @@ impl PlacedMesh {
     }
 }
 
-/// A tree over these instances, and they in the order of its leaves; `bounds` are those of an instance's own tree, object space.
-pub(super) fn placed(
-    scene: &Scene,
-    instances: &[u32],
-    bounds: impl Fn(&Instance) -> Option<Bounds>,
-) -> (Vec<Node>, Vec<PlacedMesh>) {
-    let mut boxes: Vec<Bounds> = instances
-        .iter()
-        .filter_map(|&i| {
-            let instance = &scene.instances[i as usize];
-            Some(bounds(instance)?.transformed(&instance.to_render).naming([i, 0]))
-        })
-        .filter(Bounds::is_within_reach)
-        .collect();
-    let tree = build(&mut boxes, 1);
-    let place = |leaf: &Range<usize>| PlacedMesh::new(scene, boxes[leaf.start].name()[0]);
-    (tree.nodes, tree.leaves.iter().map(place).collect())
+/// Instances that keep their places, and the tree over their boxes.
+pub(super) struct PlacedMeshes {
+    nodes: Vec<Node>,
+    /// The instances, in the order of the leaves.
+    placed: Vec<PlacedMesh>,
+}
+
+impl PlacedMeshes {
+    /// The tree over these instances, by their indices; `bounds` are those of an instance's own tree, in object space.
+    pub(super) fn new(scene: &Scene, instances: &[u32], bounds: impl Fn(&Instance) -> Option<Bounds>) -> Self {
+        let mut boxes: Vec<Bounds> = instances
+            .iter()
+            .filter_map(|&i| {
+                let instance = &scene.instances[i as usize];
+                Some(bounds(instance)?.transformed(&instance.to_render).naming([i, 0]))
+            })
+            .filter(Bounds::is_within_reach)
+            .collect();
+        let tree = build(&mut boxes, 1);
+        let place = |leaf: &Range<usize>| PlacedMesh::new(scene, boxes[leaf.start].name()[0]);
+        Self { nodes: tree.nodes, placed: tree.leaves.iter().map(place).collect() }
+    }
+
+    /// The box around all instances; `None` if there are none.
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        self.nodes.first().map(Node::bounds)
+    }
+
+    #[inline(always)]
+    pub(super) fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The instance in a leaf.
+    #[inline(always)]
+    pub(super) fn placed(&self, leaf: usize) -> &PlacedMesh {
+        &self.placed[leaf]
+    }
 }

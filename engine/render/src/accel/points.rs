@@ -1,51 +1,45 @@
-//! Trees of point clouds, beside those of triangles: who has none pays nothing. Leaves hold eight balls.
+//! Points of clouds as the primitives of a tree: spheres, in leaves of up to eight.
 //!
 //! A cloud that stands in the scene once, and is as large along all its axes, is hit in render space; others in their own, where
 //! balls are balls however they are stretched.
 
 use super::balls::{Balls, Beam};
-use super::beside::Forest;
+use super::block::LANES;
 use super::bounds::Bounds;
-use super::build::build;
-use super::moving::MovingPlaces;
-use super::node::{BoxRay, Node};
-use super::places::{PlacedMesh, Within, placed};
-use super::source::Parts;
-use super::traverse::{lanes, traverse};
-use super::triangles::LANES;
-use super::{Hit, Ray};
-use crate::scene::motion::{Moving, Pose};
+use super::build::NamedLeaves;
+use super::places::PlacedMesh;
+use super::traverse::lanes;
+use super::tree::{LocalHit, Primitives, SurfaceCoordinates, Tree, Visitor};
+use crate::scene::mesh::Mesh;
+use crate::scene::motion::{Pose, Poses};
 use crate::scene::points::Points;
 use crate::scene::{Instance, Scene};
 use fearless_simd::Simd;
 use glam::{Affine3A, Vec2, Vec3A, Vec4};
-use rayon::prelude::*;
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 
 /// Axes are as long as one another to this part.
 const EVEN: f32 = 1e-5;
 
-/// All point clouds of a scene.
-pub(super) struct PointForest {
-    /// The tree in render space of the clouds that have one instance.
-    common: PointTree,
-    /// The trees in object space of the other clouds; by mesh.
-    shared: Vec<PointTree>,
-    /// Trees of the clouds whose points move, by mesh, then by key: from there to the next.
-    posed: Vec<Vec<PointTree>>,
-    places: Vec<Node>,
-    placed: Vec<PlacedMesh>,
-    /// The instances that move.
-    moving: Option<MovingPlaces>,
-}
-
-/// Balls and the nodes above them.
-#[derive(Default)]
-struct PointTree {
-    nodes: Vec<Node>,
+/// Leaves of up to eight points.
+#[derive(Debug, Default)]
+pub(super) struct Spheres {
     leaves: Vec<Balls>,
     /// Positions at the next key while the shutter is open, leaf by leaf; empty where the points stay.
     to: Vec<Balls>,
+}
+
+/// The vector from the middle of a point to a hit, in the tree's space; of no certain length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OutwardVector(Vec3A);
+
+impl SurfaceCoordinates for OutwardVector {
+    const FIRST_COUNTS: bool = true;
+
+    #[inline(always)]
+    fn uv(self, instance: Option<&PlacedMesh>) -> [f32; 2] {
+        unfolded(instance.map_or(self.0, |placed| placed.to_object.matrix3.inverse() * self.0))
+    }
 }
 
 /// A cloud as a tree holds it.
@@ -95,288 +89,100 @@ fn even_scale(instance: &Instance) -> Option<f32> {
     off.iter().all(|off| off.abs() <= EVEN * size).then(|| size.sqrt())
 }
 
-impl PointForest {
-    /// The trees of the scene's points; `None` if it has none.
-    pub(super) fn new(scene: &Scene, parts: &Parts) -> Option<Box<Self>> {
-        if scene.meshes.iter().all(|mesh| mesh.points.is_none()) {
-            return None;
+impl Primitives for Spheres {
+    type Ray = Beam;
+    type Coordinates = OutwardVector;
+
+    #[inline(always)]
+    fn ray(origin: Vec3A, direction: Vec3A) -> Beam {
+        Beam { origin, direction }
+    }
+
+    #[inline(always)]
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        leaf: usize,
+        part: Option<f32>,
+        ray: &Beam,
+        mut end: f32,
+        visitor: &mut impl Visitor<OutwardVector>,
+    ) -> ControlFlow<(), f32> {
+        let mut balls = &self.leaves[leaf];
+        let now;
+        if let Some(part) = part
+            && let Some(to) = self.to.get(leaf)
+        {
+            now = balls.towards(to, part);
+            balls = &now;
         }
-        let of = |i: u32| {
-            let instance = &scene.instances[i as usize];
-            scene.meshes[instance.mesh as usize].points.as_deref().map(|points| (instance, points))
-        };
-        let mut common = Vec::new();
-        let mut several: Vec<u32> = parts.several.iter().copied().filter(|&i| of(i).is_some()).collect();
-        for &i in &parts.alone {
-            let Some((instance, points)) = of(i) else { continue };
-            match even_scale(instance) {
-                Some(larger) => common.push(Cloud { instance: i, points, place: Some((&instance.to_render, larger)) }),
-                None => several.push(i),
+        if let Some(met) = balls.meet(simd, ray, end) {
+            for lane in lanes(met.lanes) {
+                let (t, instance, number) = (met.t[lane], balls.instance[lane], balls.point[lane]);
+                if t < end && visitor.wants(instance, number) {
+                    let coordinates = OutwardVector(met.outward(lane));
+                    end = visitor.meet(LocalHit { t, instance, number, coordinates }, end)?;
+                }
             }
         }
-        let mut is_shared = vec![false; scene.meshes.len()];
-        let moving = scene.moving.iter().map(|one| one.instance).filter(|&i| of(i).is_some());
-        several.iter().copied().chain(moving).for_each(|i| is_shared[scene.instances[i as usize].mesh as usize] = true);
-        let meshes = || scene.meshes.par_iter().zip(&is_shared);
-        let wanted = |points: &Points, is_shared: bool, moves: bool| is_shared && (points.key_count() > 0) == moves;
-        let shared: Vec<PointTree> = meshes()
-            .map(|(mesh, &is_shared)| match mesh.points.as_deref().filter(|one| wanted(one, is_shared, false)) {
-                Some(points) => PointTree::new(&[Cloud { instance: 0, points, place: None }]),
-                None => PointTree::default(),
-            })
-            .collect();
-        let posed: Vec<Vec<PointTree>> = meshes()
-            .map(|(mesh, &is_shared)| match mesh.points.as_deref().filter(|one| wanted(one, is_shared, true)) {
-                Some(points) => (0..points.key_count() as u32 - 1).map(|key| PointTree::between(points, key)).collect(),
-                None => Vec::new(),
-            })
-            .collect();
-        let bounds = |now: &Instance| tree_of(&shared, &posed, now.mesh, now.pose).bounds();
-        let (places, placed) = placed(scene, &several, bounds);
-        let moves = |one: &Moving| of(one.instance).is_some();
-        let moving = MovingPlaces::new(scene, moves, bounds);
-        Some(Box::new(Self { common: PointTree::new(&common), shared, posed, places, placed, moving }))
+        ControlFlow::Continue(end)
     }
 
-    pub(super) fn bounds(&self) -> Option<Bounds> {
-        let places = self.places.first().map(Node::bounds);
-        let moving = self.moving.as_ref().and_then(MovingPlaces::bounds);
-        places.into_iter().chain(self.common.bounds()).chain(moving).reduce(|a, b| a.union(&b))
+    fn are_in(mesh: &Mesh) -> bool {
+        mesh.points.is_some()
     }
 
-    /// Offers the balls of an instance that a ray hits to `met`, which gives the end of the ray from then on; gives it, too.
-    #[inline(always)]
-    fn follow_placed<S: Simd>(
-        &self,
-        simd: S,
-        (placed, pose): (&PlacedMesh, Pose),
-        ray: &Ray,
-        mut t_max: f32,
-        wanted: &impl Fn(u32) -> bool,
-        mut met: impl FnMut(Hit, f32) -> ControlFlow<(), f32>,
-    ) -> ControlFlow<(), f32> {
-        if wanted(placed.instance)
-            && let Some((boxes, beam, scale)) = enter(placed, ray)
-        {
-            let tree = tree_of(&self.shared, &self.posed, placed.mesh, pose);
-            tree.follow(
-                simd,
-                (&boxes, &beam),
-                pose.part,
-                t_max * scale,
-                #[inline(always)]
-                |_, point| ray.skip.is(placed.instance, point),
-                #[inline(always)]
-                |_, point, t, outward, end| {
-                    let outward = placed.to_object.matrix3.inverse() * outward;
-                    let found = hit(t / scale, outward, placed.instance, point, ray.moment);
-                    let before = t_max;
-                    t_max = met(found, t_max)?;
-                    ControlFlow::Continue(if t_max < before { t } else { end })
-                },
-            )?;
-        }
-        ControlFlow::Continue(t_max)
+    fn keep_form(instance: &Instance) -> bool {
+        even_scale(instance).is_some()
     }
 
-    /// Offers all balls that a ray hits to `met`, as [`Self::follow_placed`].
-    #[inline(always)]
-    fn follow<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        t_max: f32,
-        wanted: &impl Fn(u32) -> bool,
-        mut met: impl FnMut(Hit, f32) -> ControlFlow<(), f32>,
-    ) -> ControlFlow<()> {
-        let here = BoxRay::new(ray.origin, ray.direction);
-        let beam = Beam { origin: ray.origin, direction: ray.direction };
-        let mut t_max = t_max;
-        self.common.follow(
-            simd,
-            (&here, &beam),
-            0.0,
-            t_max,
-            #[inline(always)]
-            |instance, point| !wanted(instance) || ray.skip.is(instance, point),
-            #[inline(always)]
-            |instance, point, t, outward, end| {
-                t_max = met(hit(t, outward, instance, point, ray.moment), end)?;
-                ControlFlow::Continue(t_max)
-            },
-        )?;
-        if !self.places.is_empty() {
-            traverse(
-                simd,
-                &self.places,
-                &here,
-                t_max,
-                #[inline(always)]
-                |leaf, end| {
-                    let still = (&self.placed[leaf], Pose::default());
-                    t_max = self.follow_placed(simd, still, ray, end, wanted, &mut met)?;
-                    ControlFlow::Continue(t_max)
-                },
-            )?;
-        }
-        let Some(moving) = &self.moving else { return ControlFlow::Continue(()) };
-        traverse(
-            simd,
-            moving.nodes(ray.moment),
-            &here,
-            t_max,
-            #[inline(always)]
-            |leaf, end| {
-                let (placed, pose) = moving.placed(leaf, ray.moment);
-                self.follow_placed(simd, (&placed, pose), ray, end, wanted, &mut met)
-            },
-        )
+    fn in_render_space(scene: &Scene, instances: &[u32]) -> Tree<Self> {
+        let cloud = |&i: &u32| {
+            let instance = &scene.instances[i as usize];
+            let points = scene.meshes[instance.mesh as usize].points.as_deref()?;
+            Some(Cloud { instance: i, points, place: Some((&instance.to_render, even_scale(instance)?)) })
+        };
+        Tree::of_clouds(&instances.iter().filter_map(cloud).collect::<Vec<_>>())
+    }
+
+    fn in_object_space(mesh: &Mesh) -> Tree<Self> {
+        let cloud = |points| Cloud { instance: 0, points, place: None };
+        Tree::of_clouds(&mesh.points.as_deref().map(cloud).into_iter().collect::<Vec<_>>())
+    }
+
+    fn between_keys(mesh: &Mesh, _poses: &Poses, key: usize) -> Tree<Self> {
+        let Some(points) = mesh.points.as_deref() else { return Tree::default() };
+        let ball = |point: u32, part: f32| points.at(point, Pose { key: key as u32, part });
+        let swept = |point: u32| Bounds::around(&[ball(point, 0.0), ball(point, 1.0)]).naming([0, point]);
+        let built = NamedLeaves::new((0..points.points.len() as u32).map(swept).collect(), LANES);
+        let leaves = |part: f32| built.leaves(|names| balls(names, |[_, point]| (ball(point, part), [0, point])));
+        Tree { primitives: Self { leaves: leaves(0.0), to: leaves(1.0) }, nodes: built.nodes }
     }
 }
 
-impl Forest for PointForest {
-    #[inline(always)]
-    fn closest_with<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        mut nearest: Option<Hit>,
-        wanted: &impl Fn(u32) -> bool,
-    ) -> Option<Hit> {
-        let t_max = nearest.map_or(ray.t_max, |hit| hit.t);
-        let _ = self.follow(
-            simd,
-            ray,
-            t_max,
-            wanted,
-            #[inline(always)]
-            |hit, end| {
-                if hit.t < end {
-                    nearest = Some(hit);
-                }
-                ControlFlow::Continue(end.min(hit.t))
-            },
-        );
-        nearest
+/// The leaf of some points; `ball` gives the ball that a name stands for, and its instance and number.
+fn balls(names: &[[u32; 2]], ball: impl Fn([u32; 2]) -> (Vec4, [u32; 2])) -> Balls {
+    let mut leaf = Balls::EMPTY;
+    for (lane, &name) in names.iter().enumerate() {
+        let (ball, name) = ball(name);
+        leaf.set(lane, ball, name);
     }
-
-    #[inline(always)]
-    fn each_between_with<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        wanted: &impl Fn(u32) -> bool,
-        pass: &mut dyn FnMut(&Hit) -> bool,
-    ) -> ControlFlow<()> {
-        self.follow(
-            simd,
-            ray,
-            ray.t_max,
-            wanted,
-            #[inline(always)]
-            |hit, end| if pass(&hit) { ControlFlow::Continue(end) } else { ControlFlow::Break(()) },
-        )
-    }
+    leaf
 }
 
-#[inline(always)]
-fn hit(t: f32, outward: Vec3A, instance: u32, point: u32, moment: u16) -> Hit {
-    let [u, v] = unfolded(outward);
-    Hit { t, u, v, instance, triangle: point, moment }
-}
-
-/// The ray in the object space of an instance, and how much longer distances are there.
-#[inline(always)]
-fn enter(placed: &PlacedMesh, ray: &Ray) -> Option<(BoxRay, Beam, f32)> {
-    let Within { origin, direction, scale } = placed.enter(ray)?;
-    Some((BoxRay::new(origin, direction), Beam { origin, direction }, scale))
-}
-
-#[inline(always)]
-fn tree_of<'a>(shared: &'a [PointTree], posed: &'a [Vec<PointTree>], mesh: u32, pose: Pose) -> &'a PointTree {
-    posed[mesh as usize].get(pose.key as usize).unwrap_or(&shared[mesh as usize])
-}
-
-impl PointTree {
-    fn new(of: &[Cloud<'_>]) -> Self {
-        let boxes = of.iter().enumerate().flat_map(|(number, cloud)| {
+impl Tree<Spheres> {
+    /// The tree of the points of clouds.
+    fn of_clouds(clouds: &[Cloud<'_>]) -> Self {
+        let boxes = clouds.iter().enumerate().flat_map(|(number, cloud)| {
             (0..cloud.points.points.len() as u32)
                 .map(move |point| Bounds::around(&[cloud.ball(point)]).naming([number as u32, point]))
         });
-        let (nodes, names) = built(boxes.collect());
-        let leaf = |names: &Vec<[u32; 2]>| {
-            let mut leaf = Balls::EMPTY;
-            for (lane, &[number, point]) in names.iter().enumerate() {
-                let cloud = &of[number as usize];
-                leaf.set(lane, cloud.ball(point), [cloud.instance, point]);
-            }
-            leaf
+        let built = NamedLeaves::new(boxes.collect(), LANES);
+        let ball = |[number, point]: [u32; 2]| {
+            let cloud = &clouds[number as usize];
+            (cloud.ball(point), [cloud.instance, point])
         };
-        Self { nodes, leaves: names.iter().map(leaf).collect(), to: Vec::new() }
+        let leaves = built.leaves(|names| balls(names, ball));
+        Self { nodes: built.nodes, primitives: Spheres { leaves, to: Vec::new() } }
     }
-
-    /// The tree of points on their way from a key to the next, object space: boxes hold all of it.
-    fn between(points: &Points, key: u32) -> Self {
-        let ball = |point: u32, part: f32| points.at(point, Pose { key, part });
-        let swept = |point: u32| Bounds::around(&[ball(point, 0.0), ball(point, 1.0)]).naming([0, point]);
-        let (nodes, names) = built((0..points.points.len() as u32).map(swept).collect());
-        let leaves = |part: f32| {
-            let leaf = |names: &Vec<[u32; 2]>| {
-                let mut leaf = Balls::EMPTY;
-                names.iter().enumerate().for_each(|(lane, name)| leaf.set(lane, ball(name[1], part), *name));
-                leaf
-            };
-            names.iter().map(leaf).collect()
-        };
-        Self { nodes, leaves: leaves(0.0), to: leaves(1.0) }
-    }
-
-    fn bounds(&self) -> Option<Bounds> {
-        self.nodes.first().map(Node::bounds)
-    }
-
-    /// Offers what a ray hits of balls that it does not pass by: instance, point, distance, from the middle outwards, and the
-    /// ray's end, which `met` gives anew.
-    #[inline(always)]
-    fn follow<S: Simd>(
-        &self,
-        simd: S,
-        (boxes, beam): (&BoxRay, &Beam),
-        part: f32,
-        t_max: f32,
-        passes_by: impl Fn(u32, u32) -> bool,
-        mut met: impl FnMut(u32, u32, f32, Vec3A, f32) -> ControlFlow<(), f32>,
-    ) -> ControlFlow<()> {
-        traverse(
-            simd,
-            &self.nodes,
-            boxes,
-            t_max,
-            #[inline(always)]
-            |leaf, mut end| {
-                let mut balls = &self.leaves[leaf];
-                let now;
-                if let Some(to) = self.to.get(leaf) {
-                    now = balls.towards(to, part);
-                    balls = &now;
-                }
-                let Some(found) = balls.meet(simd, beam, end) else { return ControlFlow::Continue(end) };
-                for lane in lanes(found.lanes) {
-                    let (t, instance, point) = (found.t[lane], balls.instance[lane], balls.point[lane]);
-                    if t < end && !passes_by(instance, point) {
-                        end = met(instance, point, t, found.outward(lane), end)?;
-                    }
-                }
-                ControlFlow::Continue(end)
-            },
-        )
-    }
-}
-
-/// The nodes above boxes, and by leaf what these name.
-fn built(mut boxes: Vec<Bounds>) -> (Vec<Node>, Vec<Vec<[u32; 2]>>) {
-    boxes.retain(Bounds::is_within_reach);
-    let built = build(&mut boxes, LANES);
-    let names = |leaf: &Range<usize>| boxes[leaf.clone()].iter().map(Bounds::name).collect();
-    (built.nodes, built.leaves.iter().map(names).collect())
 }

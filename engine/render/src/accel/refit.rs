@@ -2,11 +2,14 @@
 //! of a build's time; unless they have moved so far apart that rays would pay more for it.
 
 use super::Accel;
+use super::block::{Block, LANES};
 use super::bounds::Bounds;
+use super::members::Members;
 use super::node::{Node, WIDTH};
 use super::source::{Parts, TriangleSource};
-use super::traverse::TriangleTree;
-use super::triangles::{Block, LANES};
+use super::tree::Tree;
+use super::triangles::{Triangles, half_surface};
+use super::two_level::TwoLevel;
 use crate::scene::Scene;
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
@@ -46,27 +49,31 @@ impl Accel {
             return Self::new(scene);
         }
         let mut reused = 0;
-        let mut after = |tree: &TriangleTree, source: &TriangleSource<'_>| {
+        let mut after = |tree: &Tree<Triangles>, source: &TriangleSource<'_>| {
             let kept = tree.refitted(source);
             reused += usize::from(kept.is_some());
-            kept.unwrap_or_else(|| TriangleTree::new(source))
+            kept.unwrap_or_else(|| Tree::of_triangles(source))
         };
         let parts = Parts::of(scene);
-        let common = after(&previous.common, &TriangleSource::placed(scene, &parts.alone));
-        let meshes: Vec<Arc<TriangleTree>> = previous
-            .meshes
+        let members = Members::of::<Triangles>(scene, &parts);
+        let before = &previous.triangles;
+        let common = after(&before.common, &TriangleSource::placed(scene, &members.common));
+        let sources = scene.meshes.iter().map(|mesh| TriangleSource::Mesh(mesh)).zip(&members.rigid);
+        let shared = before
+            .shared
             .iter()
-            .zip(parts.shared_meshes(scene))
-            .map(|(tree, source)| Arc::new(source.map_or_else(TriangleTree::default, |source| after(tree, &source))))
+            .zip(sources)
+            .map(|(tree, (source, &is_wanted))| if is_wanted { Arc::new(after(tree, &source)) } else { Arc::default() })
             .collect();
-        Self { refitted: reused, ..Self::over(scene, common, meshes, &parts, topology) }
+        let triangles = TwoLevel::over(scene, &members, common, shared);
+        Self { refitted: reused, ..Self::over(scene, triangles, &parts, topology) }
     }
 }
 
-impl TriangleTree {
+impl Tree<Triangles> {
     /// This tree around the present places of its triangles; `None` where a build is the better choice.
     pub(super) fn refitted(&self, source: &TriangleSource<'_>) -> Option<Self> {
-        let count: usize = self.blocks.par_iter().map(Block::len).sum();
+        let count: usize = self.primitives.blocks.par_iter().map(Block::len).sum();
         if self.nodes.is_empty() || count != source.count() {
             return None;
         }
@@ -85,7 +92,7 @@ impl TriangleTree {
             Some((block, bounds))
         };
         let (blocks, boxes): (Vec<Block>, Vec<Bounds>) =
-            self.blocks.par_iter().map(block).collect::<Option<Vec<_>>>()?.into_iter().unzip();
+            self.primitives.blocks.par_iter().map(block).collect::<Option<Vec<_>>>()?.into_iter().unzip();
         let mut nodes = self.nodes.clone();
         let mut around = vec![Bounds::EMPTY; nodes.len()];
         // Children come after their parents.
@@ -97,13 +104,9 @@ impl TriangleTree {
             *node = node.around(&parts);
             around[i] = parts.iter().fold(Bounds::EMPTY, |all, part| all.union(part));
         }
-        let tree = Self { nodes, blocks, surface: self.surface };
-        (tree.surface_now() <= WORSE * self.surface).then_some(tree)
-    }
-
-    /// Sum of half of the surface of all boxes.
-    pub(super) fn surface_now(&self) -> f32 {
-        self.nodes.iter().map(|node| node.boxes().map(|b| b.half_area()).sum::<f32>()).sum()
+        let surface = self.primitives.surface;
+        let is_worth_it = half_surface(&nodes) <= WORSE * surface;
+        is_worth_it.then(|| Self { nodes, primitives: Triangles::at_rest(blocks, surface) })
     }
 }
 

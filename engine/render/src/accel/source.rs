@@ -4,17 +4,12 @@ use super::bounds::Bounds;
 use crate::scene::{Scene, mesh::Mesh};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// The still instances, sorted by the tree that holds them.
 pub(super) struct Parts {
     /// Instances whose mesh has no tree of its own.
     pub(super) alone: Vec<u32>,
     pub(super) several: Vec<u32>,
-    /// Number of instances, by mesh.
-    uses: Vec<u32>,
-    /// Least number of instances of a mesh that has a tree of its own.
-    sharing: u32,
 }
 
 impl Parts {
@@ -28,22 +23,16 @@ impl Parts {
         Self::shared_from(1, scene)
     }
 
+    /// Meshes of at least so many instances have a tree of their own.
     fn shared_from(sharing: u32, scene: &Scene) -> Self {
         let mut is_still = vec![true; scene.placed().len()];
         scene.moving.iter().for_each(|one| is_still[one.instance as usize] = false);
         let still = || (0..is_still.len() as u32).filter(|&i| is_still[i as usize]);
-        let mut uses = vec![0; scene.meshes.len()];
+        let mut uses = vec![0u32; scene.meshes.len()];
         still().for_each(|i| uses[scene.instances[i as usize].mesh as usize] += 1);
         let of_mesh = |&i: &u32| uses[scene.instances[i as usize].mesh as usize];
         let (alone, several) = still().partition(|instance| of_mesh(instance) < sharing);
-        Self { alone, several, uses, sharing }
-    }
-
-    /// The triangles, by mesh, of those meshes that have a tree of their own.
-    pub(super) fn shared_meshes<'a>(&self, scene: &'a Scene) -> Vec<Option<TriangleSource<'a>>> {
-        let source =
-            |(mesh, &uses): (&'a Arc<Mesh>, &u32)| (uses >= self.sharing).then_some(TriangleSource::Mesh(mesh));
-        scene.meshes.iter().zip(&self.uses).map(source).collect()
+        Self { alone, several }
     }
 }
 

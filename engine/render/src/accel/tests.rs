@@ -153,3 +153,4 @@ mod capsules;
 mod hair;
 mod points;
 mod surfaces;
+mod two_levels;

@@ -1,121 +1,14 @@
 //! Following a ray through a tree, near boxes first.
 
 use super::node::{BoxRay, Child, Node};
-use super::triangles::{Block, Met, Shear};
 use arrayvec::ArrayVec;
 use fearless_simd::{Simd, SimdBase};
-use glam::Vec3A;
 use std::ops::ControlFlow;
 
 /// No tree is deeper: see [`super::build`].
 pub(super) const DEEPEST: usize = 72;
 /// Each level leaves at most seven children for later.
 const STACK: usize = DEEPEST * (super::node::WIDTH - 1);
-
-/// A ray as one tree's tests want it.
-pub(super) struct TreeRay {
-    pub(super) boxes: BoxRay,
-    pub(super) shear: Shear,
-}
-
-impl TreeRay {
-    /// `direction` has length one.
-    #[inline(always)]
-    pub(super) fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        Self { boxes: BoxRay::new(origin, direction), shear: Shear::new(origin, direction) }
-    }
-}
-
-/// Triangles and the nodes above them.
-#[derive(Debug, Default)]
-pub(super) struct TriangleTree {
-    pub(super) nodes: Vec<Node>,
-    pub(super) blocks: Vec<Block>,
-    /// Sum of half of the surface of all boxes when the tree was built.
-    pub(super) surface: f32,
-}
-
-/// A triangle that a ray hits.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
-    pub(super) t: f32,
-    pub(super) u: f32,
-    pub(super) v: f32,
-    pub(super) instance: u32,
-    pub(super) triangle: u32,
-}
-
-impl TriangleTree {
-    /// The nearest triangle before `t_max` that is wanted, by its instance and number.
-    #[inline(always)]
-    pub(super) fn closest<S: Simd>(
-        &self,
-        simd: S,
-        ray: &TreeRay,
-        t_max: f32,
-        wanted: impl Fn(u32, u32) -> bool,
-    ) -> Option<Found> {
-        let mut nearest = None;
-        let _ = traverse(
-            simd,
-            &self.nodes,
-            &ray.boxes,
-            t_max,
-            #[inline(always)]
-            |leaf, mut t_max| {
-                let block = &self.blocks[leaf];
-                if let Some(met) = block.meet(simd, &ray.shear, t_max) {
-                    for lane in lanes(met.lanes) {
-                        if met.t[lane] < t_max && wanted(block.instance[lane], block.triangle[lane]) {
-                            t_max = met.t[lane];
-                            nearest = Some(found(block, &met, lane));
-                        }
-                    }
-                }
-                ControlFlow::Continue(t_max)
-            },
-        );
-        nearest
-    }
-
-    /// Every triangle before `t_max`, in no order, until `on_hit` breaks off.
-    #[inline(always)]
-    pub(super) fn visit<S: Simd>(
-        &self,
-        simd: S,
-        ray: &TreeRay,
-        t_max: f32,
-        mut on_hit: impl FnMut(Found) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        traverse(
-            simd,
-            &self.nodes,
-            &ray.boxes,
-            t_max,
-            #[inline(always)]
-            |leaf, t_max| {
-                let block = &self.blocks[leaf];
-                if let Some(met) = block.meet(simd, &ray.shear, t_max) {
-                    for lane in lanes(met.lanes) {
-                        on_hit(found(block, &met, lane))?;
-                    }
-                }
-                ControlFlow::Continue(t_max)
-            },
-        )
-    }
-}
-
-#[inline(always)]
-fn found(block: &Block, met: &Met, lane: usize) -> Found {
-    Found {
-        t: met.t[lane],
-        u: met.u[lane],
-        v: met.v[lane],
-        instance: block.instance[lane],
-        triangle: block.triangle[lane],
-    }
-}
 
 /// The numbers of the bits that are set, below eight.
 #[inline(always)]

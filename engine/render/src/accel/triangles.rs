@@ -1,177 +1,124 @@
-//! Triangles, eight at a time, and a test that leaves no gap between neighbours (Woo, Benthin and Wald 2013).
+//! Triangles as the primitives of a tree: those of a mesh as it is, and those on their way from one key of its shape to the next.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f32x8};
+use super::block::{Block, LANES, Shear};
+use super::bounds::Bounds;
+use super::build::NamedLeaves;
+use super::node::Node;
+use super::source::TriangleSource;
+use super::traverse::lanes;
+use super::tree::{LocalHit, Primitives, Tree, Visitor};
+use crate::scene::Scene;
+use crate::scene::mesh::Mesh;
+use crate::scene::motion::{Pose, Poses};
+use fearless_simd::Simd;
 use glam::{Vec3, Vec3A};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
 
-/// Triangles of a leaf at most.
-pub(super) const LANES: usize = 8;
-
-/// A leaf's triangles, a lane each.
-#[derive(Clone, Debug)]
-#[repr(C, align(32))]
-pub(super) struct Block {
-    /// Corners, then axes. NaN in lanes without a triangle.
-    corners: [[[f32; LANES]; 3]; 3],
-    /// Index into the scene's instances; of no meaning in trees of one mesh.
-    pub(super) instance: [u32; LANES],
-    /// Index into the mesh's triangles.
-    pub(super) triangle: [u32; LANES],
+/// Leaves of up to eight triangles.
+#[derive(Debug, Default)]
+pub(super) struct Triangles {
+    pub(super) blocks: Vec<Block>,
+    /// The blocks at the next key while the shutter is open; empty where the mesh keeps its shape.
+    to: Vec<Block>,
+    /// Sum of half of the surface of all boxes when the tree was built.
+    pub(super) surface: f32,
 }
 
-/// The hits of a ray in the lanes of a block.
-pub(super) struct Met {
-    /// Lanes that the ray hits, as bits.
-    pub(super) lanes: u32,
-    /// Distances of the hits.
-    pub(super) t: [f32; LANES],
-    /// Weights of the second corner.
-    pub(super) u: [f32; LANES],
-    /// Weights of the third corner.
-    pub(super) v: [f32; LANES],
+impl Triangles {
+    /// Triangles of unchanging shape.
+    pub(super) fn at_rest(blocks: Vec<Block>, surface: f32) -> Self {
+        Self { blocks, to: Vec::new(), surface }
+    }
 }
 
-impl Block {
-    /// A block without triangles.
-    pub(super) const EMPTY: Self =
-        Self { corners: [[[f32::NAN; LANES]; 3]; 3], instance: [0; LANES], triangle: [0; LANES] };
+impl Primitives for Triangles {
+    type Ray = Shear;
+    type Coordinates = [f32; 2];
 
-    /// Puts a triangle into a lane.
-    pub(super) fn set(&mut self, lane: usize, corners: &[Vec3; 3], [instance, triangle]: [u32; 2]) {
-        for (to, p) in self.corners.iter_mut().zip(corners) {
-            (0..3).for_each(|axis| to[axis][lane] = p[axis]);
-        }
-        self.instance[lane] = instance;
-        self.triangle[lane] = triangle;
+    #[inline(always)]
+    fn ray(origin: Vec3A, direction: Vec3A) -> Shear {
+        Shear::new(origin, direction)
     }
 
-    /// These triangles moved by a part of the way to where another block has them.
     #[inline(always)]
-    pub(super) fn towards(&self, to: &Self, part: f32) -> Self {
-        let mut now = self.clone();
-        for (now, to) in now.corners.as_flattened_mut().iter_mut().zip(to.corners.as_flattened()) {
-            for (now, to) in now.iter_mut().zip(to) {
-                *now += (*to - *now) * part;
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        leaf: usize,
+        part: Option<f32>,
+        ray: &Shear,
+        mut end: f32,
+        visitor: &mut impl Visitor<[f32; 2]>,
+    ) -> ControlFlow<(), f32> {
+        let mut block = &self.blocks[leaf];
+        let now;
+        if let Some(part) = part
+            && let Some(to) = self.to.get(leaf)
+        {
+            now = block.towards(to, part);
+            block = &now;
+        }
+        if let Some(met) = block.meet(simd, ray, end) {
+            for lane in lanes(met.lanes) {
+                let (t, instance, number) = (met.t[lane], block.instance[lane], block.triangle[lane]);
+                if t < end && visitor.wants(instance, number) {
+                    let coordinates = [met.u[lane], met.v[lane]];
+                    end = visitor.meet(LocalHit { t, instance, number, coordinates }, end)?;
+                }
             }
         }
-        now
+        ControlFlow::Continue(end)
     }
 
-    pub(super) fn holds(&self, lane: usize) -> bool {
-        !self.corners[0][0][lane].is_nan()
+    fn are_in(mesh: &Mesh) -> bool {
+        mesh.is_of_triangles()
     }
 
-    fn corners(&self, lane: usize) -> [Vec3; 3] {
-        self.corners.map(|p| Vec3::new(p[0][lane], p[1][lane], p[2][lane]))
+    fn in_render_space(scene: &Scene, instances: &[u32]) -> Tree<Self> {
+        Tree::of_triangles(&TriangleSource::placed(scene, instances))
     }
 
-    /// The triangles that a ray hits before `t_max`.
-    #[inline(always)]
-    pub(super) fn meet<S: Simd>(&self, simd: S, ray: &Shear, t_max: f32) -> Option<Met> {
-        let (ax, ay, az) = self.seen(simd, ray, 0);
-        let (bx, by, bz) = self.seen(simd, ray, 1);
-        let (cx, cy, cz) = self.seen(simd, ray, 2);
-        // Without fused products: an edge must give its two triangles opposite numbers.
-        let u = cx * by - cy * bx;
-        let v = ax * cy - ay * cx;
-        let w = bx * ay - by * ax;
-        let (least, most) = (u.min(v).min(w), u.max(v).max(w));
-        let zero = f32x8::splat(simd, 0.0);
-        let inside = least.simd_ge(zero) | most.simd_le(zero);
-        if !inside.any_true() {
-            return None;
-        }
-        let det = u + v + w;
-        let t = (u * az + v * bz + w * cz) * ray.sz / det;
-        // On an edge as single precision sees it: double decides.
-        let edge = (u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero)) & inside;
-        // Also refuses NaN, which a triangle seen exactly edge-on can give.
-        let hit = inside & t.simd_gt(zero) & t.simd_lt(f32x8::splat(simd, t_max));
-        let (edge, hit) = (edge.to_bitmask() as u32, hit.to_bitmask() as u32);
-        let lanes = hit & !edge;
-        if (lanes | edge) == 0 {
-            return None;
-        }
-        let mut met = Met { lanes, t: t.to_array(), u: (v / det).to_array(), v: (w / det).to_array() };
-        if edge != 0 {
-            self.meet_edges(ray, t_max, edge, &mut met);
-        }
-        Some(met)
+    fn in_object_space(mesh: &Mesh) -> Tree<Self> {
+        Tree::of_triangles(&TriangleSource::Mesh(mesh))
     }
 
-    /// One corner of each triangle as the turned ray sees it. (A function, since closures are not inlined.)
-    #[inline(always)]
-    fn seen<S: Simd>(&self, simd: S, ray: &Shear, corner: usize) -> (f32x8<S>, f32x8<S>, f32x8<S>) {
-        let corner = &self.corners[corner];
-        let z = f32x8::load_array_ref(simd, &corner[ray.kz]) - ray.origin[ray.kz];
-        let x = f32x8::load_array_ref(simd, &corner[ray.kx]) - ray.origin[ray.kx];
-        let y = f32x8::load_array_ref(simd, &corner[ray.ky]) - ray.origin[ray.ky];
-        (x - z * ray.sx, y - z * ray.sy, z)
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn meet_edges(&self, ray: &Shear, t_max: f32, lanes: u32, met: &mut Met) {
-        for lane in (0..LANES).filter(|&lane| lanes >> lane & 1 != 0) {
-            if let Some((t, u, v)) = ray.intersect(&self.corners(lane), t_max) {
-                met.lanes |= 1 << lane;
-                (met.t[lane], met.u[lane], met.v[lane]) = (t, u, v);
-            }
-        }
-    }
-}
-
-/// A ray turned so that it runs along +z.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Shear {
-    origin: [f32; 3],
-    kx: usize,
-    ky: usize,
-    kz: usize,
-    sx: f32,
-    sy: f32,
-    sz: f32,
-}
-
-impl Shear {
-    #[inline(always)]
-    pub(super) fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        let a = direction.abs();
-        let kz = if a.x > a.y && a.x > a.z {
-            0
-        } else if a.y > a.z {
-            1
-        } else {
-            2
+    fn between_keys(mesh: &Mesh, poses: &Poses, key: usize) -> Tree<Self> {
+        let corners = |triangle: u32, part: f32| {
+            let pose = Pose { key: key as u32, part };
+            poses.corners(mesh.triangles[triangle as usize], pose)
         };
-        let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        let d = direction.to_array();
-        // Keeps the winding when the ray runs backwards.
-        if d[kz] < 0.0 {
-            std::mem::swap(&mut kx, &mut ky);
-        }
-        Self { origin: origin.into(), kx, ky, kz, sx: d[kx] / d[kz], sy: d[ky] / d[kz], sz: 1.0 / d[kz] }
+        let swept = |triangle: u32| {
+            let [from, to] = [0.0, 1.0].map(|part| Bounds::of(&corners(triangle, part)));
+            from.union(&to).naming([0, triangle])
+        };
+        let built = NamedLeaves::new((0..mesh.triangles.len() as u32).into_par_iter().map(swept).collect(), LANES);
+        let blocks = |part: f32| built.leaves(|names| block(names, |[_, triangle]| corners(triangle, part)));
+        let primitives = Self { blocks: blocks(0.0), to: blocks(1.0), surface: 0.0 };
+        Tree { nodes: built.nodes, primitives }
     }
+}
 
-    /// Distance and the weights of the second and third corner, of either side: the edges in double precision, the
-    /// same way for both neighbours.
-    fn intersect(&self, corners: &[Vec3; 3], t_max: f32) -> Option<(f32, f32, f32)> {
-        let local = corners.map(|p| {
-            let p: [f32; 3] = std::array::from_fn(|axis| p[axis] - self.origin[axis]);
-            (p[self.kx] - self.sx * p[self.kz], p[self.ky] - self.sy * p[self.kz], p[self.kz])
-        });
-        let [(ax, ay, az), (bx, by, bz), (cx, cy, cz)] = local;
-        let cross = |px: f32, py: f32, qx: f32, qy: f32| (px as f64 * qy as f64 - py as f64 * qx as f64) as f32;
-        let u = cross(cx, cy, bx, by);
-        let v = cross(ax, ay, cx, cy);
-        let w = cross(bx, by, ax, ay);
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
-        }
-        let det = u + v + w;
-        if det == 0.0 {
-            return None;
-        }
-        let t = (u * az + v * bz + w * cz) * self.sz / det;
-        (t > 0.0 && t < t_max).then(|| (t, v / det, w / det))
+/// A block of triangles, by their names.
+fn block(names: &[[u32; 2]], corners: impl Fn([u32; 2]) -> [Vec3; 3]) -> Block {
+    let mut block = Block::EMPTY;
+    for (lane, &name) in names.iter().enumerate() {
+        block.set(lane, &corners(name), name);
     }
+    block
+}
+
+impl Tree<Triangles> {
+    /// The tree of the triangles of a source.
+    pub(super) fn of_triangles(source: &TriangleSource<'_>) -> Self {
+        let built = NamedLeaves::new(source.boxes(), LANES);
+        let blocks = built.leaves(|names| block(names, |name| source.corners(name)));
+        let surface = half_surface(&built.nodes);
+        Self { nodes: built.nodes, primitives: Triangles::at_rest(blocks, surface) }
+    }
+}
+
+/// Sum of half of the surface of all boxes of nodes.
+pub(super) fn half_surface(nodes: &[Node]) -> f32 {
+    nodes.iter().map(|node| node.boxes().map(|b| b.half_area()).sum::<f32>()).sum()
 }

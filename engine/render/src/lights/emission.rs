@@ -5,7 +5,7 @@
 //! (Blender units squared times steradians, at right angles to the ray). Of a source without extent both densities
 //! leave out the same delta, so that their ratio is right (Veach 1997, section 10.3.5).
 
-use super::lamp::emission::on_disk;
+use super::lamp::shape::on_disk;
 use super::triangle::LitTriangle;
 use super::{Emitter, Lights, Source};
 use crate::accel::{Hit, Ray, offset_origin};

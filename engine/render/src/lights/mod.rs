@@ -18,7 +18,6 @@ mod triangle;
 
 use crate::nodes::PathState;
 use crate::scene::Scene;
-use crate::scene::lamp::LampKind;
 use crate::scene::motion::MIDDLE;
 use crate::scene::visibility::LightSets;
 pub use along::{LightHit, Line};
@@ -65,7 +64,7 @@ impl Lights {
         let mut local = Local::default();
         let mut bounds = Vec::new();
         for (i, lamp) in lamps.iter().enumerate() {
-            if !matches!(lamp.kind(), LampKind::Sun { .. }) {
+            if !lamp.is_at_infinity() {
                 local.lamps.push(i as u32);
                 bounds.push(lamp.bounds());
             }

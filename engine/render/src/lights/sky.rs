@@ -7,7 +7,6 @@ use crate::nodes::PathState;
 use crate::sampler::distribution::Grid2d;
 use crate::scene::{
     Scene,
-    lamp::LampKind,
     visibility::LightSets,
     world::{direction_to_equirectangular, equirectangular_to_direction},
 };
@@ -67,8 +66,7 @@ fn mean_cosine(cos: f32, sin_cone: f32) -> f32 {
 
 impl Sky {
     pub(super) fn new(scene: &Scene, lamps: &[PreparedLamp]) -> Self {
-        let suns: Vec<u32> =
-            (0..lamps.len() as u32).filter(|&i| matches!(lamps[i as usize].kind(), LampKind::Sun { .. })).collect();
+        let suns: Vec<u32> = (0..lamps.len() as u32).filter(|&i| lamps[i as usize].is_at_infinity()).collect();
         let image = image_table(scene);
         let world = match scene.world.texture {
             Some(t) if image.is_some() => {

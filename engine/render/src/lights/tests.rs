@@ -3,10 +3,11 @@
 use super::*;
 use crate::Rgb;
 use crate::sampler::warp;
+use crate::scene::lamp::{Lamp, LampKind};
 use crate::scene::material::Material;
 use crate::scene::mesh::MeshDescription;
 use crate::scene::visibility::LightLinking;
-use crate::scene::{SceneBuilder, lamp::Lamp, texture::Texture, world::World};
+use crate::scene::{SceneBuilder, texture::Texture, world::World};
 use glam::{DMat4, DVec3, Vec3};
 use std::f32::consts::PI;
 

@@ -62,19 +62,19 @@ fn levels() -> Vec<Level> {
 }
 
 /// Numbers in [0, 1).
-struct Dice(u32);
+pub(super) struct Dice(pub(super) u32);
 
 impl Dice {
-    fn roll(&mut self) -> f64 {
+    pub(super) fn roll(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(1);
         f64::from(sobol_burley::sample(self.0 & 0xffff, 0, self.0 >> 16))
     }
 
-    fn pick(&mut self, n: usize) -> usize {
+    pub(super) fn pick(&mut self, n: usize) -> usize {
         (self.roll() * n as f64) as usize
     }
 
-    fn vector(&mut self) -> DVec3 {
+    pub(super) fn vector(&mut self) -> DVec3 {
         2.0 * DVec3::new(self.roll(), self.roll(), self.roll()) - DVec3::ONE
     }
 }

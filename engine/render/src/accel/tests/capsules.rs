@@ -1,10 +1,11 @@
 //! Capsules around segments against the segments themselves.
 
+use super::super::block::LANES;
 use super::super::capsules::Capsules;
 use super::super::segment::{RayFrame, SegmentCut, meet};
-use super::super::triangles::LANES;
 use super::*;
 use crate::scene::curves::{Controls, CurveShape};
+use fearless_simd::dispatch;
 
 /// A segment anywhere within some units of the middle, as long as its keys are apart.
 fn segment(i: u32, seed: u32) -> Controls {
