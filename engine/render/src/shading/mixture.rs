@@ -220,18 +220,19 @@ impl Mixture {
         })
     }
 
-    /// The lobe that a uniform number chooses, and what is left of the number.
-    fn chosen(&self, u_lobe: f32) -> Option<(&Lobe, f32)> {
+    /// The lobe that the first of two uniform numbers chooses, and the numbers with what is left of the first.
+    fn chosen(&self, [u_lobe, u]: [f32; 2]) -> Option<(&Lobe, [f32; 2])> {
+        let left = |lobe: &Lobe, below: f32| [((u_lobe - below) / lobe.chance).clamp(0.0, 1.0 - f32::EPSILON), u];
         let mut below = 0.0;
         let last = self.lobes.len().checked_sub(1)?;
         for lobe in &self.lobes[..last] {
             if u_lobe < below + lobe.chance {
-                return Some((lobe, (u_lobe - below) / lobe.chance));
+                return Some((lobe, left(lobe, below)));
             }
             below += lobe.chance;
         }
         let lobe = &self.lobes[last];
-        Some((lobe, ((u_lobe - below) / lobe.chance).clamp(0.0, 1.0)))
+        Some((lobe, left(lobe, below)))
     }
 
     /// Normalizes the probabilities of the lobes and multiplies their weights by `kept`, once all closures are added.
@@ -494,9 +495,9 @@ impl Scattering for Mixture {
         self.evaluate_on(self.here.smooth_normal.dot(wi) > 0.0, wi, rays)
     }
 
-    fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        let (lobe, u_choice) = self.chosen(u_lobe)?;
-        let local = lobe.sample(u_choice, u)?;
+    fn sample(&self, u_split: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let (lobe, u) = self.chosen(u)?;
+        let local = lobe.sample(u_split, u)?;
         let transmitted = local.transmitted;
         let wi = lobe.in_world(local.wi);
         let above = self.here.geometric_normal.dot(wi) > 0.0;
@@ -520,8 +521,9 @@ impl Scattering for Mixture {
         usable.then(|| BsdfSample { wi, weight: value / pdf, pdf, mirror: false, transmitted, matte })
     }
 
-    fn enter(&self, u_lobe: f32, u: [f32; 2]) -> Option<Entry> {
-        self.chosen(u_lobe)?.0.enter(u)
+    fn enter(&self, u: [f32; 2]) -> Option<Entry> {
+        let (lobe, u) = self.chosen(u)?;
+        lobe.enter(u)
     }
 
     fn mirror(&self, transmitted: bool, wi: Vec3A) -> (Rgb, f32) {

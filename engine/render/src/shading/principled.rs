@@ -452,19 +452,19 @@ impl Scattering for Bsdf {
         part.evaluate(wi)
     }
 
-    fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+    fn sample(&self, u_split: f32, u: [f32; 2]) -> Option<BsdfSample> {
         if self.cos_o <= 0.0 && self.facets.is_some() {
             return None;
         }
-        let mut lobe = 0;
-        let mut below = 0.0;
-        while lobe < 3 && u_lobe >= below + self.chance[lobe] {
+        let (mut lobe, mut below) = (0, 0.0);
+        while lobe < 3 && u[0] >= below + self.chance[lobe] {
             below += self.chance[lobe];
             lobe += 1;
         }
         if self.chance[lobe] <= 0.0 {
             return None;
         }
+        let u = [((u[0] - below) / self.chance[lobe]).min(1.0 - f32::EPSILON), u[1]];
         if lobe == 3 {
             let mut wi = warp::sample_cosine_hemisphere(u);
             if self.base_normal != Vec3A::Z {
@@ -478,7 +478,7 @@ impl Scattering for Bsdf {
         if cos <= 0.0 {
             return None;
         }
-        let transmit = lobe == 1 && (u_lobe - below) / self.chance[1] >= fresnel::dielectric(cos, self.eta);
+        let transmit = lobe == 1 && u_split >= fresnel::dielectric(cos, self.eta);
         let wi = if transmit { refract(f.wo, h, self.eta)? } else { reflect(f.wo, h) };
         if !f.ggx.is_mirror() {
             return self.finish(wi, transmit, false);

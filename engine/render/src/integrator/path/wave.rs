@@ -444,7 +444,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             }
         }
         let is_alive = &mut self.is_alive[*i as usize];
-        let Some(entry) = bsdf.enter(u_lobe, [u2, u3]) else {
+        let Some(entry) = bsdf.enter([u2, u3]) else {
             *is_alive = at.turn(path, &mut found, bsdf, to, [u_end, u_lobe, u2, u3]);
             if VOLUMES && *is_alive {
                 self.inside[*i as usize].leave(&stage.scene, point, path);
