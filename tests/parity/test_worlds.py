@@ -49,6 +49,25 @@ def scattered(kind: str, elevation: float, **settings):
     return build
 
 
+def mirrored(t: Tree):
+    """The mirrored direction; not below 0."""
+    scaled = t.node(
+        "VectorMath", {"operation": "MULTIPLY_ADD"}, _0=t.coordinates("Reflection"), _1=(0.45,) * 3, _2=(0.5,) * 3
+    )
+    t.shows(t.node("Background", Color=scaled.outputs[0]).outputs[0])
+
+
+def nothing_there(t: Tree):
+    """The fields of surfaces, objects, particles and rays that end, where there are none of these."""
+    across = t.node("SeparateXYZ", Vector=t.node("NewGeometry").outputs["Parametric"]).outputs["X"]
+    alpha = t.node("ObjectInfo").outputs["Alpha"]
+    random = t.node("ParticleInfo").outputs["Random"]
+    length = t.node("Math", {"operation": "MINIMUM"}, _0=t.node("LightPath").outputs["Ray Length"], _1=0.3)
+    color = t.node("CombineXYZ", X=across, Y=random, Z=length.outputs[0])
+    darker = t.node("Math", {"operation": "MULTIPLY_ADD"}, _0=alpha, _1=0.5, _2=0.7)
+    t.shows(t.node("Background", Color=color.outputs[0], Strength=darker.outputs[0]).outputs[0])
+
+
 def hosek(t: Tree):
     sky = t.node("TexSky", {"sky_type": "HOSEK_WILKIE", "turbidity": 4.0, "sun_direction": (0.3, -0.4, 0.6)})
     t.shows(t.node("Background", Color=sky.outputs[0], Strength=1.0).outputs[0])
@@ -87,7 +106,18 @@ SKIES = [
 
 @pytest.mark.parametrize(
     "build",
-    [*SKIES, hosek, clouds, camera_sees_another, gradient, preetham, colour_for_a_shader, lost_image],
+    [
+        *SKIES,
+        hosek,
+        clouds,
+        camera_sees_another,
+        gradient,
+        mirrored,
+        nothing_there,
+        preetham,
+        colour_for_a_shader,
+        lost_image,
+    ],
     ids=lambda one: one.__name__,
 )
 def test_worlds(stage, blender, tmp_path, build):

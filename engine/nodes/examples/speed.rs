@@ -14,8 +14,11 @@ struct Surface {
 }
 
 impl Context for Surface {
-    fn read(&self, field: Field, shift: Shift) -> Vec3A {
-        match field {
+    fn knows(_: Field) -> bool {
+        true
+    }
+    fn answer(&self, field: Field, shift: Shift) -> Option<Vec3A> {
+        Some(match field {
             Field::Position | Field::Generated | Field::Object => {
                 self.position + Vec3A::X * (0.01 * shift.x) + Vec3A::Y * (0.01 * shift.y)
             }
@@ -23,7 +26,7 @@ impl Context for Surface {
             Field::FootprintY => Vec3A::Y * 0.01,
             Field::Backfacing => Vec3A::ZERO,
             _ => Vec3A::Z,
-        }
+        })
     }
     fn attribute(&self, _: usize, _: Shift) -> Vec4 {
         self.position.extend(1.0)

@@ -12,6 +12,11 @@ macro_rules! choices {
         $(#[$about])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         $visibility enum $name { $($(#[$each])* $variant),* }
+        impl $name {
+            /// All choices, in the order of their declaration.
+            #[allow(dead_code, reason = "of most enums nobody asks")]
+            $visibility const ALL: &[Self] = &[$(Self::$variant),*];
+        }
         impl $crate::choice::Choice for $name {
             fn named(word: &str) -> Option<Self> {
                 match word {

@@ -154,7 +154,71 @@ pub struct Occlusion {
     pub only_local: bool,
 }
 
-/// The point that is shaded.
+/// Declares the fields that a kind of point answers, each beside its answer, as the arms of a `match`: it writes `answer`, and `knows`, which
+/// is true of the fields that stand here. The last arm names further kinds of points, which are asked for the rest.
+///
+/// ```
+/// use glam::Vec3A;
+/// use petzval_nodes::{Field, answers};
+///
+/// struct Ray(f32);
+///
+/// impl Ray {
+///     answers! {
+///         fn answer(&self, field: Field) -> Vec3A {
+///             match field {
+///                 RayLength => Vec3A::splat(self.0),
+///                 IsCameraRay | IsShadowRay => Vec3A::ZERO,
+///                 _ => [],
+///             }
+///         }
+///     }
+/// }
+///
+/// assert!(Ray::knows(Field::RayLength) && !Ray::knows(Field::Position));
+/// assert_eq!(Ray(2.0).answer(Field::RayLength), Some(Vec3A::splat(2.0)));
+/// ```
+#[macro_export]
+macro_rules! answers {
+    (
+        $(#[$about:meta])*
+        $visibility:vis fn answer($($argument:tt)*) -> $value:ty {
+            $(let $local:pat = $given:expr;)*
+            match $field:ident {
+                $($($name:ident)|+ => $answer:expr,)*
+                _ => [$($other:ty: $point:expr),* $(,)?] $(,)?
+            }
+        }
+    ) => {
+        $(#[$about])*
+        #[inline]
+        $visibility fn answer($($argument)*) -> Option<$value> {
+            $(let $local = $given;)*
+            Some(match $field {
+                $($($crate::Field::$name)|+ => $answer,)*
+                _ => {
+                    $(
+                        let other: $other = $point;
+                        if let Some(value) = other.answer($field) {
+                            return Some(value);
+                        }
+                    )*
+                    return None;
+                }
+            })
+        }
+
+        /// True if points of this kind answer a field.
+        $visibility fn knows(field: $crate::Field) -> bool {
+            match field {
+                $($($crate::Field::$name)|+ => true,)*
+                _ => false $(|| <$other>::knows(field))*,
+            }
+        }
+    };
+}
+
+/// The point that is shaded. [`answers!`] declares what a kind of point knows.
 pub trait Context {
     /// True if skies show the discs of their suns.
     fn shows_sun(&self) -> bool {
@@ -167,8 +231,17 @@ pub trait Context {
         1.0
     }
 
-    /// A field, at the point or beside it.
-    fn read(&self, field: Field, shift: Shift) -> Vec3A;
+    /// True if points of this kind answer a field.
+    fn knows(field: Field) -> bool
+    where
+        Self: Sized;
+    /// A field, at the point or beside it; `None` of one that points of this kind do not know.
+    fn answer(&self, field: Field, shift: Shift) -> Option<Vec3A>;
+    /// A field, at the point or beside it; zero of one that points of this kind do not know.
+    #[inline(always)]
+    fn read(&self, field: Field, shift: Shift) -> Vec3A {
+        self.answer(field, shift).unwrap_or(Vec3A::ZERO)
+    }
     /// An attribute by its index in [`Program::attributes`](crate::Program::attributes); a missing one is zero.
     fn attribute(&self, index: usize, shift: Shift) -> Vec4;
     /// A vector from one space to another; a normal comes at length 1.
@@ -197,8 +270,11 @@ pub trait Textures {
 pub(crate) struct Nowhere;
 
 impl Context for Nowhere {
-    fn read(&self, _: Field, _: Shift) -> Vec3A {
-        Vec3A::ZERO
+    fn knows(_: Field) -> bool {
+        false
+    }
+    fn answer(&self, _: Field, _: Shift) -> Option<Vec3A> {
+        None
     }
     fn attribute(&self, _: usize, _: Shift) -> Vec4 {
         Vec4::ZERO

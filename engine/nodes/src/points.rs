@@ -79,9 +79,14 @@ struct TablePoint<'a> {
 }
 
 impl Context for TablePoint<'_> {
-    fn read(&self, field: Field, shift: Shift) -> Vec3A {
+    /// A table may hold any field; what it does not hold is zero.
+    fn knows(_: Field) -> bool {
+        true
+    }
+
+    fn answer(&self, field: Field, shift: Shift) -> Option<Vec3A> {
         let column = self.table.fields.iter().find(|(other, _)| *other == field);
-        column.map_or(Vec3A::ZERO, |(_, column)| Vec3A::from_vec4(column.at(self.number, shift)))
+        Some(column.map_or(Vec3A::ZERO, |(_, column)| Vec3A::from_vec4(column.at(self.number, shift))))
     }
 
     fn attribute(&self, index: usize, shift: Shift) -> Vec4 {

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use petzval_nodes::Graph as ShaderGraph;
+use petzval_render::nodes::{OF_MATERIALS, OF_WORLDS};
 use petzval_render::scene::graph::{Displacement, Graph};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,14 +10,24 @@ use std::sync::Arc;
 /// A graph, and what of it the engine does otherwise than Blender.
 type Compiled = (Arc<Graph>, Vec<String>);
 
-/// Compiled graphs by a graph's text, and the pass index and displacement of its material.
+/// A graph's text, and what else its compiled form depends on.
+#[derive(PartialEq, Eq, Hash)]
+struct CompiledFrom {
+    json: String,
+    pass_index: i32,
+    displacement: Displacement,
+    /// True of a world, which answers other fields than a material does.
+    is_world: bool,
+}
+
+/// Compiled graphs by what they are compiled from.
 #[derive(Default)]
 pub(crate) struct Graphs {
-    known: HashMap<(String, i32, Displacement), Compiled>,
+    known: HashMap<CompiledFrom, Compiled>,
 }
 
 impl Graphs {
-    /// The graph of a text, and what to say of it to `owner`.
+    /// The graph of a material's text, and what to say of it to `owner`.
     pub(crate) fn read(
         &mut self,
         json: String,
@@ -24,19 +35,11 @@ impl Graphs {
         displacement: Displacement,
         owner: &str,
     ) -> Result<(Arc<Graph>, Vec<String>), Error> {
-        let key = (json, pass_index, displacement);
-        let (graph, reports) = match self.known.get(&key) {
-            Some(known) => known,
-            None => {
-                let made = compiled(&key.0, pass_index, displacement)?;
-                self.known.entry(key).or_insert(made)
-            }
-        };
-        Ok((graph.clone(), reports.iter().map(|what| format!("{owner}: {what}")).collect()))
+        self.compiled(CompiledFrom { json, pass_index, displacement, is_world: false }, owner)
     }
 
-    /// [`Self::read`] of the text of a lamp or a world, if there is one.
-    pub(crate) fn read_some(
+    /// The graph of a lamp's text, if there is one, and what to say of it to `owner`.
+    pub(crate) fn of_lamp(
         &mut self,
         json: Option<String>,
         owner: &str,
@@ -46,14 +49,34 @@ impl Graphs {
         Ok((Some(graph), reports))
     }
 
+    /// The graph of a world's text, if there is one, and what to say of it.
+    pub(crate) fn of_world(&mut self, json: Option<String>) -> Result<(Option<Arc<Graph>>, Vec<String>), Error> {
+        let Some(json) = json else { return Ok((None, Vec::new())) };
+        let from = CompiledFrom { json, pass_index: 0, displacement: Displacement::default(), is_world: true };
+        let (graph, reports) = self.compiled(from, "World")?;
+        Ok((Some(graph), reports))
+    }
+
+    fn compiled(&mut self, from: CompiledFrom, owner: &str) -> Result<(Arc<Graph>, Vec<String>), Error> {
+        let (graph, reports) = match self.known.get(&from) {
+            Some(known) => known,
+            None => {
+                let made = compiled(&from)?;
+                self.known.entry(from).or_insert(made)
+            }
+        };
+        Ok((graph.clone(), reports.iter().map(|what| format!("{owner}: {what}")).collect()))
+    }
+
     /// Drops those that nothing shows any more.
     pub(crate) fn forget_unused(&mut self) {
         self.known.retain(|_, (graph, _)| Arc::strong_count(graph) > 1);
     }
 }
 
-fn compiled(json: &str, pass_index: i32, displacement: Displacement) -> Result<Compiled, Error> {
-    let (mut graph, reports) = Graph::of(&ShaderGraph::from_json(json)?, pass_index);
-    graph.displacement = displacement;
+fn compiled(from: &CompiledFrom) -> Result<Compiled, Error> {
+    let answered = if from.is_world { OF_WORLDS } else { OF_MATERIALS };
+    let (mut graph, reports) = Graph::of(&ShaderGraph::from_json(&from.json)?, from.pass_index, answered);
+    graph.displacement = from.displacement;
     Ok((Arc::new(graph), reports))
 }

@@ -114,7 +114,7 @@ impl PyLight {
             other => return Err(unknown("kind of light", other)),
         };
         let owner = format!("Light '{}'", self.object_name);
-        let (graph, mut reports) = graphs.read_some(self.graph, &owner)?;
+        let (graph, mut reports) = graphs.of_lamp(self.graph, &owner)?;
         for field in graph.iter().flat_map(|graph| lamp::unknown(graph)) {
             reports.push(format!("{owner}: {field:?} is not supported in a light yet, it is 0"));
         }
@@ -148,7 +148,7 @@ impl PyWorld {
     /// The world, and what of its nodes the engine does otherwise than Blender.
     pub(crate) fn world(self, graphs: &mut Graphs) -> Result<(World, Vec<String>), Error> {
         let w = self;
-        let (graph, reports) = graphs.read_some(w.graph, "World")?;
+        let (graph, reports) = graphs.of_world(w.graph)?;
         let world = World {
             color: rgb(w.color),
             texture: w.image,

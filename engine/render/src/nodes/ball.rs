@@ -2,24 +2,39 @@
 
 use crate::scene::points::Points;
 use crate::scene::{Instance, Scene};
-use crate::surface::SurfacePoint;
 use glam::{Vec3A, Vec4};
-use petzval_nodes::{AttributeKind, Field};
+use petzval_nodes::{AttributeKind, Field, answers};
 
-/// A field that only points have; zero for the rest.
-pub(super) fn read(field: Field, instance: &Instance, points: &Points, surface: &SurfacePoint, scene: &Scene) -> Vec3A {
-    let ball = || points.at(surface.triangle, instance.pose);
-    match field {
-        Field::PointPosition => {
-            instance.to_render.transform_point3a(Vec3A::from_vec4(ball())) + scene.origin.as_vec3a()
+/// A point of a cloud; where there is none, its fields are zero.
+pub(super) struct Ball<'a> {
+    pub(super) points: Option<&'a Points>,
+    pub(super) instance: &'a Instance,
+    pub(super) number: u32,
+    pub(super) scene: &'a Scene,
+}
+
+impl Ball<'_> {
+    fn position(&self, points: &Points) -> Vec3A {
+        let middle = Vec3A::from_vec4(points.at(self.number, self.instance.pose));
+        self.instance.to_render.transform_point3a(middle) + self.scene.origin.as_vec3a()
+    }
+
+    /// The radius; of a point that is stretched, along the middle of its object's axes, as in Cycles.
+    fn radius(&self, points: &Points) -> f32 {
+        let diagonal = Vec3A::splat(points.at(self.number, self.instance.pose).w * 3f32.sqrt().recip());
+        self.instance.to_render.transform_vector3a(diagonal).length()
+    }
+
+    answers! {
+        /// A field that only points of clouds have.
+        pub(super) fn answer(&self, field: Field) -> Vec3A {
+            match field {
+                PointPosition => self.points.map_or(Vec3A::ZERO, |points| self.position(points)),
+                PointRadius => Vec3A::splat(self.points.map_or(0.0, |points| self.radius(points))),
+                PointRandom => Vec3A::splat(self.points.map_or(0.0, |points| points.random(self.number))),
+                _ => [],
+            }
         }
-        // Of one that is stretched, along the middle of its object's axes, as in Cycles.
-        Field::PointRadius => {
-            let diagonal = Vec3A::splat(ball().w * 3f32.sqrt().recip());
-            Vec3A::splat(instance.to_render.transform_vector3a(diagonal).length())
-        }
-        Field::PointRandom => Vec3A::splat(points.random(surface.triangle)),
-        _ => Vec3A::ZERO,
     }
 }
 

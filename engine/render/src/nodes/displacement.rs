@@ -1,8 +1,9 @@
 //! Displacement that moves vertices: the program of a material is run at each vertex of its meshes, and the mesh takes a new
 //! shape before trees are built.
 
+use super::images::Images;
 use super::layers::surface_point;
-use super::point::{Images, Point, UNDISPLACED_NORMAL, View};
+use super::point::{Point, UNDISPLACED_NORMAL, View};
 use crate::nodes::PathState;
 use crate::scene::Scene;
 use crate::scene::corners::Corners;

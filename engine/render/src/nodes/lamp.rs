@@ -1,13 +1,13 @@
 //! A lamp's nodes: the factor on its light from a place on it towards a lit point.
 
+use super::images::Images;
 use super::path_state::PathState;
-use super::point::Images;
 use super::world::emitted;
 use crate::Rgb;
 use crate::scene::graph::Graph;
 use crate::scene::texture::Texture;
 use glam::{Affine3A, Mat3A, Vec2, Vec3A, Vec4};
-use petzval_nodes::{Attribute, AttributeKind, Context, Direction, Field, Registers, Shift, Space};
+use petzval_nodes::{Attribute, AttributeKind, Context, Direction, Field, Registers, Shift, Space, answers};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -30,48 +30,29 @@ pub struct LampPoint {
     pub way: PathState,
 }
 
-/// The fields that a lamp's nodes can read.
-pub(super) const KNOWN: [Field; 18] = [
-    Field::Position,
-    Field::Normal,
-    Field::TrueNormal,
-    Field::MeshNormal,
-    Field::Incoming,
-    Field::Parametric,
-    Field::Object,
-    Field::ObjectLocation,
-    Field::IsCameraRay,
-    Field::IsShadowRay,
-    Field::IsDiffuseRay,
-    Field::IsGlossyRay,
-    Field::IsTransmissionRay,
-    Field::RayLength,
-    Field::RayDepth,
-    Field::DiffuseDepth,
-    Field::GlossyDepth,
-    Field::TransmissionDepth,
-];
-
 /// The fields that a program reads and no lamp has.
 pub fn unknown(graph: &Graph) -> Vec<Field> {
-    graph.program.reads().filter(|field| !KNOWN.contains(field)).collect()
+    graph.program.reads().filter(|&field| !Asked::knows(field)).collect()
 }
 
-struct Asked<'a>(&'a LampPoint, &'a [Attribute]);
+/// A place on a lamp as a program asks for it, with the program's attributes.
+pub(super) struct Asked<'a>(pub(super) &'a LampPoint, pub(super) &'a [Attribute]);
 
 impl Context for Asked<'_> {
-    fn read(&self, field: Field, _: Shift) -> Vec3A {
-        let at = self.0;
-        match field {
-            Field::Position => at.position,
-            Field::Normal | Field::TrueNormal => at.normal,
-            Field::MeshNormal => at.to_world.matrix3.transpose() * at.normal,
-            Field::Incoming => -at.direction,
-            Field::Parametric => Vec3A::new(at.uv.x, at.uv.y, 0.0),
-            Field::Object => self.transform(Direction::Point, Space::World, Space::Object, at.position),
-            Field::ObjectLocation => at.to_world.translation,
-            Field::RayLength => Vec3A::splat(at.distance),
-            _ => at.way.read(field).map_or(Vec3A::ZERO, Vec3A::splat),
+    answers! {
+        fn answer(&self, field: Field, _: Shift) -> Vec3A {
+            let at = self.0;
+            match field {
+                Position => at.position,
+                Normal | TrueNormal => at.normal,
+                MeshNormal => at.to_world.matrix3.transpose() * at.normal,
+                Incoming => -at.direction,
+                Parametric => Vec3A::new(at.uv.x, at.uv.y, 0.0),
+                Object => self.transform(Direction::Point, Space::World, Space::Object, at.position),
+                ObjectLocation => at.to_world.translation,
+                RayLength => Vec3A::splat(at.distance),
+                _ => [PathState: at.way],
+            }
         }
     }
 

@@ -1,7 +1,8 @@
 //! Evaluating the layers of a material at a point of a surface.
 
 use super::around::SceneQueries;
-use super::point::{Images, Point, View};
+use super::images::Images;
+use super::point::{Point, View};
 use crate::accel::Hit;
 use crate::scene::closure::Closure;
 use crate::scene::graph::{Displacement, Graph};

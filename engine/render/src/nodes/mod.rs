@@ -5,13 +5,22 @@
 mod around;
 mod ball;
 pub mod displacement;
+mod images;
 pub mod lamp;
 mod layers;
 mod path_state;
 mod point;
 mod strand;
+#[cfg(test)]
+mod tests;
 pub mod volume;
 pub mod world;
+
+use crate::scene::layer::AnsweredFields;
+use petzval_nodes::Context;
+use point::Point;
+use volume::VolumePoint;
+use world::Infinity;
 
 pub use around::SceneQueries;
 pub use layers::{
@@ -20,3 +29,9 @@ pub use layers::{
 };
 pub use path_state::{OF_BOUNCES, PathState};
 pub use point::View;
+
+/// The fields that are answered where materials are evaluated.
+pub const OF_MATERIALS: AnsweredFields =
+    AnsweredFields { on_surfaces: Point::knows, in_volumes: VolumePoint::knows, along_rays: volume::varies };
+/// The fields that are answered where a world is evaluated.
+pub const OF_WORLDS: AnsweredFields = AnsweredFields { on_surfaces: Infinity::knows, ..OF_MATERIALS };

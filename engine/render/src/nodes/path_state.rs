@@ -1,7 +1,8 @@
 //! The path state: the fields of Blender's Light Path node, and the counts of bounces.
 
 use crate::scene::visibility::Rays;
-use petzval_nodes::Field;
+use glam::Vec3A;
+use petzval_nodes::{Field, answers};
 
 /// The path state: the kind of the last scattering, and the number of scatterings of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,25 +138,30 @@ impl PathState {
             .and(of(IN_VOLUME, Rays::VOLUME_SCATTER))
     }
 
-    /// The value of a Light Path field for node programs.
-    pub(super) fn read(self, field: Field) -> Option<f32> {
-        let is = |bit: u8| f32::from(u8::from(self.is & bit != 0));
-        Some(match field {
-            Field::IsCameraRay => is(CAMERA),
-            Field::IsShadowRay => is(SHADOW),
-            Field::IsDiffuseRay => is(DIFFUSE),
-            Field::IsGlossyRay => is(GLOSSY),
-            Field::IsSingularRay => is(SINGULAR),
-            Field::IsReflectionRay => is(REFLECTED),
-            Field::IsTransmissionRay => is(TRANSMITTED),
-            Field::IsVolumeScatterRay => is(IN_VOLUME),
-            Field::RayDepth => f32::from(self.depth),
-            Field::DiffuseDepth => f32::from(self.diffuse),
-            Field::GlossyDepth => f32::from(self.glossy),
-            Field::TransmissionDepth => f32::from(self.transmission),
-            Field::TransparentDepth => f32::from(self.transparent),
-            _ => return None,
-        })
+    answers! {
+        /// The value of a Light Path field for node programs.
+        pub(super) fn answer(self, field: Field) -> Vec3A {
+            let is = |bit: u8| Vec3A::splat(f32::from(u8::from(self.is & bit != 0)));
+            let number = |count: u16| Vec3A::splat(f32::from(count));
+            match field {
+                IsCameraRay => is(CAMERA),
+                IsShadowRay => is(SHADOW),
+                IsDiffuseRay => is(DIFFUSE),
+                IsGlossyRay => is(GLOSSY),
+                IsSingularRay => is(SINGULAR),
+                IsReflectionRay => is(REFLECTED),
+                IsTransmissionRay => is(TRANSMITTED),
+                IsVolumeScatterRay => is(IN_VOLUME),
+                RayDepth => number(self.depth),
+                DiffuseDepth => number(self.diffuse.into()),
+                GlossyDepth => number(self.glossy.into()),
+                TransmissionDepth => number(self.transmission.into()),
+                TransparentDepth => number(self.transparent),
+                // No path goes through a portal.
+                PortalDepth => Vec3A::ZERO,
+                _ => [],
+            }
+        }
     }
 }
 

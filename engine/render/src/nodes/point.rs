@@ -1,19 +1,17 @@
 //! A point of a surface as a shader graph's program asks for it.
 
 use super::around::SceneQueries;
+use super::ball::{self, Ball};
 use super::path_state::PathState;
-use super::{ball, strand};
+use super::strand::{self, Hair};
 use crate::accel::Ray;
 use crate::scene::corners::Corners;
 use crate::scene::mesh::{GENERATED, Mesh};
 use crate::scene::{Instance, Scene};
 use crate::surface::{SurfacePoint, mesh_of};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
-use petzval_nodes::{
-    Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Occlusion, Shift, Space, Textures,
-};
+use petzval_nodes::{Attribute, AttributeKind, Context, Direction, Field, Occlusion, Shift, Space, answers};
 use std::f32::consts::{PI, TAU};
-use std::sync::Arc;
 
 /// The names by which a mesh keeps what its edges tell of its vertices.
 const POINTINESS: &str = ".pointiness";
@@ -238,6 +236,38 @@ impl<'a> Point<'a> {
         }
     }
 
+    fn parametric(&self, shift: Shift) -> Vec3A {
+        if self.mesh.points.is_some() {
+            return Vec3A::X;
+        }
+        let [_, u, v] = self.barycentric(shift);
+        Vec3A::new(u, v, 0.0)
+    }
+
+    fn pointiness(&self, shift: Shift) -> f32 {
+        if self.mesh.points.is_some() {
+            return 0.0;
+        }
+        self.named(POINTINESS, shift).map_or(0.5, |value| value.x)
+    }
+
+    /// The mirrored direction to the viewer.
+    fn reflection(&self) -> Vec3A {
+        let (n, i) = (self.surface.shading_normal, -self.view.direction);
+        n * (2.0 * n.dot(i)) - i
+    }
+
+    fn hair(&self, shift: Shift) -> Hair<'_> {
+        let Self { mesh, instance, surface, view, .. } = self;
+        let (curves, u) = (mesh.curves.as_deref(), self.barycentric(shift)[1]);
+        Hair { curves, instance, surface, u, direction: view.direction }
+    }
+
+    fn ball(&self) -> Ball<'_> {
+        let (points, number) = (self.mesh.points.as_deref(), self.surface.triangle);
+        Ball { points, instance: self.instance, number, scene: self.scene }
+    }
+
     fn named(&self, name: &str, shift: Shift) -> Option<Vec4> {
         if let Some(curves) = &self.mesh.curves {
             return strand::named(curves, name, self.surface.triangle, self.barycentric(shift)[1]);
@@ -301,60 +331,44 @@ impl Context for Point<'_> {
         self.around.open(&self.surface, asked, normal, distance)
     }
 
-    fn read(&self, field: Field, shift: Shift) -> Vec3A {
-        let number = Vec3A::splat;
-        let info = &self.instance.info;
-        match field {
-            Field::Position => self.position(shift),
-            Field::Normal => self.surface.shading_normal,
-            Field::TrueNormal => match &self.mesh.curves {
-                Some(curves) if curves.is_flat() => -self.view.direction,
-                _ => self.surface.geometric_normal,
-            },
-            Field::MeshNormal => self.mesh_normal(shift),
-            Field::Incoming => -self.view.direction,
-            Field::Parametric if self.mesh.points.is_some() => Vec3A::X,
-            Field::Parametric => {
-                let [_, u, v] = self.barycentric(shift);
-                Vec3A::new(u, v, 0.0)
-            }
-            Field::Backfacing => number(f32::from(u8::from(self.surface.backfacing))),
-            Field::Pointiness if self.mesh.points.is_some() => Vec3A::ZERO,
-            Field::Pointiness => number(self.named(POINTINESS, shift).map_or(0.5, |value| value.x)),
-            Field::RandomPerIsland => number(self.named(RANDOM_PER_ISLAND, Shift::NONE).map_or(0.0, |value| value.x)),
-            Field::EdgeDistance => number(self.edge_distance(shift)),
-            Field::PixelWidth => number(self.pixel_width()),
-            Field::Camera => self.in_camera(shift),
-            Field::Window => self.scene.viewport.window(self.in_camera(shift)),
-            Field::ViewVector => self.in_camera(shift).normalize_or_zero(),
-            Field::ViewDepth => number(self.in_camera(shift).z),
-            Field::ViewDistance => number(self.in_camera(shift).length()),
-            Field::Generated => self.generated(shift),
-            Field::Object => self.object_position(shift),
-            Field::Reflection => {
-                let (n, i) = (self.surface.shading_normal, -self.view.direction);
-                n * (2.0 * n.dot(i)) - i
-            }
-            Field::FootprintX => self.footprint[0],
-            Field::FootprintY => self.footprint[1],
-            Field::ObjectLocation => self.world(self.instance.to_render.translation),
-            Field::ObjectColour => Vec3A::from_vec4(info.color),
-            Field::ObjectAlpha => number(info.color.w),
-            Field::ObjectIndex => number(info.pass_index as f32),
-            Field::ObjectRandom => number(info.random),
-            Field::MaterialIndex => number(self.material_index),
-            Field::RayLength => number(self.view.distance),
-            _ => match (self.view.way.read(field), &self.mesh.curves) {
-                (Some(known), _) => number(known),
-                (None, Some(curves)) => {
-                    let u = self.barycentric(shift)[1];
-                    strand::read(field, self.instance, curves, &self.surface, u, self.view.direction)
-                }
-                (None, None) => match &self.mesh.points {
-                    Some(points) => ball::read(field, self.instance, points, &self.surface, self.scene),
-                    None => Vec3A::ZERO,
+    answers! {
+        fn answer(&self, field: Field, shift: Shift) -> Vec3A {
+            let number = Vec3A::splat;
+            let info = &self.instance.info;
+            match field {
+                Position => self.position(shift),
+                Normal => self.surface.shading_normal,
+                TrueNormal => match &self.mesh.curves {
+                    Some(curves) if curves.is_flat() => -self.view.direction,
+                    _ => self.surface.geometric_normal,
                 },
-            },
+                MeshNormal => self.mesh_normal(shift),
+                Incoming => -self.view.direction,
+                Parametric => self.parametric(shift),
+                Backfacing => number(f32::from(u8::from(self.surface.backfacing))),
+                Pointiness => number(self.pointiness(shift)),
+                RandomPerIsland => number(self.named(RANDOM_PER_ISLAND, Shift::NONE).map_or(0.0, |value| value.x)),
+                EdgeDistance => number(self.edge_distance(shift)),
+                PixelWidth => number(self.pixel_width()),
+                Camera => self.in_camera(shift),
+                Window => self.scene.viewport.window(self.in_camera(shift)),
+                ViewVector => self.in_camera(shift).normalize_or_zero(),
+                ViewDepth => number(self.in_camera(shift).z),
+                ViewDistance => number(self.in_camera(shift).length()),
+                Generated => self.generated(shift),
+                Object => self.object_position(shift),
+                Reflection => self.reflection(),
+                FootprintX => self.footprint[0],
+                FootprintY => self.footprint[1],
+                ObjectLocation => self.world(self.instance.to_render.translation),
+                ObjectColour => Vec3A::from_vec4(info.color),
+                ObjectAlpha => number(info.color.w),
+                ObjectIndex => number(info.pass_index as f32),
+                ObjectRandom => number(info.random),
+                MaterialIndex => number(self.material_index),
+                RayLength => number(self.view.distance),
+                _ => [PathState: self.view.way, Hair<'_>: self.hair(shift), Ball<'_>: self.ball()],
+            }
         }
     }
 
@@ -423,24 +437,4 @@ fn weights_along(instance: &Instance, corners: [Vec3; 3], vectors: &[Vec3A; 2]) 
         let (ve, vf) = (v.dot(e), v.dot(f));
         Vec2::new(ff * ve - ef * vf, ee * vf - ef * ve) / determinant
     })
-}
-
-/// The scene's images, for nodes that look them up.
-pub(super) struct Images<'a>(pub(super) &'a [Arc<crate::scene::texture::Texture>]);
-
-impl Textures for Images<'_> {
-    fn lookup(&self, image: usize, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
-        use crate::scene::texture as own;
-        let interpolation = match interpolation {
-            Interpolation::Closest => own::Interpolation::Closest,
-            Interpolation::Linear | Interpolation::Cubic => own::Interpolation::Linear,
-        };
-        let extension = match extension {
-            Extension::Repeat => own::Extension::Repeat,
-            Extension::Extend => own::Extension::Extend,
-            Extension::Clip => own::Extension::Clip,
-            Extension::Mirror => own::Extension::Mirror,
-        };
-        self.0.get(image).map_or(Vec4::ZERO, |texture| texture.lookup(uv, interpolation, extension))
-    }
 }

@@ -5,30 +5,42 @@ use crate::scene::Instance;
 use crate::scene::curves::Curves;
 use crate::surface::{SurfacePoint, strand_slope, tangent_of_strand};
 use glam::{Vec2, Vec3A, Vec4};
-use petzval_nodes::{AttributeKind, Field};
+use petzval_nodes::{AttributeKind, Field, answers};
 
-/// A field that only strands have; zero for the rest.
-pub(super) fn read(
-    field: Field,
-    instance: &Instance,
-    curves: &Curves,
-    surface: &SurfacePoint,
-    u: f32,
-    direction: Vec3A,
-) -> Vec3A {
-    let (segment, number) = (surface.triangle, Vec3A::splat);
-    match field {
-        Field::IsStrand => number(1.0),
-        Field::StrandIntercept => number(curves.intercept(segment, u).0),
-        Field::StrandLength => number(curves.intercept(segment, u).1),
-        Field::StrandThickness => number(curves.thickness(segment, u) * radius_scale(instance)),
-        Field::StrandRandom => number(curves.random(segment)),
-        // What is left of the view across the strand.
-        Field::StrandNormal => {
-            let along = tangent_of_strand(instance, curves, surface);
-            (-direction).reject_from_normalized(along).normalize_or_zero()
+/// A place of hair; where there is none, its fields are zero.
+pub(super) struct Hair<'a> {
+    pub(super) curves: Option<&'a Curves>,
+    pub(super) instance: &'a Instance,
+    pub(super) surface: &'a SurfacePoint,
+    /// Place along the segment, 0 to 1.
+    pub(super) u: f32,
+    /// Direction of the ray that came there, unit.
+    pub(super) direction: Vec3A,
+}
+
+impl Hair<'_> {
+    fn number(&self, of: impl Fn(&Curves) -> f32) -> Vec3A {
+        Vec3A::splat(self.curves.map_or(0.0, of))
+    }
+
+    answers! {
+        /// A field that only strands have.
+        pub(super) fn answer(&self, field: Field) -> Vec3A {
+            let (segment, u) = (self.surface.triangle, self.u);
+            match field {
+                IsStrand => self.number(|_| 1.0),
+                StrandIntercept => self.number(|curves| curves.intercept(segment, u).0),
+                StrandLength => self.number(|curves| curves.intercept(segment, u).1),
+                StrandThickness => self.number(|curves| curves.thickness(segment, u) * radius_scale(self.instance)),
+                StrandRandom => self.number(|curves| curves.random(segment)),
+                // The part of the view across the strand.
+                StrandNormal => self.curves.map_or(Vec3A::ZERO, |curves| {
+                    let along = tangent_of_strand(self.instance, curves, self.surface);
+                    (-self.direction).reject_from_normalized(along).normalize_or_zero()
+                }),
+                _ => [],
+            }
         }
-        _ => Vec3A::ZERO,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Participating media at a point: coefficients of extinction and scattering, and emission.
 
+use super::images::Images;
 use super::path_state::PathState;
-use super::point::Images;
 use crate::sampler::phase::PhaseLobe;
 use crate::scene::grid::Grid;
 use crate::scene::layer::Source;
@@ -12,7 +12,7 @@ use crate::surface::mesh_of;
 use crate::{Rgb, luminance};
 use arrayvec::ArrayVec;
 use glam::{Affine3A, Vec3, Vec3A, Vec4};
-use petzval_nodes::{Attribute, AttributeKind, Context, Direction, Field, Registers, Shift, Space, blackbody};
+use petzval_nodes::{Attribute, AttributeKind, Context, Direction, Field, Registers, Shift, Space, answers, blackbody};
 use std::cell::RefCell;
 use std::f32::consts::PI;
 
@@ -91,15 +91,15 @@ impl Medium {
 }
 
 /// A point of space as a program asks for it.
-struct VolumePoint<'a> {
-    scene: &'a Scene,
+pub(super) struct VolumePoint<'a> {
+    pub(super) scene: &'a Scene,
     /// The object whose volume is evaluated; the world's belongs to none.
-    own: Option<(&'a Instance, &'a Mesh)>,
-    volume: &'a Volume,
+    pub(super) own: Option<(&'a Instance, &'a Mesh)>,
+    pub(super) volume: &'a Volume,
     /// Position of the point in render space, Blender units.
-    position: Vec3A,
-    direction: Vec3A,
-    way: PathState,
+    pub(super) position: Vec3A,
+    pub(super) direction: Vec3A,
+    pub(super) way: PathState,
 }
 
 impl VolumePoint<'_> {
@@ -144,35 +144,62 @@ impl VolumePoint<'_> {
     }
 }
 
+/// A point of space, asked for what changes along a ray.
+struct AlongRay<'a>(&'a VolumePoint<'a>);
+
+impl AlongRay<'_> {
+    answers! {
+        /// A field that may differ between two points of a ray.
+        fn answer(&self, field: Field) -> Vec3A {
+            let at = self.0;
+            let number = Vec3A::splat;
+            let of_grid = |name: &str| at.in_grid(name).map_or(Vec3A::ZERO, Vec3A::from_vec4);
+            match field {
+                Position => at.world(),
+                Generated => at.generated(),
+                Object => at.object(),
+                Camera => at.in_camera(),
+                Window => at.scene.viewport.window(at.in_camera()),
+                ViewVector => at.in_camera().normalize_or_zero(),
+                ViewDepth => number(at.in_camera().z),
+                ViewDistance => number(at.in_camera().length()),
+                VolumeColour => of_grid("color"),
+                VolumeDensity => of_grid("density"),
+                VolumeFlame => of_grid("flame"),
+                VolumeTemperature => of_grid("temperature"),
+                // Of surfaces, where they change.
+                PixelWidth | RandomPerIsland => Vec3A::ZERO,
+                _ => [],
+            }
+        }
+    }
+}
+
 impl Context for VolumePoint<'_> {
-    fn read(&self, field: Field, _: Shift) -> Vec3A {
-        let number = Vec3A::splat;
-        let info = self.own.map(|(instance, _)| &instance.info);
-        let of_grid = |name: &str| self.in_grid(name).map_or(Vec3A::ZERO, Vec3A::from_vec4);
-        match field {
-            Field::Position => self.world(),
-            Field::Normal | Field::TrueNormal | Field::Incoming => -self.direction,
-            Field::Generated => self.generated(),
-            Field::Object => self.object(),
-            Field::Camera => self.in_camera(),
-            Field::Window => self.scene.viewport.window(self.in_camera()),
-            Field::ViewVector => self.in_camera().normalize_or_zero(),
-            Field::ViewDepth => number(self.in_camera().z),
-            Field::ViewDistance => number(self.in_camera().length()),
-            Field::EdgeDistance => Vec3A::INFINITY,
-            Field::ObjectLocation => self
-                .own
-                .map_or(Vec3A::ZERO, |(instance, _)| instance.to_render.translation + self.scene.origin.as_vec3a()),
-            Field::ObjectColour => info.map_or(Vec3A::ONE, |info| Vec3A::from_vec4(info.color)),
-            Field::ObjectAlpha => number(info.map_or(1.0, |info| info.color.w)),
-            Field::ObjectIndex => number(info.map_or(0.0, |info| info.pass_index as f32)),
-            Field::ObjectRandom => number(info.map_or(0.0, |info| info.random)),
-            Field::MaterialIndex => number(self.volume.pass_index as f32),
-            Field::VolumeColour => of_grid("color"),
-            Field::VolumeDensity => of_grid("density"),
-            Field::VolumeFlame => of_grid("flame"),
-            Field::VolumeTemperature => of_grid("temperature"),
-            _ => self.way.read(field).map_or(Vec3A::ZERO, number),
+    answers! {
+        fn answer(&self, field: Field, _: Shift) -> Vec3A {
+            let number = Vec3A::splat;
+            let info = self.own.map(|(instance, _)| &instance.info);
+            match field {
+                Normal | TrueNormal | Incoming => -self.direction,
+                // No sides are near.
+                EdgeDistance => Vec3A::INFINITY,
+                ObjectLocation => self.own.map_or(Vec3A::ZERO, |(instance, _)| {
+                    instance.to_render.translation + self.scene.origin.as_vec3a()
+                }),
+                ObjectColour => info.map_or(Vec3A::ONE, |info| Vec3A::from_vec4(info.color)),
+                ObjectAlpha => number(info.map_or(1.0, |info| info.color.w)),
+                ObjectIndex => number(info.map_or(0.0, |info| info.pass_index as f32)),
+                ObjectRandom => number(info.map_or(0.0, |info| info.random)),
+                MaterialIndex => number(self.volume.pass_index as f32),
+                // Of surfaces and of the ray that ends at one.
+                MeshNormal | Parametric | Backfacing | Pointiness | Reflection | FootprintX | FootprintY => Vec3A::ZERO,
+                RayLength => Vec3A::ZERO,
+                // Of hair and of points.
+                IsStrand | StrandIntercept | StrandLength | StrandThickness | StrandNormal | StrandRandom => Vec3A::ZERO,
+                PointPosition | PointRadius | PointRandom => Vec3A::ZERO,
+                _ => [AlongRay<'_>: AlongRay(self), PathState: self.way],
+            }
         }
     }
 
@@ -206,6 +233,11 @@ impl Context for VolumePoint<'_> {
             Direction::Normal => (map.matrix3.inverse().transpose() * vector).normalize_or_zero(),
         }
     }
+}
+
+/// True of a field that may differ between two points of a ray through a volume.
+pub(super) fn varies(field: Field) -> bool {
+    AlongRay::knows(field)
 }
 
 thread_local! {

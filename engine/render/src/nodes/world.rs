@@ -1,7 +1,7 @@
 //! A world of nodes: its radiance from a direction, and an image of all directions, by which lights are chosen.
 
+use super::images::Images;
 use super::path_state::PathState;
-use super::point::Images;
 use crate::sampler::warp::{frame, sample_disk, to_world};
 use crate::scene::Scene;
 use crate::scene::closure::Closure;
@@ -13,7 +13,7 @@ use crate::scene::visibility::Rays;
 use crate::scene::world::equirectangular_to_direction;
 use crate::{Rgb, luminance};
 use glam::{Affine3A, Mat3A, Vec2, Vec3A, Vec4};
-use petzval_nodes::{Attribute, Context, Direction, Field, Registers, Shift, Space, SunDisc};
+use petzval_nodes::{Attribute, Context, Direction, Field, Registers, Shift, Space, SunDisc, answers, random_of_pair};
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::f32::consts::PI;
@@ -25,12 +25,12 @@ const SIZE: [usize; 2] = [1024, 512];
 const WITHIN: usize = 2;
 
 /// A direction as a program asks for it.
-struct Infinity<'a> {
-    direction: Vec3A,
-    way: PathState,
-    shows_sun: bool,
-    viewport: &'a Viewport,
-    attributes: &'a [Attribute],
+pub(super) struct Infinity<'a> {
+    pub(super) direction: Vec3A,
+    pub(super) way: PathState,
+    pub(super) shows_sun: bool,
+    pub(super) viewport: &'a Viewport,
+    pub(super) attributes: &'a [Attribute],
 }
 
 impl Context for Infinity<'_> {
@@ -38,21 +38,36 @@ impl Context for Infinity<'_> {
         self.shows_sun
     }
 
-    fn read(&self, field: Field, _: Shift) -> Vec3A {
-        match field {
-            Field::Position | Field::Generated | Field::Object | Field::Reflection | Field::MeshNormal => {
-                self.direction
+    answers! {
+        fn answer(&self, field: Field, _: Shift) -> Vec3A {
+            match field {
+                Position | Generated | Object | MeshNormal | InstancerGenerated => self.direction,
+                Normal | TrueNormal | Incoming | Reflection => -self.direction,
+                Camera => self.ahead(),
+                Window => self.viewport.window(self.ahead()),
+                ViewVector => self.as_a_place().normalize_or_zero(),
+                ViewDepth => Vec3A::splat(self.as_a_place().z),
+                ViewDistance => Vec3A::splat(self.as_a_place().length()),
+                // Nothing ends the ray.
+                RayLength => Vec3A::splat(f32::MAX),
+                // No sides are near, and no pixel is of use beside them.
+                EdgeDistance => Vec3A::INFINITY,
+                PixelWidth => Vec3A::ZERO,
+                // As Cycles has them where there is no triangle,
+                Parametric => Vec3A::X,
+                Backfacing | Pointiness | RandomPerIsland | InstancerUv => Vec3A::ZERO,
+                // no object and no material,
+                ObjectLocation | ObjectColour | ObjectAlpha | ObjectIndex | ObjectRandom | MaterialIndex => Vec3A::ZERO,
+                // no particle, whose random number is that of the first,
+                ParticleRandom => Vec3A::splat(random_of_pair([0, 0])),
+                ParticleIndex | ParticleAge | ParticleLifetime | ParticleSize => Vec3A::ZERO,
+                ParticleLocation | ParticleVelocity | ParticleAngularVelocity => Vec3A::ZERO,
+                // no hair, no point of a cloud and no grid.
+                IsStrand | StrandIntercept | StrandLength | StrandThickness | StrandNormal | StrandRandom => Vec3A::ZERO,
+                PointPosition | PointRadius | PointRandom => Vec3A::ZERO,
+                VolumeColour | VolumeDensity | VolumeFlame | VolumeTemperature => Vec3A::ZERO,
+                _ => [PathState: self.way],
             }
-            Field::Normal | Field::TrueNormal | Field::Incoming => -self.direction,
-            Field::ObjectColour | Field::ObjectAlpha => Vec3A::ONE,
-            // No sides are near.
-            Field::EdgeDistance => Vec3A::INFINITY,
-            Field::Camera => self.ahead(),
-            Field::Window => self.viewport.window(self.ahead()),
-            Field::ViewVector => self.as_a_place().normalize_or_zero(),
-            Field::ViewDepth => Vec3A::splat(self.as_a_place().z),
-            Field::ViewDistance => Vec3A::splat(self.as_a_place().length()),
-            _ => self.way.read(field).map_or(Vec3A::ZERO, Vec3A::splat),
         }
     }
 

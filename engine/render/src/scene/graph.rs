@@ -3,67 +3,12 @@
 use super::closure::{
     Closure, Distribution, MetalKind, Pigment, Principled, PrincipledHair, SubsurfaceMethod, ThinFilm,
 };
-use super::layer::{GraphLayer, MOST_LAYERS, Slices, Source, in_words};
+use super::layer::{AnsweredFields, GraphLayer, MOST_LAYERS, Slices, Source, in_words};
 use super::plain::Plain;
 use super::volume::Volume;
 use crate::{Rgb, luminance};
 use glam::Vec3A;
 use petzval_nodes::{Field, Graph as Shaders, Layer, LayerKind, Program, compile};
-
-/// The fields of a point that the engine knows.
-const KNOWN: [Field; 51] = [
-    Field::Position,
-    Field::Normal,
-    Field::TrueNormal,
-    Field::MeshNormal,
-    Field::Incoming,
-    Field::Parametric,
-    Field::Backfacing,
-    Field::Generated,
-    Field::Object,
-    Field::Reflection,
-    Field::Camera,
-    Field::Window,
-    Field::ViewVector,
-    Field::ViewDepth,
-    Field::ViewDistance,
-    Field::EdgeDistance,
-    Field::PixelWidth,
-    Field::RandomPerIsland,
-    Field::Pointiness,
-    Field::FootprintX,
-    Field::FootprintY,
-    Field::ObjectLocation,
-    Field::ObjectColour,
-    Field::ObjectAlpha,
-    Field::ObjectIndex,
-    Field::ObjectRandom,
-    Field::MaterialIndex,
-    Field::IsCameraRay,
-    Field::IsShadowRay,
-    Field::IsDiffuseRay,
-    Field::IsGlossyRay,
-    Field::IsSingularRay,
-    Field::IsReflectionRay,
-    Field::IsTransmissionRay,
-    Field::IsVolumeScatterRay,
-    Field::IsStrand,
-    Field::RayLength,
-    Field::RayDepth,
-    Field::DiffuseDepth,
-    Field::GlossyDepth,
-    Field::TransparentDepth,
-    Field::TransmissionDepth,
-    Field::PortalDepth,
-    Field::StrandIntercept,
-    Field::StrandLength,
-    Field::StrandThickness,
-    Field::StrandNormal,
-    Field::StrandRandom,
-    Field::PointPosition,
-    Field::PointRadius,
-    Field::PointRandom,
-];
 
 /// The shader graph of a material or of the world, compiled: a program, and the closures whose inputs it computes.
 #[derive(Debug)]
@@ -131,7 +76,7 @@ impl PartialEq for Graph {
 
 impl Graph {
     /// The graph of a compiled program; and reports on parts of it that the engine evaluates otherwise than Blender, or not at all.
-    pub fn new(program: Program, pass_index: i32) -> (Self, Vec<String>) {
+    pub fn new(program: Program, pass_index: i32, answered: AnsweredFields) -> (Self, Vec<String>) {
         let mut reports = Vec::new();
         let mut report = |what: &str| {
             if !reports.iter().any(|known| known == what) {
@@ -151,7 +96,7 @@ impl Graph {
             .filter_map(|layer| LayerInputs(layer).layer(&mut report))
             .map(|layer| layer.settled(&program))
             .collect();
-        for field in program.reads().filter(|field| !KNOWN.contains(field)) {
+        for field in program.reads().filter(|&field| !(answered.on_surfaces)(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
         (Self::assembled(program, layers, pass_index), reports)
@@ -180,14 +125,15 @@ impl Graph {
         Self { program, slices, layers, scattering, plain, pass_index, displacement, volume: None }
     }
 
-    /// The graph of shaders: surface and volume become programs of their own, since they are evaluated at different places.
-    pub fn of(shaders: &Shaders, pass_index: i32) -> (Self, Vec<String>) {
+    /// The graph of shaders: surface and volume become programs of their own, since they are evaluated at different places. Fields that
+    /// nothing answers there are reported.
+    pub fn of(shaders: &Shaders, pass_index: i32, answered: AnsweredFields) -> (Self, Vec<String>) {
         let (program, told) = compile(&Shaders { volume: None, ..shaders.clone() });
-        let (mut graph, mut reports) = Self::new(program, pass_index);
+        let (mut graph, mut reports) = Self::new(program, pass_index, answered);
         reports.splice(0..0, told.iter().map(ToString::to_string));
         if shaders.volume.is_some() {
             let (program, told) = compile(&Shaders { surface: None, displacement: None, ..shaders.clone() });
-            let (volume, more) = Volume::new(program, pass_index);
+            let (volume, more) = Volume::new(program, pass_index, answered);
             let told = told.iter().map(ToString::to_string).chain(more);
             for what in told {
                 if !reports.contains(&what) {

@@ -7,6 +7,17 @@ use petzval_nodes::{Field, Operand, Program, Registers, Slice};
 /// Closures that a material may have; further ones are left out.
 pub const MOST_LAYERS: usize = 32;
 
+/// The fields that are answered where a graph is evaluated. The points that answer are made of scenes: they tell this to the graph.
+#[derive(Clone, Copy, Debug)]
+pub struct AnsweredFields {
+    /// True of a field that a surface answers, or the world in a direction.
+    pub on_surfaces: fn(Field) -> bool,
+    /// True of a field that a point in a volume answers.
+    pub in_volumes: fn(Field) -> bool,
+    /// True of a field that may differ between two points of a ray through a volume.
+    pub along_rays: fn(Field) -> bool,
+}
+
 /// The name of a field in words, as "Random per island".
 pub(super) fn in_words(field: Field) -> String {
     let name = format!("{field:?}");

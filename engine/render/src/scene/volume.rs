@@ -1,40 +1,8 @@
 //! A participating medium as a compiled shader graph: closures whose inputs a program computes at each point.
 
-use super::layer::{MOST_LAYERS, Source, in_words};
+use super::layer::{AnsweredFields, MOST_LAYERS, Source, in_words};
 use glam::Vec3A;
-use petzval_nodes::{Field, Layer, LayerKind, Program};
-
-/// The fields of a point that change along a ray through a volume.
-const VARYING: [Field; 14] = [
-    Field::Position,
-    Field::Generated,
-    Field::Object,
-    Field::Camera,
-    Field::Window,
-    Field::ViewVector,
-    Field::ViewDepth,
-    Field::ViewDistance,
-    Field::PixelWidth,
-    Field::VolumeColour,
-    Field::VolumeDensity,
-    Field::VolumeFlame,
-    Field::VolumeTemperature,
-    Field::RandomPerIsland,
-];
-
-/// The fields that Blender knows in volumes and this engine does not.
-const UNKNOWN: [Field; 10] = [
-    Field::InstancerGenerated,
-    Field::InstancerUv,
-    Field::ParticleIndex,
-    Field::ParticleRandom,
-    Field::ParticleAge,
-    Field::ParticleLifetime,
-    Field::ParticleLocation,
-    Field::ParticleSize,
-    Field::ParticleVelocity,
-    Field::ParticleAngularVelocity,
-];
+use petzval_nodes::{Layer, LayerKind, Program};
 
 /// A phase function, by the names of Blender's nodes.
 #[derive(Clone, Copy, Debug)]
@@ -169,7 +137,7 @@ pub struct Volume {
 impl Volume {
     /// The volume of a compiled graph, `None` where that has none; and reports on parts of it that are evaluated
     /// otherwise than in Blender.
-    pub fn new(program: Program, pass_index: i32) -> (Option<Self>, Vec<String>) {
+    pub fn new(program: Program, pass_index: i32, answered: AnsweredFields) -> (Option<Self>, Vec<String>) {
         let mut reports = Vec::new();
         let layers: Vec<VolumeLayer> =
             program.volume.iter().take(MOST_LAYERS).filter_map(|layer| VolumeInputs(layer).layer()).collect();
@@ -180,13 +148,13 @@ impl Volume {
         if layers.len() < program.volume.len().min(MOST_LAYERS) {
             reports.push("a surface's shader shows nothing in a volume".into());
         }
-        for field in program.reads().filter(|field| UNKNOWN.contains(field)) {
+        for field in program.reads().filter(|&field| !(answered.in_volumes)(field)) {
             let what = format!("{} is not supported in volumes yet, it is 0", in_words(field));
             if !reports.contains(&what) {
                 reports.push(what);
             }
         }
-        let is_even = program.attributes.is_empty() && !program.reads().any(|field| VARYING.contains(&field));
+        let is_even = program.attributes.is_empty() && !program.reads().any(answered.along_rays);
         ((!layers.is_empty()).then_some(Self { program, layers, pass_index, is_even }), reports)
     }
 

@@ -3,6 +3,7 @@
 use glam::{DMat4, DVec3, Vec2, Vec3};
 use petzval_render::Rgb;
 use petzval_render::integrator::PreparedScene;
+use petzval_render::nodes::OF_MATERIALS;
 use petzval_render::scene::closure::{Closure, Principled};
 use petzval_render::scene::corners::Corners;
 use petzval_render::scene::graph::Graph;
@@ -196,7 +197,7 @@ pub(crate) fn leaves() -> Arc<PreparedScene> {
             {{"type": "ShaderNodeTexImage", "options": {{"image": {t}}}}}
         ], "surface": {{"node": 0, "socket": "Shader"}}}}"#
     );
-    let (graph, reports) = Graph::of(&petzval_nodes::Graph::from_json(&nodes).unwrap(), 0);
+    let (graph, reports) = Graph::of(&petzval_nodes::Graph::from_json(&nodes).unwrap(), 0, OF_MATERIALS);
     assert_eq!(reports, Vec::<String>::new());
     let leaf = Material::new("leaf", Arc::new(graph));
     room.put(square(), leaf.clone(), place([0.3, 0.2, -3.4], [-1.2, 0.2, 0.0], 0.5));

@@ -4,6 +4,7 @@ use crate::Rgb;
 use crate::accel::Ray;
 use crate::integrator::PreparedScene;
 use crate::integrator::path::{Approximations, KindLimits, Limits, trace, trace_all};
+use crate::nodes::OF_MATERIALS;
 use crate::sampler::PathSampler;
 use crate::scene::SceneBuilder;
 use crate::scene::graph::Graph;
@@ -44,7 +45,7 @@ fn volume(kind: &str, inputs: &str, more: &str) -> Material {
         r#"{{"nodes": [{{"type": "ShaderNode{kind}", "name": "shader", "options": {{}}, "inputs": {{{inputs}}}}}{more}],
         "surface": null, "volume": {{"node": 0, "socket": "Volume"}}, "displacement": null}}"#
     );
-    let (graph, reports) = Graph::of(&Shaders::from_json(&text).unwrap(), 0);
+    let (graph, reports) = Graph::of(&Shaders::from_json(&text).unwrap(), 0, OF_MATERIALS);
     assert_eq!(reports, Vec::<String>::new());
     Material::new(kind, Arc::new(graph))
 }
