@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
+from typing import Any
 
 import bpy
 
@@ -68,9 +69,9 @@ def describe(
     larger = max(width, height * aspect)
     model = settings.model if model is None else model
     of_lens = model in OF_LENS_FILE
-    description = CameraDescription(
-        object_name=holder.name,
-        matrix_world=rows(holder.matrix_world),
+    alike = CameraDescription(holder.name, rows(holder.matrix_world), **_alike(CameraDescription, settings))
+    description = replace(
+        alike,
         model=model,
         perspective=Perspective(
             camera.lens, picture_width_mm, (camera.shift_x * side / larger, camera.shift_y * side / larger)
@@ -81,8 +82,6 @@ def describe(
         wavelength_nm=settings.wavelength if settings.spectrum == "SINGLE" else None,
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",
         scattering=Scattering(settings.glare_roughness, settings.glare_cleanliness, settings.glare_veil),
-        exposes_by_f_number=settings.exposes_by_f_number,
-        precision=settings.precision,
         exposure=_exposure(settings, model),
         clip=_clip(camera, holder.name, report),
     )
@@ -154,20 +153,29 @@ def _lens(camera: bpy.types.Camera, of_lens: bool) -> LensSettings:
     """The settings of the lens; `of_lens`: of a lens file, else of a thin lens, which takes what is not set from Blender's depth of field."""
     settings = camera.petzval
     f_number = None if settings.wide_open else settings.f_number
-    shape = {"blade_rotation_rad": settings.blade_rotation, "blade_curvature": settings.blade_curvature}
     if not of_lens:
-        blades = settings.blades or camera.dof.aperture_blades
         return LensSettings(
-            f_number=camera.dof.aperture_fstop if f_number is None else f_number, blades=_blades(blades), **shape
+            f_number=camera.dof.aperture_fstop if f_number is None else f_number,
+            blades=_blades(settings.blades or camera.dof.aperture_blades),
+            blade_rotation_rad=settings.blade_rotation,
+            blade_curvature=settings.blade_curvature,
         )
-    return LensSettings(
+    return replace(
+        LensSettings(**_alike(LensSettings, settings)),
         focal_length=_focal_length(settings),
         f_number=f_number,
         pupil_diameter_mm=None if settings.wide_open else settings.pupil_diameter or None,
         blades=_blades(settings.blades),
+        blade_rotation_rad=settings.blade_rotation,
+        aperture_mask=None,
         coating=_COATINGS.get(settings.coating),
-        **shape,
     )
+
+
+def _alike(description: type, settings: bpy.types.PropertyGroup) -> dict[str, Any]:
+    """The fields of a description that are settings of Blender's camera under their own name: they need no line of their own here."""
+    names = settings.bl_rna.properties
+    return {one.name: getattr(settings, one.name) for one in fields(description) if one.name in names}
 
 
 def _focal_length(settings: bpy.types.PropertyGroup) -> FocalLength:

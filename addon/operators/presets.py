@@ -10,33 +10,14 @@ from pathlib import Path
 import bpy
 from bl_operators.presets import AddPresetBase
 
+from ..settings.lens import LensProperties
+
 _FOLDER = Path(__file__).resolve().parents[1]
 #: Newer than 4.2: that has no way to be told of a folder, and panels show ours themselves.
 CAN_REGISTER = hasattr(bpy.utils, "register_preset_path")
 
 _CAMERA = 'petzval = (getattr(bpy.context, "camera", None) or bpy.context.scene.camera.data).petzval'
-#: All of a camera's settings that belong to the lens; an image of the diaphragm cannot be in a file of text.
-OF_LENS = (
-    "lens_file",
-    "model",
-    "focal_mode",
-    "focal_length",
-    "focal_scale",
-    "wide_open",
-    "f_number",
-    "pupil_diameter",
-    "blades",
-    "blade_rotation",
-    "blade_curvature",
-    "glare_roughness",
-    "glare_cleanliness",
-    "glare_veil",
-    "coating",
-    "exposes_by_f_number",
-    "spectrum",
-    "wavelength",
-    "precision",
-)
+OF_LENS = tuple(LensProperties.__annotations__)
 #: What else belongs to the camera.
 OF_BODY = ("film_mode", "film_width", "film_height", "anchor", "focus_relation")
 OF_SAMPLING = ("samples", "use_noise_threshold", "noise_threshold", "min_samples", "use_blue_noise", "time_limit")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lens's settings kept in the .blend: `Camera.petzval`. Unit, range and tooltip each."""
+"""The camera's settings kept in the .blend: `Camera.petzval`. Unit, range and tooltip each."""
 
 from __future__ import annotations
 
@@ -11,40 +11,20 @@ from bpy.props import (
     EnumProperty,
     FloatProperty,
     FloatVectorProperty,
-    IntProperty,
     PointerProperty,
-    StringProperty,
 )
 
 from petzval.description import OF_LENS_FILE
 
 from ..data.choices import (
     ANCHORS,
-    COATINGS,
     FILM_MODES,
-    FOCAL_MODES,
     FOCUS_MODES,
     FOCUS_RELATIONS,
     MODELS,
-    PRECISIONS,
-    SPECTRA,
 )
 from ..queries import viewport_camera
-
-# A path may begin with //, and newer Blenders want to be told so.
-_RELATIVE_PATH = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set())
-
-
-def _changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
-    viewport_camera.lens_changed(settings.id_data, context.scene)
-
-
-def _model_changed(settings: PetzvalCamera, context: bpy.types.Context) -> None:
-    if viewport_camera.is_switching():
-        return
-    if settings.model in OF_LENS_FILE and settings.lens_model != settings.model:
-        settings.lens_model = settings.model
-    _changed(settings, context)
+from .lens import LensProperties, changed
 
 
 def _is_through_lens(settings: PetzvalCamera) -> bool:
@@ -68,12 +48,9 @@ def _is_not_the_camera(settings: PetzvalCamera, chosen: bpy.types.Object) -> boo
     return chosen.data is None or chosen.data != settings.id_data
 
 
-class PetzvalCamera(bpy.types.PropertyGroup):
+class PetzvalCamera(LensProperties, bpy.types.PropertyGroup):
     """`Camera.petzval`."""
 
-    model: EnumProperty(
-        name="Model", description="How the camera takes its picture", items=MODELS, update=_model_changed
-    )
     through_lens: BoolProperty(
         name="Through the Lens",
         description="Off: an ordinary perspective camera with the same framing, everything sharp. The model comes back when "
@@ -88,148 +65,24 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         items=MODELS,
         options={"HIDDEN"},
     )
-    lens_file: StringProperty(
-        name="Lens File",
-        description="A lens file (.lens, .zmx, .seq, .len, .dat, a table of the Optical Bench), or the name of a lens that comes with Petzval",
-        default="wide-angle-smith-f3.4.lens",
-        subtype="FILE_PATH",
-        options=_RELATIVE_PATH,
-        update=_changed,
-    )
-    focal_mode: EnumProperty(
-        name="Lens Size", description="How large the whole lens is", items=FOCAL_MODES, update=_changed
-    )
-    focal_length: FloatProperty(
-        name="Focal Length",
-        description="Radii, thicknesses and apertures are all scaled to reach this focal length",
-        default=50.0,
-        min=0.01,
-        max=1e6,
-        soft_min=1.0,
-        soft_max=1000.0,
-        step=100,
-        subtype="DISTANCE_CAMERA",
-        update=_changed,
-    )
-    focal_scale: FloatProperty(
-        name="Scale",
-        description="Radii, thicknesses and apertures are all multiplied by this",
-        default=1.0,
-        min=1e-4,
-        max=1e4,
-        soft_min=0.1,
-        soft_max=10.0,
-        precision=3,
-        update=_changed,
-    )
-    wide_open: BoolProperty(
-        name="Wide Open",
-        description="The diaphragm as far open as the lens allows. A thin lens takes Blender's own f-stop instead",
-        default=True,
-        update=_changed,
-    )
-    f_number: FloatProperty(
-        name="F-Number",
-        description="Focal length over the diameter of the entrance pupil. It never opens past the clear apertures",
-        default=5.6,
-        min=0.05,
-        max=1000.0,
-        soft_min=0.95,
-        soft_max=32.0,
-        step=10,
-        precision=2,
-        update=_changed,
-    )
-    pupil_diameter: FloatProperty(
-        name="Pupil",
-        description="Diameter of the entrance pupil in mm, as of an eye's, instead of the f-number. 0: by the f-number",
-        default=0.0,
-        min=0.0,
-        soft_max=100.0,
-        step=10,
-        precision=2,
-        update=_changed,
-    )
-    blades: IntProperty(
-        name="Blades",
-        description="Blades of the diaphragm; fewer than three make a round opening",
-        default=0,
-        min=0,
-        max=24,
-    )
-    blade_rotation: FloatProperty(
-        name="Rotation", description="The diaphragm turned about the axis", default=0.0, subtype="ANGLE"
-    )
-    blade_curvature: FloatProperty(
-        name="Curvature",
-        description="How far the blades' edges bulge between the corners: zero is straight, one makes the opening round",
-        default=0.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
     aperture_mask: PointerProperty(
         name="Mask",
         description="A square picture of the opening, as wide as the stop: light passes where it is brighter than half. "
         "It stands instead of the blades",
         type=bpy.types.Image,
     )
-    glare_roughness: FloatProperty(
-        name="Roughness",
-        description="How rough the polished surfaces of the lens are, root mean square in nanometres: it scatters light near bright places",
-        default=2.0,
-        min=0.0,
-        max=100.0,
-        soft_max=10.0,
-        step=10,
-        precision=2,
-    )
-    glare_cleanliness: FloatProperty(
-        name="Dust",
-        description="Cleanliness level of the lens's surfaces, a number by IEST-STD-CC1246: about the size of the largest speck in "
-        "thousandths of mm. 0: no dust",
-        default=300.0,
-        min=0.0,
-        max=2000.0,
-        soft_max=1000.0,
-        step=1000,
-        precision=0,
-    )
-    glare_veil: FloatProperty(
-        name="Veil",
-        description="Veiling glare index of barrel and film (ISO 9358): the part of an even world's light that is laid evenly over "
-        "the picture",
-        default=0.01,
-        min=0.0,
-        max=1.0,
-        soft_max=0.1,
-        step=0.1,
-        precision=4,
-    )
-    coating: EnumProperty(
-        name="Coating",
-        description="Thin films on the lens's glass: how much of the light its surfaces reflect, and in which colours",
-        items=COATINGS,
-        update=_changed,
-    )
-    exposes_by_f_number: BoolProperty(
-        name="Expose by F-Number",
-        description="What glass and coatings take makes the picture darker. Off: exposed by the T-number, its middle stays as "
-        "bright as if nothing were lost, and only the tint is seen",
-        default=False,
-    )
-    focus_mode: EnumProperty(name="Focus", description="What is sharp", items=FOCUS_MODES, update=_changed)
+    focus_mode: EnumProperty(name="Focus", description="What is sharp", items=FOCUS_MODES, update=changed)
     anchor: EnumProperty(
         name="Camera at",
         description="What stands at the camera's place and stays there while focusing. Focus distances count from it",
         items=ANCHORS,
-        update=_changed,
+        update=changed,
     )
     focus_relation: EnumProperty(
         name="Relation",
         description="How a focus distance moves the film. A focus object is focused on exactly",
         items=FOCUS_RELATIONS,
-        update=_changed,
+        update=changed,
     )
     autofocus_point: FloatVectorProperty(
         name="Autofocus Point",
@@ -270,9 +123,9 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         step=10,
         precision=3,
         subtype="DISTANCE_CAMERA",
-        update=_changed,
+        update=changed,
     )
-    film_mode: EnumProperty(name="Film", description="How large the film is", items=FILM_MODES, update=_changed)
+    film_mode: EnumProperty(name="Film", description="How large the film is", items=FILM_MODES, update=changed)
     film_width: FloatProperty(
         name="Width",
         description="Width of the film",
@@ -282,7 +135,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         soft_min=1.0,
         soft_max=300.0,
         subtype="DISTANCE_CAMERA",
-        update=_changed,
+        update=changed,
     )
     film_height: FloatProperty(
         name="Height",
@@ -293,7 +146,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         soft_min=1.0,
         soft_max=300.0,
         subtype="DISTANCE_CAMERA",
-        update=_changed,
+        update=changed,
     )
     tilt: FloatProperty(
         name="Tilt",
@@ -304,7 +157,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         soft_min=-pi / 6,
         soft_max=pi / 6,
         subtype="ANGLE",
-        update=_changed,
+        update=changed,
     )
     swing: FloatProperty(
         name="Swing",
@@ -315,7 +168,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         soft_min=-pi / 6,
         soft_max=pi / 6,
         subtype="ANGLE",
-        update=_changed,
+        update=changed,
     )
     shift_x: FloatProperty(
         name="Shift",
@@ -328,7 +181,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         step=10,
         precision=3,
         subtype="DISTANCE_CAMERA",
-        update=_changed,
+        update=changed,
     )
     shift_y: FloatProperty(
         name="Rise",
@@ -341,16 +194,16 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         step=10,
         precision=3,
         subtype="DISTANCE_CAMERA",
-        update=_changed,
+        update=changed,
     )
     scale_from_scene: BoolProperty(
         name="From the Scene",
         description="The lens has its true size: 1000 millimetres to a metre, by the scene's unit scale",
         default=True,
-        update=_changed,
+        update=changed,
     )
     scale_locked: BoolProperty(
-        name="Locked Together", description="One scale for all three axes: the first", default=True, update=_changed
+        name="Locked Together", description="One scale for all three axes: the first", default=True, update=changed
     )
     scale: FloatVectorProperty(
         name="World to Lens",
@@ -363,27 +216,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         soft_max=1e5,
         precision=2,
         subtype="XYZ",
-        update=_changed,
-    )
-    spectrum: EnumProperty(
-        name="Spectrum", description="The wavelengths in which the picture is taken", items=SPECTRA, update=_changed
-    )
-    precision: EnumProperty(
-        name="Precision",
-        description="Of the numbers in which rays leave through the lens; the statistics say what single precision changes",
-        items=PRECISIONS,
-        update=_changed,
-    )
-    wavelength: FloatProperty(
-        name="Wavelength",
-        description="The one wavelength in which the lens is traced; the picture's colours stay as they are",
-        default=587.5618,
-        min=380.0,
-        max=780.0,
-        step=100,
-        precision=5,
-        subtype="WAVELENGTH",
-        update=_changed,
+        update=changed,
     )
     physical_exposure: BoolProperty(
         name="Physical Exposure",
@@ -425,7 +258,7 @@ class PetzvalCamera(bpy.types.PropertyGroup):
         description="Set Blender's focal length (and sensor, where the film has a size of its own) so that the camera "
         "view frames what the lens will photograph",
         default=True,
-        update=_changed,
+        update=changed,
     )
     show_focus: BoolProperty(
         name="Show Focus",

@@ -49,6 +49,14 @@ pub struct LensSettings {
     pub coating: Option<Coating>,
 }
 
+impl LensSettings {
+    /// These settings with the stop at another f-number, `None` for wide open, whatever set it before.
+    #[must_use]
+    pub fn opened(self, f_number: Option<f64>) -> Self {
+        Self { f_number, pupil_diameter_mm: None, ..self }
+    }
+}
+
 /// An error by which no system can be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SystemError {

@@ -291,6 +291,11 @@ def changed(settings: Settings, changes: Mapping[str, Any]) -> Settings:
     return dataclasses.replace(settings, **own)  # type: ignore[type-var]
 
 
+def opened(focal_length_mm: float, pupil_diameter_mm: float) -> dict[str, Any]:
+    """The change of a camera by which a thin lens of this focal length has an entrance pupil of this diameter."""
+    return {"lens.f_number": focal_length_mm / pupil_diameter_mm}
+
+
 def focused(camera: CameraDescription, found: Mapping[str, Any]) -> CameraDescription:
     """The camera with the focus that the engine found: by its film, or by groups inside of the lens."""
     if not found["moves_groups"]:

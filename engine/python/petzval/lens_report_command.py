@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 from .lens_loading import load, say
 from .lens_reports.registry import REPORTS, find
 from .lens_reports.report import LensReport
-from .lens_setting import add_look, add_setting, look_of, setting_of
+from .lens_setting import add_look, add_setting, look_of, settings_at
 
 
 def add_parsers(actions: Any, kinds: str) -> None:
@@ -33,15 +32,11 @@ def _run(report: LensReport, arguments: argparse.Namespace) -> int:
     """Writes the picture, and says what there is to say."""
     from .lens_reports import page
 
-    f_numbers = arguments.f_numbers if report.has_f_numbers else []
-    for option, value in (("--f-number", arguments.f_number), ("--pupil-diameter", arguments.pupil_diameter)):
-        if f_numbers and value is not None:
-            arguments.usage_error(f"--f-numbers stands instead of {option}: leave out the one or the other")
+    settings = settings_at(arguments, arguments.f_numbers if report.has_f_numbers else [])
     options, out = report.options_of(arguments), Path(arguments.output)
     page.check(out)
-    lens, settings, look = load(arguments.lens), setting_of(arguments), look_of(arguments)
-    each = [replace(settings, f_number=n) for n in f_numbers] or [settings]
-    every = [find(report, lens, one, look, options) for one in each]
+    lens, look = load(arguments.lens), look_of(arguments)
+    every = [find(report, lens, one, look, options) for one in settings]
     first = every[0]
     found = every if report.has_f_numbers else first
     shown = report.drawn_as(arguments, report)

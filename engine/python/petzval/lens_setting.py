@@ -7,6 +7,7 @@ import argparse
 import math
 import os
 import sys
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -55,20 +56,27 @@ def add_setting(parser: argparse.ArgumentParser) -> None:
 
 
 def setting_of(arguments: argparse.Namespace) -> LensSettings:
-    """The settings that the options of `add_setting` ask for."""
+    """The settings that the options of `add_setting` ask for. An option by the name of a setting is that setting, if it is given."""
     if arguments.aperture_mask and arguments.blades:
         arguments.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
-    rotation = arguments.blade_rotation
-    return LensSettings(
-        focal_length=focal_length(arguments.focal_length),
-        f_number=arguments.f_number,
-        pupil_diameter_mm=arguments.pupil_diameter,
-        blades=arguments.blades or 0,
-        blade_curvature=arguments.blade_curvature or 0.0,
-        blade_rotation_rad=math.radians(rotation or 0.0),
-        aperture_mask=_mask(arguments.aperture_mask) if arguments.aperture_mask else None,
-        coating=arguments.coating,
-    )
+    own = vars(arguments)
+    given: dict[str, Any] = {one.name: own[one.name] for one in fields(LensSettings) if own.get(one.name) is not None}
+    given |= {
+        "focal_length": focal_length(arguments.focal_length),
+        "pupil_diameter_mm": arguments.pupil_diameter,
+        "blade_rotation_rad": math.radians(arguments.blade_rotation or 0.0),
+        "aperture_mask": _mask(arguments.aperture_mask) if arguments.aperture_mask else None,
+    }
+    return LensSettings(**given)
+
+
+def settings_at(arguments: argparse.Namespace, f_numbers: list[float]) -> list[LensSettings]:
+    """The settings that the options of `add_setting` ask for, at each of these f-numbers; at the opening that they ask for, if there are none."""
+    for option, value in (("--f-number", arguments.f_number), ("--pupil-diameter", arguments.pupil_diameter)):
+        if f_numbers and value is not None:
+            arguments.usage_error(f"--f-numbers stands instead of {option}: leave out the one or the other")
+    setting = setting_of(arguments)
+    return [replace(setting, f_number=one) for one in f_numbers] or [setting]
 
 
 def _mask(path: str) -> Any:

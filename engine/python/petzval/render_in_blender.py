@@ -351,14 +351,9 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
             own.focal_length = o["focal_length"]
         else:
             data.lens = o["focal_length"]
-    if o["f_number"] is not None:
-        own.wide_open = False
-        own.pupil_diameter = 0.0
-        own.f_number = o["f_number"]
-    if o["pupil_diameter"] is not None:
-        own.wide_open = False
-        own.pupil_diameter = o["pupil_diameter"]
-    for name in ("blades", "blade_curvature", "blade_rotation", "tilt", "swing"):
+    if any(o[name] is not None for name in o["opening"]):
+        own.wide_open, own.pupil_diameter = False, 0.0
+    for name in o["properties"]:
         if o[name] is not None:
             setattr(own, name, o[name])
     if o["aperture_mask"]:

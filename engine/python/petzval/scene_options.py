@@ -45,16 +45,31 @@ def add(p: argparse.ArgumentParser) -> None:
     )
     p.set_defaults(usage_error=p.error)
     p.add_argument("--focal-length", type=types.positive, metavar="MM", help="scale the lens to this focal length")
-    opening = p.add_mutually_exclusive_group()
-    opening.add_argument("--f-number", type=types.positive, metavar="N", help="default: as the file has it")
-    opening.add_argument(
-        "--pupil-diameter", type=types.positive, metavar="MM", help="of the entrance pupil, as of an eye's"
-    )
-    p.add_argument("--blades", type=int, metavar="N", help=f"blades of the diaphragm, 3 to {MOST_BLADES}; 0 is round")
+    group = p.add_mutually_exclusive_group()
+    opening = [
+        group.add_argument("--f-number", type=types.positive, metavar="N", help="default: as the file has it"),
+        group.add_argument(
+            "--pupil-diameter", type=types.positive, metavar="MM", help="of the entrance pupil, as of an eye's"
+        ),
+    ]
+    # Options that are properties of Blender's camera, under the names of these: they need no further line.
+    own = [
+        *opening,
+        p.add_argument(
+            "--blades", type=int, metavar="N", help=f"blades of the diaphragm, 3 to {MOST_BLADES}; 0 is round"
+        ),
+        p.add_argument(
+            "--blade-curvature", type=types.part, metavar="C", help="of the blades' edges: 0 straight, 1 round"
+        ),
+        p.add_argument(
+            "--blade-rotation", type=types.degrees, metavar="DEG", help="turn of the diaphragm about the axis"
+        ),
+        p.add_argument("--tilt", type=types.degrees, metavar="DEG", help="turn of the film about its horizontal axis"),
+        p.add_argument("--swing", type=types.degrees, metavar="DEG", help="turn of the film about its vertical axis"),
+    ]
+    p.set_defaults(opening=[one.dest for one in opening], properties=[one.dest for one in own])
     p.add_argument("--shutter", type=types.positive, metavar="S", help="expose physically, so many seconds")
     p.add_argument("--iso", type=types.positive, metavar="N", help="expose physically, with a film of that speed")
-    p.add_argument("--blade-curvature", type=types.part, metavar="C", help="of the blades' edges: 0 straight, 1 round")
-    p.add_argument("--blade-rotation", type=types.degrees, metavar="DEG", help="turn of the diaphragm about the axis")
     p.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
     p.add_argument(
         "--coating", choices=("as-file", "none", "mgf2", "double", "triple"), help="wherever the lens's glass meets air"
@@ -88,8 +103,6 @@ def add(p: argparse.ArgumentParser) -> None:
     )
     # Coordinates may begin with a minus: what looks so is no option here.
     p._negative_number_matcher = re.compile(r"-[\d.]")
-    p.add_argument("--tilt", type=types.degrees, metavar="DEG", help="turn of the film about its horizontal axis")
-    p.add_argument("--swing", type=types.degrees, metavar="DEG", help="turn of the film about its vertical axis")
     p.add_argument("--shift", type=types.pair, metavar="X,Y", help="the lens right and up against the film, mm")
     p.add_argument(
         "--scale", type=types.triple, metavar="X,Y,Z", help="millimetres for one Blender unit along each axis"

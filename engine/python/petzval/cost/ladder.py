@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..description import opened
+
 #: What everything is held against.
 PINHOLE = "pinhole"
 #: The plan's own choice.
@@ -123,7 +125,7 @@ def _simple(camera: Any, info: dict[str, Any]) -> list[Rung]:
     distance_mm = info["focus_distance_mm"]
     thin = {
         "model": "THIN",
-        "lens.f_number": focal_mm / pupil_mm if pupil_mm else camera.lens.f_number,
+        **(opened(focal_mm, pupil_mm) if pupil_mm else {}),
         "focus.distance": None if distance_mm is None else distance_mm / camera.scale_mm_per_unit[2],
         "focus.point_world": None,
         "focus.film_distance_mm": None,

@@ -4,6 +4,7 @@ use super::PlanOptions;
 use crate::camera::lens::setup::D_LINE_NM;
 use crate::camera::{CameraDescription, EnabledEffects, Model, Spectrum};
 use crate::pipeline::Pipeline;
+use petzval_optics::system::LensSettings;
 
 /// The kind of camera that stands for the one that was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,9 +95,8 @@ impl CameraChoice {
             Some(spectrum) => (d.spectrum, d.wavelength_nm) = (spectrum, None),
             None => d.wavelength_nm = Some(d.wavelength_nm.unwrap_or(D_LINE_NM)),
         }
-        if let Some(f_number) = self.round_f_number {
-            (d.lens.blades, d.lens.aperture_mask, d.lens.f_number, d.lens.pupil_diameter_mm) =
-                (0, None, Some(f_number), None);
+        if self.round_f_number.is_some() {
+            d.lens = LensSettings { blades: 0, aperture_mask: None, ..d.lens }.opened(self.round_f_number);
         }
         match self.way {
             CameraKind::Given | CameraKind::Exact => {}

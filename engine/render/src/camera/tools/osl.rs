@@ -220,11 +220,10 @@ impl Script<'_> {
 
     /// This camera with the stop closed to that part of its clear radius.
     fn stopped(&self, opening: f64, is_round: bool) -> Result<System, CameraError> {
-        let f_number = self.setup.system.widest_f_number() / opening;
+        let stop = Some(self.setup.system.widest_f_number() / opening).filter(|stop| stop.is_finite());
         // The lens stands as it does; only its diaphragm differs.
         let d = self.d.clone().with(|c| {
-            c.lens.f_number = f_number.is_finite().then_some(f_number);
-            c.lens.pupil_diameter_mm = None;
+            c.lens = self.d.lens.clone().opened(stop);
             c.lens.blades = if is_round { 0 } else { self.d.lens.blades };
         });
         Ok(Setup::new(&d, self.size[0], self.size[1])?.system)
