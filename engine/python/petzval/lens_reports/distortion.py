@@ -83,6 +83,7 @@ REPORT = LensReport(
     label="Distortion & Field Curvature",
     help="distortion, field curvature, lateral colour",
     description="Distortion, field curvature and lateral colour over the field",
+    place=50,
     size_in=size_in,
     draw=draw,
     title=lambda _found: "rays through the middle of the stop",

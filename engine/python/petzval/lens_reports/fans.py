@@ -66,6 +66,7 @@ REPORT = LensReport(
     label="Ray Fans",
     help="how far rays across the pupil land from the middle one",
     description="How far rays across the pupil land from the middle one",
+    place=20,
     size_in=size_in,
     draw=draw,
     title=lambda _found: "ray fans: where rays land, from the middle one",

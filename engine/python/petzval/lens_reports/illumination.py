@@ -60,6 +60,7 @@ REPORT = LensReport(
     label="Illumination",
     help="how bright the picture is off its middle",
     description="How bright the picture is off its middle",
+    place=60,
     size_in=size_in,
     draw=draw,
     title=lambda _found: "light on the film, of a scene as bright everywhere",

@@ -89,6 +89,7 @@ REPORT = LensReport(
     label="MTF",
     help="how much contrast is left of fine lines",
     description="How much contrast is left of fine lines",
+    place=30,
     size_in=size_in,
     draw=draw,
     title=lambda found: f"modulation transfer with diffraction, {together(found)}",

@@ -93,6 +93,7 @@ REPORT = LensReport(
     label="Point Spread",
     help="what diffraction and aberrations make of a point",
     description="The image of a point with diffraction and aberrations",
+    place=40,
     size_in=size_in,
     draw=draw,
     title=lambda found: f"point spread with diffraction, {together(found)}",

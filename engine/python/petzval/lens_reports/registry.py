@@ -3,23 +3,27 @@
 
 from __future__ import annotations
 
+import importlib
 import json
-from collections.abc import Mapping
+import pkgutil
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from ..description import LensReportSettings, LensSettings
-from . import distortion, fans, illumination, mtf, psf, spots, transmission
 from .report import Found, LensReport
 
-REPORTS: tuple[LensReport, ...] = (
-    spots.REPORT,
-    fans.REPORT,
-    mtf.REPORT,
-    psf.REPORT,
-    distortion.REPORT,
-    illumination.REPORT,
-    transmission.REPORT,
-)
+
+def _reports() -> Iterator[LensReport]:
+    """The report of each module beside this one that has one."""
+    for module in pkgutil.iter_modules([str(Path(__file__).parent)]):
+        if module.name != Path(__file__).stem:
+            report = getattr(importlib.import_module(f"{__package__}.{module.name}"), "REPORT", None)
+            if report is not None:
+                yield report
+
+
+REPORTS: tuple[LensReport, ...] = tuple(sorted(_reports(), key=lambda report: report.place))
 
 
 def find(

@@ -30,6 +30,8 @@ class LensReport:
     help: str
     #: Blender's description.
     description: str
+    #: The place in menus and in the command's help, from small to large.
+    place: int
     size_in: Callable[[Found], tuple[float, float]]
     draw: Callable[[Found, Any], None]
     #: The words above the picture.

@@ -107,6 +107,7 @@ REPORT = LensReport(
     label="Spot Diagrams",
     help="where the rays of a point meet the film",
     description="Where the rays of points meet the film",
+    place=10,
     size_in=size_in,
     draw=draw,
     title=lambda _found: "spot diagrams, about the middle of their light",

@@ -75,6 +75,7 @@ REPORT = LensReport(
     label="Transmission",
     help="what is left of each colour, and what coatings reflect",
     description="What is left of each colour, and what coatings reflect",
+    place=70,
     size_in=size_in,
     draw=draw,
     title=_title,
