@@ -106,7 +106,18 @@ SKIES = [
 
 @pytest.mark.parametrize(
     "build",
-    [*SKIES, hosek, clouds, camera_sees_another, gradient, mirrored, nothing_there, preetham, colour_for_a_shader, lost_image],
+    [
+        *SKIES,
+        hosek,
+        clouds,
+        camera_sees_another,
+        gradient,
+        mirrored,
+        nothing_there,
+        preetham,
+        colour_for_a_shader,
+        lost_image,
+    ],
     ids=lambda one: one.__name__,
 )
 def test_worlds(stage, blender, tmp_path, build):
