@@ -20,6 +20,9 @@ pub(super) trait Primitives: Default + Send + Sync + 'static {
     /// The place of a hit on its primitive.
     type Coordinates: SurfaceCoordinates;
 
+    /// True if some of these primitives stand still in nearly every scene: rays go to them without asking.
+    const IN_MOST_SCENES: bool = false;
+
     /// Makes the ray of the leaves' test; `direction` has length one.
     fn ray(origin: Vec3A, direction: Vec3A) -> Self::Ray;
 

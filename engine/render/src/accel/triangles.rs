@@ -36,6 +36,8 @@ impl Primitives for Triangles {
     type Ray = Shear;
     type Coordinates = [f32; 2];
 
+    const IN_MOST_SCENES: bool = true;
+
     #[inline(always)]
     fn ray(origin: Vec3A, direction: Vec3A) -> Shear {
         Shear::new(origin, direction)

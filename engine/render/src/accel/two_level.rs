@@ -152,6 +152,9 @@ impl<P: Primitives> TwoLevel<P> {
         simd: S,
         query: &mut Query<'_, W, A>,
     ) -> ControlFlow<()> {
+        if !P::IN_MOST_SCENES && self.common.nodes.is_empty() && self.places.nodes().is_empty() {
+            return ControlFlow::Continue(());
+        }
         let here = TreeRay::<P>::new(query.ray.origin, query.ray.direction);
         let end = query.answer.end();
         self.common.follow(simd, &here, None, end, &mut query.within(None))?;

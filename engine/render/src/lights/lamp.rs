@@ -1,11 +1,11 @@
-//! Blender's lamps, with the brightness that Cycles gives them. Each kind has a file of its own; `kinds.rs` lists them.
+//! Blender's lamps, with the brightness that Cycles gives them. A kind is a file of its own, an implementation of [`LampShape`], and is
+//! listed here: as a module, in [`AnyShape`], in its conversion, and in `with_shape`.
 //!
 //! Densities of rays that leave a lamp are counted per unit of etendue, Blender units squared times steradians at right angles to the
 //! ray, which a ray keeps as it travels: so they are the same wherever it arrives.
 
 mod area;
 mod ball;
-mod kinds;
 mod point;
 pub(super) mod shape;
 mod spot;
@@ -17,13 +17,53 @@ use crate::nodes::PathState;
 use crate::nodes::lamp::{LampPoint, even_radiance, radiance};
 use crate::scene::Scene;
 use crate::scene::graph::Graph;
-use crate::scene::lamp::Lamp;
+use crate::scene::lamp::{Lamp, LampKind};
 use crate::scene::visibility::LightSets;
 use crate::{Rgb, luminance};
+use area::AreaLamp;
+use ball::Ball;
 use glam::{Affine3A, Vec3A};
-use kinds::{AnyShape, with_shape};
+use point::PointLamp;
 use shape::{LampFrame, LampRay, LampShape, LampView};
+use spot::SpotLamp;
 use std::sync::Arc;
+use sun::SunLamp;
+
+/// The shape of a lamp of any kind.
+#[derive(Clone, Copy, Debug)]
+enum AnyShape {
+    Point(PointLamp),
+    Spot(SpotLamp),
+    Sun(SunLamp),
+    Area(AreaLamp),
+}
+
+impl From<LampKind> for AnyShape {
+    fn from(kind: LampKind) -> Self {
+        match kind {
+            LampKind::Point { radius, soft } => Self::Point(PointLamp(Ball { radius, soft })),
+            LampKind::Spot { radius, half_angle_rad, blend, soft } => {
+                Self::Spot(SpotLamp { ball: Ball { radius, soft }, half_angle_rad, blend })
+            }
+            LampKind::Sun { half_angle_rad } => Self::Sun(SunLamp { half_angle_rad }),
+            LampKind::Area { size, ellipse, half_spread_rad } => {
+                Self::Area(AreaLamp { size, ellipse, half_spread_rad })
+            }
+        }
+    }
+}
+
+/// Evaluates an expression of the [`LampShape`] in an [`AnyShape`], compiled for each kind.
+macro_rules! with_shape {
+    ($any:expr, $shape:ident => $value:expr) => {
+        match &$any {
+            AnyShape::Point($shape) => $value,
+            AnyShape::Spot($shape) => $value,
+            AnyShape::Sun($shape) => $value,
+            AnyShape::Area($shape) => $value,
+        }
+    };
+}
 
 /// A lamp with its constants worked out.
 #[derive(Clone, Debug)]
