@@ -70,7 +70,7 @@ pub(super) fn trace(
             partial.arrived(stretch.distance, cos_in)
         };
         let vertex = Vertex::new(stage, (point, stretch.kept), -ray.direction, carried, partial);
-        let [u2, u3, u_lobe, u_end] = walk.sampler.next_4d();
+        let [u2, u3, u_split, u_end] = walk.sampler.next_4d();
         if !vertex.bsdf.is_mirror() {
             let found = direct(stage, &vertex, stretch.u_light, &mut walk.rays);
             result.radiance += limits.clamp(found, bounce);
@@ -79,7 +79,7 @@ pub(super) fn trace(
                 result.radiance += limits.clamp(connect(stage, &vertex, from_light, &mut walk.rays), bounce + 1);
             }
         }
-        let Some(next) = vertex.bsdf.sample(u_lobe, [u2, u3]) else { break };
+        let Some(next) = vertex.bsdf.sample(u_split, [u2, u3]) else { break };
         carried *= next.weight;
         if bounce + 1 > SURE_BOUNCES {
             let go_on = carried.max_element().min(1.0);

@@ -71,8 +71,8 @@ pub(super) fn trace(
             break;
         }
         let vertex = Vertex::new(stage, (point, stretch.kept), back, carried, partial);
-        let [u2, u3, u_lobe, u_end] = walk.sampler.next_4d();
-        let next = scatter(stage, &vertex, u_lobe, [u2, u3]);
+        let [u2, u3, u_split, u_end] = walk.sampler.next_4d();
+        let next = scatter(stage, &vertex, u_split, [u2, u3]);
         ray = vertex.ray(next.as_ref().map_or(back, |n| n.direction));
         path.push(vertex);
         let Some(next) = next else { break };
@@ -97,8 +97,8 @@ struct Scattered {
 }
 
 /// A direction to go on in, away from the light.
-fn scatter(stage: &PreparedScene, vertex: &Vertex, u_lobe: f32, u: [f32; 2]) -> Option<Scattered> {
-    let next = vertex.bsdf.sample(u_lobe, u)?;
+fn scatter(stage: &PreparedScene, vertex: &Vertex, u_split: f32, u: [f32; 2]) -> Option<Scattered> {
+    let next = vertex.bsdf.sample(u_split, u)?;
     let d = next.wi;
     if !next.mirror {
         let (sent, back_pdf) = vertex.sent(stage, d);

@@ -138,8 +138,8 @@ impl Scattering for VertexSurface {
         ask!(self, bsdf => bsdf.evaluate_smooth(wi, rays))
     }
 
-    fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        ask!(self, bsdf => bsdf.sample(u_lobe, u))
+    fn sample(&self, u_split: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        ask!(self, bsdf => bsdf.sample(u_split, u))
     }
 
     fn mirror(&self, transmitted: bool, wi: Vec3A) -> (Rgb, f32) {

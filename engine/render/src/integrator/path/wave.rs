@@ -428,8 +428,8 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             }
             Next::End => return,
         }
-        // The lobe and the direction in it, likewise of one set.
-        let [u2, u3, u_lobe, u_end] = path.sampler.next_4d();
+        // The first two choose the lobe and the direction in it.
+        let [u2, u3, u_split, u_end] = path.sampler.next_4d();
         let is_ambient = matches!(limits.approximations.fast_gi, FastGi::Add { .. });
         if is_ambient {
             at.ambient(path, &found, &mut self.shadows, bsdf, [u2, u3]);
@@ -445,14 +445,14 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         }
         let is_alive = &mut self.is_alive[*i as usize];
         let Some(entry) = bsdf.enter([u2, u3]) else {
-            *is_alive = at.turn(path, &mut found, bsdf, to, [u_end, u_lobe, u2, u3]);
+            *is_alive = at.turn(path, &mut found, bsdf, to, [u_end, u_split, u2, u3]);
             if VOLUMES && *is_alive {
                 self.inside[*i as usize].leave(&stage.scene, point, path);
             }
             return;
         };
         let mut sampler = path.sampler.aside();
-        let ([u_light, u0, u1, _], [u2, u3, u_lobe, _]) = (sampler.next_4d(), sampler.next_4d());
+        let ([u_light, u0, u1, _], [u2, u3, u_split, _]) = (sampler.next_4d(), sampler.next_4d());
         let Some((exit, light)) = leave(stage, point, &entry, &mut sampler, &mut found.result.rays) else { return };
         path.throughput *= light;
         let (at, bsdf) =
@@ -469,7 +469,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
                 inside.veil(&stage.scene, &exit, &self.shadows, &mut self.veils, [u2, u3, u0]);
             }
         }
-        *is_alive = at.turn(path, &mut found, &bsdf, to, [u_end, u_lobe, u2, u3]);
+        *is_alive = at.turn(path, &mut found, &bsdf, to, [u_end, u_split, u2, u3]);
         if VOLUMES {
             let inside = &mut self.inside[*i as usize];
             if *is_alive {

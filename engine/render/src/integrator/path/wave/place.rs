@@ -103,9 +103,9 @@ impl ScatterPlace<'_> {
         found: &mut Found<'_, N>,
         bsdf: &(impl Scattering + LobeDecomposition),
         to: Option<LightSampleContext>,
-        [u_end, u_lobe, u2, u3]: [f32; 4],
+        [u_end, u_split, u2, u3]: [f32; 4],
     ) -> bool {
-        let Some(next) = bsdf.sample(u_lobe, [u2, u3]) else { return false };
+        let Some(next) = bsdf.sample(u_split, [u2, u3]) else { return false };
         path.throughput *= next.weight;
         if !next.transmitted {
             path.throughput *= terminator::dimmed(&self.stage.scene, self.point, self.normal, next.wi);
