@@ -72,6 +72,9 @@ fn with_world(image: bool) -> Lit {
     lit(builder)
 }
 
+/// Those of [`all_kinds`] that no ray can hit.
+const POINT_LIKE: &[&str] = &["point", "spot", "sun"];
+
 fn all_kinds() -> Vec<(&'static str, Lit)> {
     let point = |radius, soft| LampKind::Point { radius, soft };
     let spot = |radius, soft| LampKind::Spot { radius, half_angle_rad: 0.7, blend: 0.4, soft };
@@ -188,7 +191,7 @@ fn densities_agree_from_both_ends() {
             let Some(e) = emission.sample(&scene, &lights, u[0], [u[1], u[2]], [u[3], v[0]], MIDDLE) else { continue };
             let Some((t, p)) = at_sphere(&e.ray, 3.0) else { continue };
             let Some(light) = emission.arrive(&scene, &lights, &e, p, t) else { continue };
-            assert!(light.point_like == ["point", "spot", "sun"].contains(&name));
+            assert!(light.point_like == POINT_LIKE.contains(&name));
             if light.point_like {
                 continue;
             }
@@ -219,8 +222,7 @@ fn densities_agree_from_both_ends() {
             let density = emission.density(&scene, &lights, source, wi, t, MIDDLE);
             assert!((density / light.density - 1.0).abs() < 1e-4, "{name}: {density} {}", light.density);
         }
-        let is_point_like = ["point", "spot", "sun"].contains(&name);
-        assert!(is_point_like || compared > 60, "{name}: {compared}");
+        assert!(POINT_LIKE.contains(&name) || compared > 60, "{name}: {compared}");
     }
 }
 
