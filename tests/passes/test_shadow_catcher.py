@@ -50,7 +50,7 @@ def test_an_opaque_film_is_the_transparent_one_over_the_sky(room, blender, tmp_p
         found = {}
         for name, transparent, has_pass in (("opaque", False, False), ("clear", True, False), ("things", True, True)):
             scene.render.film_transparent, layer.use_pass_shadow_catcher = transparent, has_pass
-            found[name] = room.photograph(tmp_path / "one.exr", engine, samples=16)["Combined"]
+            found[name] = room.photograph(tmp_path / "one.exr", engine, samples=128)["Combined"]
         covered, alpha = found["things"][..., 3], found["clear"][..., 3]
         # Beyond the floor's end the sky is seen itself.
         rows = covered.shape[0] // 4
@@ -59,5 +59,6 @@ def test_an_opaque_film_is_the_transparent_one_over_the_sky(room, blender, tmp_p
         off = np.abs(expected - found["opaque"][..., :3])[:rows]
         print(engine, off.max(), covered[:rows].max())
         assert ((covered[:rows] > 0.2) & (covered[:rows] < 0.8)).any()
-        # Sums of the same samples in another order.
+        # Sums of the same samples in another order, but for one path in some thousands, at edges, which brings up to 0.06 more light to
+        # the opaque film: the samples are so many that one of them is half of the limit.
         assert off.max() < 1e-3, engine
