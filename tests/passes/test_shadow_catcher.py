@@ -59,6 +59,7 @@ def test_an_opaque_film_is_the_transparent_one_over_the_sky(room, blender, tmp_p
         off = np.abs(expected - found["opaque"][..., :3])[:rows]
         print(engine, off.max(), covered[:rows].max())
         assert ((covered[:rows] > 0.2) & (covered[:rows] < 0.8)).any()
-        # Sums of the same samples in another order, but for one path in some thousands, at edges, which brings up to 0.06 more light to
-        # the opaque film: the samples are so many that one of them is half of the limit.
+        # Sums of the same samples in another order. But Russian roulette goes by the noise of the picture, of which the sky is a part on an
+        # opaque film alone: one path in some thousands goes on with one film and ends with the other, and brings up to 0.06. There are so
+        # many samples that one such path is half of the limit.
         assert off.max() < 1e-3, engine
