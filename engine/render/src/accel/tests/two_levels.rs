@@ -123,7 +123,7 @@ impl<C: SurfaceCoordinates> Visitor<C> for Collected {
 struct Tested<P> {
     /// Index of the instance.
     instance: u32,
-    /// By key, where the mesh deforms; else one.
+    /// The trees by key where the mesh deforms, else one tree.
     trees: Vec<Tree<P>>,
     is_in_render_space: bool,
 }
