@@ -39,8 +39,7 @@ impl Capsules {
         Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], controls: [0; LANES] };
 
     /// Puts a capsule into a lane, for the segment of the keys from `controls` on, around all that is between each two neighbours of some
-    /// balls. Its axis has the direction of the line
-    /// from the first to the last, and lies beside that line where the balls do.
+    /// balls. Its axis has the direction of the line from the first to the last, and lies beside that line where the balls do.
     pub(super) fn set(&mut self, lane: usize, balls: &[Vec4], controls: u32) {
         /// Steps towards the axis of the thinnest capsule: the first is the last one of a plain bend, an S takes some.
         const STEPS: usize = 6;

@@ -328,6 +328,25 @@ mod tests {
     }
 
     #[test]
+    fn the_table_finds_the_strand_that_a_search_finds() {
+        // Strands shorter and longer than a step of the table, some of them without keys.
+        let lengths = [0u32, 1, 31, 0, 0, 32, 33, 2, 100, 3, 3, 0, 64, 5, 0];
+        let mut first_keys = vec![0];
+        first_keys.extend(lengths.iter().scan(0, |end, length| {
+            *end += length;
+            Some(*end)
+        }));
+        let total = first_keys[lengths.len()];
+        let keys = (0..total).map(|i| Vec4::new(i as f32, 0.0, 0.0, 0.1)).collect();
+        let description = CurvesDescription { keys, first_keys, uv_maps: vec![], attributes: vec![], ..two_strands() };
+        let (curves, _) = Curves::new(description).unwrap();
+        for key in 0..total {
+            let strand = curves.strand_of(key);
+            assert!(curves.keys_of(strand).contains(&key), "{key} {strand}");
+        }
+    }
+
+    #[test]
     fn segments_know_their_strand_and_what_is_along_it() {
         let (curves, warning) = Curves::new(two_strands()).unwrap();
         assert!(warning.is_none());
