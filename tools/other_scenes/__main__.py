@@ -30,10 +30,11 @@ TOP = Path(__file__).resolve().parents[2]
 PAGE = TOP / "docs" / "other-scenes.md"
 #: What is known of scenes: where they are from, and why they differ.
 KNOWN = Path(__file__).with_name("known.toml")
+PROGRAMS = ("petzval", "cycles")
 #: Samples of the short render: what is done once is taken off by it.
 FEW = 8
-#: Processor time, s, that samples must take to be timed; what is done once varies by some tenths. Where they take less, a longer
-#: render is timed, but of no more than so many times the samples.
+#: Processor time, s, that samples must take to be timed, and no less than what is done once, which varies by a tenth of itself and more.
+#: Where they take less, a longer render is timed, but of no more than so many times the samples.
 LEAST_S = 4.0
 MOST_LONGER = 32
 #: Processor time of a sample below which it is lost in what is done once, even so.
@@ -112,46 +113,48 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
     """What both programs make of a scene."""
     python = Path(sys.executable)
     job = (python, "-m", "other_scenes.job")
-    size, seconds = (str(width), str(height)), {}
+    size = (str(width), str(height))
+    #: Processor times of renders, by program and samples.
+    seconds: dict[tuple[str, int], list[float]] = {}
     with tempfile.TemporaryDirectory() as folder:
         # Beside the scene its images would be found without a change; so are they by paths that are rewritten.
         ready = Path(folder) / "scene.blend"
         run(*job, "prepare", path, ready)
 
         def render(program: str, name: str, count: int, seed: int) -> Path:
+            """A picture; its processor time joins those of the same length."""
             out = Path(folder) / f"{program}_{name}.exr"
             command = [*job, "cycles", ready, out, *size, count, seed]
             if program == "petzval":
                 command = [python, "-m", "petzval", "render", ready, "--camera", "pinhole"]
                 command += ["--resolution", "x".join(size)]
                 command += ["--samples", count, "--seed", seed, "--blue-noise", "off", "--checkpoint", "off", "-o", out]
-            seconds[program, name] = run(*command)
+            seconds.setdefault((program, count), []).append(run(*command))
             return out
 
-        pictures = [
-            render(program, *one)
-            for one in (("few", FEW, 1), ("a", samples, 1), ("b", samples, 2))
-            for program in ("petzval", "cycles")
-        ]
-        longest = dict.fromkeys(("petzval", "cycles"), samples)
-        for program in longest:
-            many = (seconds[program, "a"] + seconds[program, "b"]) / 2
-            longer = math.ceil(LEAST_S / max(many - seconds[program, "few"], LEAST_S / MOST_LONGER))
+        pictures = [render(program, *one) for one in (("a", samples, 1), ("b", samples, 2)) for program in PROGRAMS]
+        sample_us = {}
+        for program in PROGRAMS:
+            render(program, "few", FEW, 1)
+            render(program, "few", FEW, 2)
+            # What else the machine does only adds: the quickest counts.
+            once = min(seconds[program, FEW])
+            least, most = max(LEAST_S, once), samples
+            longer = math.ceil(least / max(min(seconds[program, samples]) - once, least / MOST_LONGER))
             if longer > 1:
-                longest[program] = longer * samples
-                render(program, "long", longest[program], 3)
+                most = longer * samples
+                for seed in (3, 4):
+                    render(program, "long", most, seed)
+            taken_s = min(seconds[program, most]) - once
+            sample_us[program] = taken_s / (width * height * (most - FEW)) * 1e6
         run(*job, "read", Path(folder) / "all.npz", *pictures)
         pixels = {name: one.astype(np.float64) for name, one in np.load(Path(folder) / "all.npz").items()}
-    of = {program: [pixels[f"{program}_{name}"] for name in "ab"] for program in ("petzval", "cycles")}
+    of = {program: [pixels[f"{program}_{name}"] for name in "ab"] for program in PROGRAMS}
     found = compare.difference(of["petzval"], of["cycles"])
     mean = np.maximum(sum(of["petzval"]) + sum(of["cycles"]), 0.0) / 4
     result = {"beyond_noise": found.beyond_noise, "of_noise": found.of_noise, "mean": found.mean}
     for program in of:
-        many = seconds.get((program, "long"), (seconds[program, "a"] + seconds[program, "b"]) / 2)
-        result[program] = {
-            "sample_us": (many - seconds[program, "few"]) / (width * height * (longest[program] - FEW)) * 1e6,
-            "noise": compare.noise(of[program], mean),
-        }
+        result[program] = {"sample_us": sample_us[program], "noise": compare.noise(of[program], mean)}
     ours, theirs = result["petzval"], result["cycles"]
     result["noise_ratio"] = ours["noise"] / max(theirs["noise"], 1e-12)
     result["time_ratio"] = result["noise_ratio"] * ours["sample_us"] / max(theirs["sample_us"], 1e-9)
@@ -160,7 +163,7 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
 
 def is_timed(row: dict) -> bool:
     """Whether its times say anything: a picture of next to nothing takes too little, and without noise there is none to compare."""
-    return all(row[one]["sample_us"] >= LEAST_US and row[one]["noise"] > 0.0 for one in ("petzval", "cycles"))
+    return all(row[one]["sample_us"] >= LEAST_US and row[one]["noise"] > 0.0 for one in PROGRAMS)
 
 
 def said(row: dict) -> str:
@@ -200,7 +203,7 @@ def write(rows: dict[str, dict], size: str, samples: int, now: pages.Made) -> No
         "- **Beyond noise**: how far means of 16 x 9 blocks are apart, root mean square over blocks and channels without the worst",
         "  twentieth, less what seeds differ by. Up to 1 % pictures agree.",
         "- **Mean**: of the whole picture, Petzval's over Cycles'.",
-        "- **A sample**: microseconds of processor time, Petzval / Cycles, without what is done once.",
+        "- **A sample**: microseconds of processor time, Petzval / Cycles, without what is done once; the quickest of two renders or more.",
         "- **Noise**: relative variance of a pixel, Petzval's over Cycles', at equal samples.",
         "- **Time**: processor time to equal noise, Petzval's over Cycles'.",
         "",
