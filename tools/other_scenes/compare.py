@@ -51,8 +51,21 @@ def difference(ours: list[np.ndarray], theirs: list[np.ndarray]) -> Difference:
     )
 
 
-def noise(pictures: list[np.ndarray], mean: np.ndarray) -> float:
-    """The relative variance of a pixel, from two pictures; `mean` of all that there are."""
-    a, b = pictures
-    variances = np.sort(((a - b) ** 2 / 2 / (mean**2 + (0.01 * mean.mean()) ** 2 + 1e-20)).mean(-1).ravel())
-    return float(variances[: int(len(variances) * PIXELS_KEPT)].mean())
+@dataclass
+class Noise:
+    """The relative variance of a pixel, and the standard error of that, relative."""
+
+    variance: float
+    error: float
+
+
+def noise(pictures: list[np.ndarray], mean: np.ndarray) -> Noise:
+    """From pictures of different seeds; `mean` of all that there are. Where few pixels have all the noise, two pictures say little."""
+    count = len(pictures)
+    scale = mean**2 + (0.01 * mean.mean()) ** 2 + 1e-20
+    variances = np.sort((np.var(pictures, axis=0, ddof=1) / scale).mean(-1).ravel())
+    kept = variances[: int(len(variances) * PIXELS_KEPT)]
+    # The variance of a variance from so many normal values is 2 / (count - 1) of its square, whose expectation is (count + 1) / (count - 1)
+    # times that.
+    error = (2 / (count + 1) * (kept**2).sum()) ** 0.5 / max(kept.sum(), 1e-30)
+    return Noise(float(kept.mean()), float(error))
