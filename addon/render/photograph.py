@@ -21,7 +21,7 @@ from ..export import world as world_export
 from ..export.motion import Frame, Motion
 from ..export.report import Report
 from ..native import engine
-from . import checkpoints, loop, persistent, planning, progress, staging, statistics
+from . import checkpoints, loop, messages, persistent, planning, progress, staging, statistics
 from .results import Results, deliver_black
 
 # Samples: with fewer, the time that a forecast takes would be seen.
@@ -41,6 +41,8 @@ class Photograph:
         self.report = Report()
         self.results = Results(host, depsgraph)
         self.focus: dict | None = None
+        # What takes the picture, in a line.
+        self.camera = ""
         self.plan = None
         # What the plan tells, and the same in a line for the status.
         self.told: dict = {}
@@ -86,7 +88,7 @@ class Photograph:
         scene = loop.stoppable(lambda: builder.build(place, settings.threads, previous), self._stop_asked)
         persistent.keep(self.depsgraph, scene)
         self.report.warnings += scene.warnings()
-        for warning in self.report.warnings:
+        for warning in messages.grouped(self.report.warnings):
             self.host.report({"WARNING"}, warning)
         self._tell("Preparing the lens", 0.0)
         if camera.focus.autofocus is not None:
@@ -96,6 +98,7 @@ class Photograph:
             )
             moving = [focused(then, self.focus) for then in moving]
             neighbours = neighbours and tuple(focused(then, self.focus) for then in neighbours)
+        self.camera = staging.in_a_line(native, camera, width, height, by="autofocus" if self.focus else "")
         if not (scene.moving_count or moving or (opened and opened.camera_keys)):
             # Nothing moves: samples need no time.
             opened = None
@@ -304,7 +307,7 @@ class Photograph:
             raise loop.Stopped
 
     def _keep(self, stats: dict, sync_seconds: float, stopped: bool) -> None:
-        stats["seconds"]["sync"] = sync_seconds
+        stats["seconds"]["sync"], stats["camera"] = sync_seconds, self.camera
         # With the forecast, if there was one.
         stats["planned"], stats["plan"] = self.told, self.told["effects"]
         stats["peak_memory_bytes"], stats["time_limit_s"] = process_memory.peak_bytes(), self.scene.petzval.time_limit

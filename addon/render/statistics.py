@@ -14,7 +14,7 @@ _last: dict[str, LastRender] = {}
 
 @dataclass
 class LastRender:
-    """`stats` is the engine's `Job.stats_json`, with the seconds of `sync` added."""
+    """`stats` is the engine's `Job.stats_json`, with the seconds of `sync` added, and `camera`: what has taken the picture, in a line."""
 
     stats: dict[str, Any]
     warnings: list[str] = field(default_factory=list)
@@ -29,6 +29,7 @@ class LastRender:
             least, mean, most = self.stats["samples"], self.stats["samples_mean"], self.stats["samples_most"]
             samples = f"{least} to {most} samples, {mean:.1f} in the mean"
         lines = [
+            *([self.stats["camera"]] if "camera" in self.stats else []),
             f"{self.stats['lens']}, {self.stats['width']} x {self.stats['height']}, {samples}"
             + (" (stopped)" if self.stopped else " (time was up)" if self.was_late() else ""),
             f"sync {seconds['sync']:.2f} s, trees {seconds['bvh']:.2f} s, render {seconds['render']:.2f} s",

@@ -12,6 +12,7 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     PointerProperty,
+    StringProperty,
 )
 
 from petzval.description import OF_LENS_FILE
@@ -274,6 +275,14 @@ class PetzvalCamera(LensProperties, bpy.types.PropertyGroup):
         soft_max=0.5,
         step=1,
         precision=4,
+    )
+    blender_camera: FloatVectorProperty(
+        description="Blender's own focal length, sensor width and shift, as they were before they followed the lens",
+        size=4,
+        options={"HIDDEN"},
+    )
+    blender_sensor_fit: StringProperty(
+        description="Blender's own sensor fit, likewise; empty: nothing follows the lens", options={"HIDDEN"}
     )
     in_step: BoolProperty(
         description="The lens was set up here: Blender's camera may be kept in step", options={"HIDDEN"}

@@ -32,6 +32,7 @@ def numbers(petzval_cli, tmp_path, kind, *more):
         ("psf", ["Strehl", "sagittal", "light within", "decades", "rays say all"]),
         ("distortion", ["field curvature", "f tan θ", "lateral colour", "486.1 nm"]),
         ("illumination", ["per cent of the middle", "cos⁴", "stops"]),
+        ("tolerance", ["200 lenses", "RMS spot over the fields", "lenses at least as good", "the deviations that do most"]),
     ],
 )
 def test_a_report_is_a_picture_that_names_what_it_shows(petzval_cli, tmp_path, kind, words):
@@ -50,6 +51,24 @@ def test_a_report_is_a_picture_that_names_what_it_shows(petzval_cli, tmp_path, k
     png, _ = reported(petzval_cli, tmp_path, kind, LENS, name="report.png")
     width, height = struct.unpack(">II", png.read_bytes()[16:24])
     assert width > 900 and height > 500
+
+
+@pytest.mark.parametrize("kind", ["spots", "fans", "mtf", "psf", "distortion", "illumination", "transmission", "tolerance"])
+def test_a_report_without_a_picture_prints_its_table(petzval_cli, kind):
+    done = petzval_cli("lens", kind, LENS)
+    assert done.returncode == 0, done.stderr
+    title, _, _, headings, *rows = done.stdout.splitlines()
+    assert "Tronnier" in title and "F/2.03" in title
+    assert len(rows) >= 3 and all(len(row) <= len(max([headings, *rows], key=len)) for row in rows)
+    assert any(character.isdigit() for character in rows[0])
+
+
+def test_a_table_has_the_numbers_of_the_report(petzval_cli):
+    printed = petzval_cli("lens", "spots", LENS).stdout.splitlines()[4:]
+    found = json.loads(petzval_cli("lens", "spots", LENS, "--json").stdout)
+    for row, field in zip(printed, found["defocus"][0]["fields"], strict=True):
+        numbers = [float(cell) for cell in row.split()]
+        assert numbers[1:4] == pytest.approx([field["angle_deg"], field["rms_mm"], field["largest_mm"]], rel=1e-3)
 
 
 def test_spots_grow_with_defocus_and_shrink_at_best_focus(petzval_cli, tmp_path):

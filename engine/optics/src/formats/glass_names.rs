@@ -95,10 +95,13 @@ impl<'a> Glasses<'a> {
                 self.define(medium);
             }
         }
-        for (name, token) in std::mem::take(&mut header.new_aliases) {
-            if let Ok(medium) = self.catalogue.medium(&token) {
-                self.own.insert(name.to_lowercase(), medium);
-                self.renamed.insert(name.to_lowercase());
+        for (name, token, place) in std::mem::take(&mut header.new_aliases) {
+            match self.catalogue.medium(&token) {
+                Ok(medium) => {
+                    self.own.insert(name.to_lowercase(), medium);
+                    self.renamed.insert(name.to_lowercase());
+                }
+                Err(error) => header.undefined.push((name.to_lowercase(), place, error.into())),
             }
         }
     }

@@ -259,6 +259,9 @@ impl<'a> LensReader<'a> {
             return self.fail(line, words[0].column, problem);
         }
         let expected = COLUMNS.len() + self.extra.len();
+        if words[0].text.eq_ignore_ascii_case(COLUMNS[0]) || words[0].text.ends_with(':') {
+            return self.fail(line, words[0].column, Problem::HeaderWithoutMark);
+        }
         if words.len() != expected {
             let column = words.get(expected).unwrap_or(&words[0]).column;
             return self.fail(line, column, Problem::ColumnCount { found: words.len(), expected });
@@ -327,7 +330,11 @@ impl<'a> LensReader<'a> {
             return Ok(NextMedium::Medium(medium.clone()));
         }
         let medium = self.glasses.catalogue().medium(word.text);
-        medium.map(NextMedium::Medium).map_err(|error| at(self.file, line, word.column, error.into()))
+        medium.map(NextMedium::Medium).map_err(|error| match self.header.undefined(word.text) {
+            // What is wrong is the line that was to define it.
+            Some((place, problem)) => at(self.file, place.line, place.column, problem),
+            None => at(self.file, line, word.column, error.into()),
+        })
     }
 
     fn coating(&self, line: usize, word: &Token<'_>) -> Result<Option<Coating>, LensFileError> {

@@ -3,6 +3,7 @@
 
 use crate::camera::lens::mount::Mount;
 use crate::camera::lens::real_lens::{dark, film_spectrum};
+use crate::camera::lens::transmission::Middle;
 use crate::camera::{CameraDescription, CameraError, Spectrum};
 use crate::spectrum::FilmSpectrum;
 use glam::{DVec2, DVec3, Mat3};
@@ -61,10 +62,13 @@ impl StrayLens {
         let brightness = d.brightness_through(&tracer, &system, mount.film.z_mm);
         // What the lens takes of the light is made up for, unless the picture is exposed by the f-number: then ghosts are as much
         // brighter, beside light that is.
+        let passages = Passages::new(&system, middle_nm);
         let passes = match d.exposes_by_f_number {
             true => None,
-            false => Passages::new(&system, middle_nm).in_the_middle(mount.film.z_mm, &[middle_nm]),
+            false => passages.in_the_middle(mount.film.z_mm, &[middle_nm]),
         };
+        let lost = if d.transmission { Middle::new(&d, &passages, mount.film.z_mm, &spectrum) } else { None };
+        let spectrum = lost.map_or(spectrum.clone(), |middle| spectrum.tinted(middle.balanced()));
         let passes = passes.and_then(|by_line| by_line.first().copied()).filter(|part| *part > 0.0).unwrap_or(1.0);
         let gain = brightness / (middle * passes);
         let front_mm = 2.0 * system.surfaces()[0].semi_diameter_mm;
