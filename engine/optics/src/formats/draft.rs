@@ -6,7 +6,8 @@ use crate::first_order::{Matrix, ParaxialSurface, between_vertices, front_of};
 use crate::glass::Medium;
 use crate::prescription::moving::{MovingParts, Part, Position};
 use crate::prescription::{Metadata, NextMedium, Place, Prescription, SurfaceRow};
-use crate::surface::{Conic, LAST_POWER, Pose, Shape};
+use crate::surface::{Conic, LAST_POWER, Shape};
+use glam::DAffine3;
 
 use super::beams::{self, FieldBeam};
 use super::draft_row::DraftRow;
@@ -64,6 +65,8 @@ pub(super) struct Draft<'a> {
     /// The wavelength for which beam and fields are meant.
     pub(super) wavelength_nm: f64,
     pub(super) film_radius_mm: Option<f64>,
+    /// The change of coordinates from the place that the last row leaves to the film, mm.
+    pub(super) film_frame: DAffine3,
     pub(super) metadata: Metadata,
     /// Coating of surfaces where glass meets air.
     pub(super) coating: Option<Coating>,
@@ -85,6 +88,7 @@ impl<'a> Draft<'a> {
             object_mm: f64::INFINITY,
             wavelength_nm: crate::glass::line_nm::D,
             film_radius_mm: None,
+            film_frame: DAffine3::IDENTITY,
             metadata: Metadata::default(),
             coating: None,
             moving: None,
@@ -110,6 +114,8 @@ impl<'a> Draft<'a> {
             row.curvature /= mm;
             row.thickness_mm *= mm;
             row.obstruction_mm *= mm;
+            row.before.translation *= mm;
+            row.after.translation *= mm;
             row.semi_diameter_mm = row.semi_diameter_mm.map(|semi| semi * mm);
             row.radius_x_mm = row.radius_x_mm.map(|radius| radius * mm);
             for (power, a) in &mut row.terms {
@@ -117,6 +123,7 @@ impl<'a> Draft<'a> {
             }
         }
         self.object_mm *= mm;
+        self.film_frame.translation *= mm;
         self.film_radius_mm = self.film_radius_mm.map(|radius| radius * mm);
         if self.field_kind != FieldKind::Degrees {
             self.fields.iter_mut().for_each(|field| field.y *= mm);
@@ -167,6 +174,10 @@ impl<'a> Draft<'a> {
         if self.object_mm.abs() > INFINITELY_FAR_MM {
             self.object_mm = f64::INFINITY;
         }
+        self.unfold()?;
+        if self.rows.is_empty() {
+            return self.fail(start, Problem::Unsupported("there is no surface but mirrors that fold".to_owned()));
+        }
         self.drop_inert();
         let stop = self.stop.unwrap_or(0);
         self.open_stop(stop);
@@ -201,7 +212,7 @@ impl<'a> Draft<'a> {
             let base = Conic { curvature: row.curvature, conic: row.conic };
             let surface = SurfaceRow {
                 shape: Shape::from_numbers(base, &row.terms, row.radius_x_mm),
-                pose: Pose::identity(),
+                pose: row.pose,
                 thickness_mm: row.thickness_mm,
                 behind: row.behind.clone(),
                 semi_diameter_mm: row.semi_diameter_mm.unwrap_or(0.0),

@@ -8,6 +8,7 @@ pub mod bench;
 mod columns;
 mod draft;
 mod draft_row;
+mod frames;
 mod glass_names;
 mod header;
 pub mod lens;

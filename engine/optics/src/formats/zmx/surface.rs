@@ -1,8 +1,11 @@
 //! The lines of one surface of a `.zmx` file.
 
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
 use crate::prescription::{NextMedium, Place};
 
 use super::super::draft_row::DraftRow;
+use super::super::frames;
 use super::super::problem::{LensFileError, Problem, at};
 use super::super::text::Token;
 use super::ZmxReader;
@@ -165,34 +168,53 @@ impl ZmxReader<'_> {
         if film.curvature != 0.0 {
             self.draft.film_radius_mm = Some(scale / film.curvature);
         }
+        let mut pending = DAffine3::IDENTITY;
         for block in surfaces {
             if block.kind == "COORDBRK" {
-                self.coordinate_break(block)?;
+                pending = pending * self.coordinate_break(block);
                 continue;
             }
-            let row = self.row(block, scale)?;
+            let mut row = self.row(block, scale)?;
+            row.before = std::mem::replace(&mut pending, DAffine3::IDENTITY);
             if block.is_stop {
                 self.draft.stop = Some(self.draft.rows.len());
             }
             self.draft.rows.push(row);
         }
+        self.draft.film_frame = pending;
+        self.plain_breaks();
         Ok(())
     }
 
-    /// A change of coordinates that changes none but z.
-    fn coordinate_break(&mut self, block: &SurfaceLines) -> Result<(), LensFileError> {
-        if let Some((number, value, place)) = block.parameters.iter().find(|p| (1..=5).contains(&p.0) && p.1 != 0.0) {
-            let what = format!(
-                "a coordinate break tilts or decentres what follows (PARM {number} = {value}); only lenses on one axis can be read from .zmx"
-            );
-            return self.draft.fail(*place, Problem::Unsupported(what));
+    /// The change of coordinates of a coordinate break, mm: parameters 1 and 2 decentre, 3 to 5 turn about x, y and z, 6 says the order.
+    fn coordinate_break(&self, block: &SurfaceLines) -> DAffine3 {
+        let moved_mm = DVec3::new(block.parameter(1), block.parameter(2), 0.0) * self.mm_per_unit;
+        let angles_deg = [3, 4, 5].map(|number| block.parameter(number));
+        let change = match block.parameter(6) == 0.0 {
+            true => frames::change(moved_mm, angles_deg),
+            false => frames::change_turned_first(moved_mm, angles_deg),
+        };
+        change * DAffine3::from_translation(DVec3::Z * block.thickness * self.mm_per_unit)
+    }
+
+    /// Makes thicknesses of coordinate breaks that change none but z: most lenses stand on one axis.
+    fn plain_breaks(&mut self) {
+        let is_plain = |change: &DAffine3| change.matrix3 == DMat3::IDENTITY && change.translation.truncate() == DVec2::ZERO;
+        let draft = &mut self.draft;
+        if !(draft.rows.iter().all(|row| is_plain(&row.before)) && is_plain(&draft.film_frame)) {
+            return;
         }
-        let mm = block.thickness * self.mm_per_unit;
-        match self.draft.rows.last_mut() {
-            Some(last) => last.thickness_mm += mm,
-            None => self.draft.object_mm += mm,
+        for i in 0..draft.rows.len() {
+            let mm = std::mem::replace(&mut draft.rows[i].before, DAffine3::IDENTITY).translation.z;
+            match i.checked_sub(1) {
+                Some(last) => draft.rows[last].thickness_mm += mm,
+                None => draft.object_mm += mm,
+            }
         }
-        Ok(())
+        let mm = std::mem::replace(&mut draft.film_frame, DAffine3::IDENTITY).translation.z;
+        if let Some(last) = draft.rows.last_mut() {
+            last.thickness_mm += mm;
+        }
     }
 
     fn row(&mut self, block: &SurfaceLines, scale: f64) -> Result<DraftRow, LensFileError> {
@@ -235,7 +257,8 @@ impl ZmxReader<'_> {
                 }
             }
             "TOROIDAL" => {
-                if let Some((number, _, place)) = block.extra.iter().find(|p| p.0 > 1 && p.1 != 0.0) {
+                // The second is the radius to which the further terms are normalized.
+                if let Some((number, _, place)) = block.extra.iter().find(|p| p.0 > 2 && p.1 != 0.0) {
                     let what = format!("the toroid has further terms (XDAT {number}), which are not supported");
                     return self.draft.fail(*place, Problem::Unsupported(what));
                 }

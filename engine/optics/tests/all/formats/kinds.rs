@@ -67,18 +67,18 @@ fn zemax_numbers_are_where_they_belong() {
 
 #[test]
 fn what_zemax_files_have_and_lenses_have_not() {
-    let coordinate = "SURF 2\n  TYPE COORDBRK\n  PARM 3 10\n  DISZ 0\nSURF 3\n";
+    let coordinate = "SURF 2\n  TYPE COORDBRK\n  PARM 3 70\n  DISZ 0\nSURF 3\n";
     let cases = [
         (ZMX.replace("MODE SEQ", "MODE NSC"), "a.zmx:2:1: mode NSC: only sequential lenses"),
         (ZMX.replace("TYPE EVENASPH", "TYPE BINARY_2"), "a.zmx:24:3: surface type 'BINARY_2' is not supported"),
         (
             ZMX.replace("SURF 3\n", coordinate),
-            "a.zmx:33:3: a coordinate break tilts or decentres what follows (PARM 3 = 10)",
+            "a.zmx:23:1: the film stands at 70.0 degrees to the axis of the first surface",
         ),
         (ZMX.replace("GLAS F2", "GLAS F2X9Q"), "a.zmx:20:8: unknown glass 'F2X9Q'"),
         (
-            ZMX.replace("GLAS F2", "GLAS L-BAL35_MOLD"),
-            "a.zmx:20:8: unknown glass 'L-BAL35_MOLD'; did you mean L-BAL35?",
+            ZMX.replace("GLAS F2", "GLAS L-BAL35Q"),
+            "a.zmx:20:8: unknown glass 'L-BAL35Q'; did you mean L-BAL35",
         ),
         (ZMX.replace("CURV 2.0E-002", "CURV nan"), "a.zmx:18:8: CURV 'nan' is not a finite number"),
         (ZMX.replace("DISZ 45", "DISZ 1e999"), "a.zmx:29:8: DISZ '1e999' is not a finite number"),
@@ -120,7 +120,7 @@ fn code_v_numbers_are_where_they_belong() {
     assert_same("spaced", &spaced, &again(&spaced, lens::write, "x.lens"));
     let cases = [
         (text.replace("SF11_HIKARI", "NBK7_OHARA"), "a.seq:21:9: unknown glass 'NBK7"),
-        (text.replace("STO\n", "STO\nADE 5.0\n"), "a.seq:21:1: 'ADE' tilts, moves or reshapes"),
+        (text.replace("STO\n", "STO\nRET S1\n"), "a.seq:21:1: 'RET' tilts, moves or reshapes"),
         (text.replace("S 50.0", "S fifty"), "a.seq:12:3: radius 'fifty' is not a finite number"),
         (text.replace("SI 0.0 0.25", "S 0.0 0.25"), "a.seq:12:1: there is no film"),
         (text.replace("1.6 1.605 1.615", "1.6 1.605"), "a.seq:9:3: '2' where 3 indices"),
