@@ -29,6 +29,8 @@ _WORTH_A_FORECAST = 1 << 21
 # Pictures of a lens that changes while the shutter is open: enough for changes of a few f-stops, or of a focus pull
 # across a scene, to look smooth.
 _SHUTTER_STEPS = 16
+# The part of the light that strays before which a guess of the rest of the time is worth nothing.
+_LEAST_PART = 0.02
 
 
 class Photograph:
@@ -163,12 +165,26 @@ class Photograph:
 
     def _develop(self, job) -> None:
         """Lays over the picture what of the light strays."""
-        self._tell("Ghosts, glare and diffraction", 1.0)
+        began, share = time.monotonic(), self._share_of_strays()
+
+        def meanwhile() -> None:
+            part = job.developed()
+            gone = time.monotonic() - began
+            left = gone * (1.0 - part) / part if part > _LEAST_PART else None
+            remaining = "" if left is None else f"Remaining:{progress.clock_time(left)} | "
+            self._tell(f"Ghosts, glare and diffraction: {100.0 * part:.0f} %", 1.0 - share * (1.0 - part), remaining)
+
         try:
-            loop.stoppable(job.develop, self._stop_asked)
+            loop.stoppable(job.develop, self._stop_asked, meanwhile)
         except loop.Stopped:
             # What is there of the picture stays.
             job.stop_developing()
+
+    def _share_of_strays(self) -> float:
+        """The part of the time that the light that strays is to take, after the samples."""
+        predicted = (self.told.get("predicted") or {}).get("seconds")
+        strays = sum(row["picture_seconds"] for row in self.told.get("effects", ()) if row["decision"] == "on")
+        return strays / (predicted + strays) if predicted and strays else 0.0
 
     def _tell_of_denoising(self) -> None:
         """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""
@@ -291,7 +307,8 @@ class Photograph:
         if used is not None and peak is not None:
             self.host.update_memory_stats(memory_used=used / 2**20, memory_peak=peak / 2**20)
             left += f"Mem:{used / 2**20:.0f}M, Peak:{peak / 2**20:.0f}M | "
-        self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", part, left)
+        done = part * (1.0 - self._share_of_strays())
+        self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", done, left)
 
     def _tell(self, text: str, part: float, left: str = "") -> None:
         self.host.update_stats("", left + text)

@@ -32,7 +32,10 @@ def numbers(petzval_cli, tmp_path, kind, *more):
         ("psf", ["Strehl", "sagittal", "light within", "decades", "rays say all"]),
         ("distortion", ["field curvature", "f tan θ", "lateral colour", "486.1 nm"]),
         ("illumination", ["per cent of the middle", "cos⁴", "stops"]),
-        ("tolerance", ["200 lenses", "RMS spot over the fields", "lenses at least as good", "the deviations that do most"]),
+        (
+            "tolerance",
+            ["200 lenses", "RMS spot over the fields", "lenses at least as good", "the deviations that do most"],
+        ),
     ],
 )
 def test_a_report_is_a_picture_that_names_what_it_shows(petzval_cli, tmp_path, kind, words):
@@ -53,7 +56,9 @@ def test_a_report_is_a_picture_that_names_what_it_shows(petzval_cli, tmp_path, k
     assert width > 900 and height > 500
 
 
-@pytest.mark.parametrize("kind", ["spots", "fans", "mtf", "psf", "distortion", "illumination", "transmission", "tolerance"])
+@pytest.mark.parametrize(
+    "kind", ["spots", "fans", "mtf", "psf", "distortion", "illumination", "transmission", "tolerance"]
+)
 def test_a_report_without_a_picture_prints_its_table(petzval_cli, kind):
     done = petzval_cli("lens", kind, LENS)
     assert done.returncode == 0, done.stderr

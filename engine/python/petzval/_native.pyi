@@ -539,6 +539,8 @@ class Job:
         """After the end: finds the light that strays in the lens, if the plan has any simulated; `image` then has it. Takes its time."""
     def stop_developing(self) -> None:
         """Ends `develop` in another thread without a result."""
+    def developed(self) -> float:
+        """The part of `develop` that is done, 0 to 1."""
     def stray(self, name: str) -> npt.NDArray[np.float32]:
         """A part of that light, of shape (height, width, 3), already in `image`: GHOSTS, GLARE or DIFFRACTION; black where it was not found."""
     def end_checkpoints(self) -> Checkpoint | None:

@@ -3,7 +3,7 @@
 use super::{Job, Shared, lock};
 use crate::Rgb;
 use crate::camera::CameraError;
-use crate::stray::{Picture, Straight, StrayLight, StrayPass, Strays};
+use crate::stray::{Picture, Straight, StrayLight, StrayPass, Strays, Watch};
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -20,7 +20,9 @@ impl Job {
         let camera = self.camera();
         let straight = Straight { stage: &shared.stage, camera, picture: &picture, exposure, gains };
         let stopped = || shared.stop_developing.load(Ordering::Relaxed);
-        let find = || strays.find(&straight, &stopped);
+        let tell = |part: f64| shared.developed.store(part.to_bits(), Ordering::Relaxed);
+        let watch = Watch { stopped: &stopped, tell: &tell };
+        let find = || strays.find(&straight, &watch);
         // As many threads as the render had; where there can be no more, this one does.
         let found = match ThreadPoolBuilder::new().num_threads(self.threads.len()).build() {
             Ok(pool) => pool.install(find),
@@ -42,6 +44,11 @@ impl Job {
             self.develop(&stray_light);
         }
         Ok(())
+    }
+
+    /// The part of [`Self::develop`] that is done, 0 to 1.
+    pub fn developed(&self) -> f64 {
+        f64::from_bits(self.shared.developed.load(Ordering::Relaxed))
     }
 
     /// Ends [`Self::develop`] without a result.

@@ -8,7 +8,7 @@ mod choose;
 mod raster;
 
 use super::sources::Source;
-use super::{Picture, Reflections};
+use super::{Picture, Reflections, Watch};
 use crate::camera::tools::straying::StrayLens;
 use choose::{Candidate, LINES_NM, candidates, keep};
 use petzval_optics::ghosts::beam::Beam;
@@ -28,6 +28,8 @@ const LEAST_BANDS: usize = 6;
 const MOST_BANDS: usize = 24;
 /// Ghosts of a source that blurs them less are those of its middle.
 const BLUR_PX: f64 = 1.5;
+/// The part of the progress in which ghosts are looked for.
+const LOOKING: f64 = 0.3;
 /// Number of ghosts that are traced before their pieces are laid: memory.
 const AT_ONCE: usize = 16;
 
@@ -45,28 +47,33 @@ pub struct GhostReport {
 }
 
 /// The light of all ghosts of so many reflections, as it is added to the picture. What is left out stays below `tolerance`, in the
-/// picture's units. `None` where `stopped` said so.
+/// picture's units. `None` where `watch` stopped it.
 pub fn ghosts(
     lens: &StrayLens,
     sources: &[Source],
     reflections: Reflections,
     tolerance: f32,
-    stopped: &(dyn Fn() -> bool + Sync),
+    watch: &Watch<'_>,
 ) -> Option<(Picture, GhostReport)> {
     let size = lens.size_px();
     let mut picture = Picture { width: size.x as u32, height: size.y as u32, light: Vec::new() };
     picture.light.resize(picture.width as usize * picture.height as usize, crate::Rgb::ZERO);
     let beams: Vec<Option<Beam>> = sources.iter().map(|one| Beam::new(lens.system(), one.place)).collect();
     let turns = turns(lens, reflections);
-    let found = candidates(lens, &turns, sources, &beams, stopped)?;
+    let tell = |part: f64| (watch.tell)(LOOKING * part);
+    let found = candidates(lens, &turns, sources, &beams, &Watch { tell: &tell, ..*watch })?;
     let mut report = GhostReport { sources: sources.len(), found: found.len(), ..GhostReport::default() };
     let (kept, left_out) = keep(found, size, tolerance);
     (report.simulated, report.left_out) = (kept.len(), left_out);
     let paths = Paths::new(lens, &turns, &kept);
+    let all: f64 = kept.iter().map(|one| work(one)).sum();
+    let mut done = 0.0;
     for some in kept.chunks(AT_ONCE) {
-        if stopped() {
+        if watch.is_stopped() {
             return None;
         }
+        (watch.tell)(LOOKING + (1.0 - LOOKING) * done / all);
+        done += some.iter().map(|one| work(one)).sum::<f64>();
         let triangles = |one: &Candidate| triangles(lens, &sources[one.source], one, &paths);
         let found: Vec<Vec<Triangle>> = some.par_iter().map(triangles).collect();
         lay(&found, &mut picture);
@@ -99,6 +106,16 @@ impl Paths {
     }
 }
 
+/// Number of cells along each side of a ghost's grid.
+fn side(one: &Candidate) -> usize {
+    (((one.bounds[1] - one.bounds[0]).max_element() / CELL_PX) as usize).clamp(LEAST_CELLS, MOST_CELLS)
+}
+
+/// Number of rays of a ghost, about: what its simulation costs.
+fn work(one: &Candidate) -> f64 {
+    bands(one) as f64 * (side(one) as f64).powi(2)
+}
+
 /// Number of bands into which a ghost is divided.
 fn bands(one: &Candidate) -> usize {
     // Each band comes from another place of the source.
@@ -120,7 +137,7 @@ fn within(band: usize, count: usize, radius: f64) -> [f64; 2] {
 fn triangles(lens: &StrayLens, source: &Source, one: &Candidate, paths: &Paths) -> Vec<Triangle> {
     let mut found = Vec::new();
     let count = bands(one);
-    let side = (((one.bounds[1] - one.bounds[0]).max_element() / CELL_PX) as usize).clamp(LEAST_CELLS, MOST_CELLS);
+    let side = side(one);
     let picture = [glam::DVec2::ZERO, lens.size_px()];
     for (i, (tracer, band)) in paths.tracers[&(count, one.path)].iter().zip(lens.bands(count)).enumerate() {
         let mut bundle = tracer.bundle();
@@ -163,7 +180,7 @@ pub struct Glimpse {
 pub fn glimpse(lens: &StrayLens, sources: &[Source], reflections: Reflections, tolerance: f32) -> Glimpse {
     let beams: Vec<Option<Beam>> = sources.iter().map(|one| Beam::new(lens.system(), one.place)).collect();
     let two = turns(lens, Reflections::Two);
-    let found = candidates(lens, &two, sources, &beams, &|| false).unwrap_or_default();
+    let found = candidates(lens, &two, sources, &beams, &Watch::NONE).unwrap_or_default();
     let brightest = found.iter().map(|one| one.value).fold(0.0, f32::max);
     let (kept, _) = keep(found, lens.size_px(), tolerance);
     let paths = turns(lens, reflections).len();
@@ -192,7 +209,7 @@ mod tests {
         let towards = DVec3::new(0.0, angle.sin(), -angle.cos());
         let place = lens.source(towards, f64::INFINITY);
         let source = Source { place, irradiance: crate::Rgb::ONE, radius_rad: 0.0, towards, pixel: None };
-        let (picture, report) = ghosts(&lens, &[source], Reflections::Two, 1e-9, &|| false).unwrap();
+        let (picture, report) = ghosts(&lens, &[source], Reflections::Two, 1e-9, &Watch::NONE).unwrap();
         let found: f64 = picture.light.iter().map(|l| f64::from(luminance(*l))).sum();
         let system = lens.system();
         let beam = Beam::new(system, place).unwrap();

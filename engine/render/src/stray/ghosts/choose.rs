@@ -1,5 +1,6 @@
 //! The choice of the ghosts that are bright enough to be seen.
 
+use super::super::Watch;
 use super::super::sources::Source;
 use crate::camera::tools::straying::StrayLens;
 use crate::luminance;
@@ -8,6 +9,7 @@ use petzval_optics::ghosts::beam::Beam;
 use petzval_optics::ghosts::packet::{GhostTracer, Window};
 use petzval_optics::ghosts::power;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A ghost of a source.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,8 +41,9 @@ pub(super) fn candidates(
     paths: &[Vec<usize>],
     sources: &[Source],
     beams: &[Option<Beam>],
-    stopped: &(dyn Fn() -> bool + Sync),
+    watch: &Watch<'_>,
 ) -> Option<Vec<Candidate>> {
+    let looked = AtomicUsize::new(0);
     let tracers = LINES_NM.map(|nm| lens.system().at_wavelength(nm));
     let of_path = |(number, turns): (usize, &Vec<usize>)| {
         let paths: Vec<GhostTracer> = tracers.iter().filter_map(|tracer| GhostTracer::new(tracer, turns)).collect();
@@ -49,7 +52,7 @@ pub(super) fn candidates(
         let mut found = Vec::new();
         for (source, beam) in beams.iter().enumerate() {
             let Some(beam) = beam else { continue };
-            if stopped() {
+            if watch.is_stopped() {
                 break;
             }
             let mut window = |k: usize, path: &GhostTracer, beam: &Beam| {
@@ -70,10 +73,12 @@ pub(super) fn candidates(
             let blur_px = edge.flatten().map_or(0.0, |edge| apart(&window(1, &green, &edge), &Some(middle)));
             found.push(Candidate { source, path: number, value, bounds, spread_px, blur_px });
         }
+        let count = looked.fetch_add(1, Ordering::Relaxed) + 1;
+        (watch.tell)(count as f64 / paths.len() as f64);
         found
     };
     let found: Vec<Vec<Candidate>> = paths.par_iter().enumerate().map(of_path).collect();
-    (!stopped()).then(|| found.concat())
+    (!watch.is_stopped()).then(|| found.concat())
 }
 
 /// Luminance of a ghost in the picture, evenly over its bounds, and these in pixels; `None` where it lies outside.
