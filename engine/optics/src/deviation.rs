@@ -59,7 +59,8 @@ impl Prescription {
             }
         }
         for [first, last] in self.elements() {
-            let kinds = [DeviationKind::DecenterX, DeviationKind::DecenterY, DeviationKind::TiltX, DeviationKind::TiltY];
+            let kinds =
+                [DeviationKind::DecenterX, DeviationKind::DecenterY, DeviationKind::TiltX, DeviationKind::TiltY];
             found.extend(kinds.map(|kind| Deviation { kind, first, last }));
         }
         found
@@ -116,7 +117,9 @@ impl Prescription {
     fn is_optical(&self, surface: usize) -> bool {
         match &self.surfaces[surface].behind {
             NextMedium::Mirror => true,
-            NextMedium::Medium(_) => self.is_glass_behind(surface) || (surface > 0 && self.is_glass_behind(surface - 1)),
+            NextMedium::Medium(_) => {
+                self.is_glass_behind(surface) || (surface > 0 && self.is_glass_behind(surface - 1))
+            }
         }
     }
 

@@ -268,11 +268,11 @@ def _table(info: dict[str, Any]) -> str:
 def _runs(numbers: list[int]) -> str:
     """Surfaces by their numbers, neighbours together: "surfaces 2-4, 7"."""
     runs: list[list[int]] = []
-    for number in numbers:
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
+    for surface in numbers:
+        if runs and surface == runs[-1][-1] + 1:
+            runs[-1].append(surface)
         else:
-            runs.append([number])
+            runs.append([surface])
     said = ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
     return f"surface{'s' if len(numbers) > 1 else ''} {said}"
 

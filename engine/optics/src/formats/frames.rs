@@ -68,7 +68,8 @@ impl Draft<'_> {
             let axis = here.matrix3.z_axis;
             let own = here * row.before;
             let frame = unfolded * own;
-            let is_plane = row.curvature == 0.0 && row.terms.iter().all(|(_, a)| *a == 0.0) && row.radius_x_mm.is_none();
+            let is_plane =
+                row.curvature == 0.0 && row.terms.iter().all(|(_, a)| *a == 0.0) && row.radius_x_mm.is_none();
             let is_fold = is_plane
                 && matches!(row.behind, NextMedium::Mirror)
                 && axis.cross(own.matrix3.z_axis).length() > FOLD_RAD;

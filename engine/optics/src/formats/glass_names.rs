@@ -215,7 +215,8 @@ impl<'a> Glasses<'a> {
     fn stand_in(&self, name: &str, place: Place, remarks: &mut Remarks) -> Option<Medium> {
         let upper = name.to_uppercase();
         if let Some((_, nd, abbe, source)) = BY_NUMBERS.iter().find(|(known, ..)| *known == upper) {
-            let text = format!("of '{name}' only nd {nd} and Vd {abbe} are known ({source}); the curve between is estimated");
+            let text =
+                format!("of '{name}' only nd {nd} and Vd {abbe} are known ({source}); the curve between is estimated");
             remarks.once(&format!("glass {name}"), place, text);
             return self.by_numbers(*nd, *abbe).ok();
         }
@@ -227,8 +228,9 @@ impl<'a> Glasses<'a> {
         let of_cdgm = upper.strip_suffix('M').filter(|bare| bare.starts_with("D-"));
         let bare = upper.strip_suffix("_MOLD").or(of_cdgm)?;
         let medium = self.catalogue.medium(bare).ok()?;
-        let text =
-            format!("'{name}' is pressed glass; {bare} is taken, whose index is higher by some thousandths before pressing");
+        let text = format!(
+            "'{name}' is pressed glass; {bare} is taken, whose index is higher by some thousandths before pressing"
+        );
         remarks.once(&format!("glass {name}"), place, text);
         Some(medium)
     }

@@ -175,7 +175,10 @@ impl Header {
     /// The line that was to define this glass and does not, and what is wrong with it.
     pub(super) fn undefined(&self, name: &str) -> Option<(Place, Problem)> {
         let name = name.to_lowercase();
-        self.undefined.iter().find(|(undefined, ..)| *undefined == name).map(|(_, place, problem)| (*place, problem.clone()))
+        self.undefined
+            .iter()
+            .find(|(undefined, ..)| *undefined == name)
+            .map(|(_, place, problem)| (*place, problem.clone()))
     }
 
     /// Applies the lines to a lens that is read from another program's file.

@@ -35,8 +35,8 @@ const FRAMES: [(&str, FrameKind); 3] =
     [("DAR", FrameKind::Return), ("BEN", FrameKind::Bend), ("REV", FrameKind::Reverse)];
 /// Commands that move a surface in a way that is not read, or make another surface of it.
 const OTHER_SHAPES: [&str; 19] = [
-    "RET", "GLB", "XOD", "YOD", "ZOD", "CYL", "YTO",
-    "XTO", "AAS", "SPS", "DIF", "HOE", "GRT", "FRE", "THI1", "MOD", "SCO", "UDS", "QBF",
+    "RET", "GLB", "XOD", "YOD", "ZOD", "CYL", "YTO", "XTO", "AAS", "SPS", "DIF", "HOE", "GRT", "FRE", "THI1", "MOD",
+    "SCO", "UDS", "QBF",
 ];
 
 /// Reads the text of a file.
@@ -298,10 +298,12 @@ impl<'a> SeqReader<'a> {
     /// A private glass by Laurent's series, the wavelength in µm: n² = A + B λ² + C λ⁻² + D λ⁻⁴ + E λ⁻⁶ + F λ⁻⁸.
     fn laurent(&mut self, words: &[SeqWord]) -> Result<(), LensFileError> {
         const POWERS: [f64; 6] = [0.0, 2.0, -2.0, -4.0, -6.0, -8.0];
-        let numbers = (2..words.len()).map(|i| self.number(words, i, "coefficient")).collect::<Result<Vec<f64>, _>>()?;
+        let numbers =
+            (2..words.len()).map(|i| self.number(words, i, "coefficient")).collect::<Result<Vec<f64>, _>>()?;
         let terms = numbers.iter().zip(POWERS).skip(1).map(|(a, power)| [*a, power]).collect();
         let a = numbers.first().copied().unwrap_or(0.0);
-        let medium = Medium::new(&words[0].text, Dispersion::Polynomial { a, terms }, [0.0, f64::INFINITY], "the lens file");
+        let medium =
+            Medium::new(&words[0].text, Dispersion::Polynomial { a, terms }, [0.0, f64::INFINITY], "the lens file");
         if numbers.len() > POWERS.len() || !(0.5..=6.0).contains(&medium.index(self.draft.wavelength_nm)) {
             let what = format!("the coefficients of the private glass '{}' make no curve", words[0].text);
             return self.fail(&words[0], Problem::Unsupported(what));

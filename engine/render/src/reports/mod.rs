@@ -144,8 +144,16 @@ fn run<R: LensReport>(
     let fields_deg = settings.fields_deg(&analysis, &asked.parts());
     let head = settings.head(&system, &analysis);
     let coating_is_assumed = lens_settings.coating.is_none() && lens.assumes_coatings();
-    let subject =
-        ReportedLens { lens, lens_settings, settings, system: &system, analysis, fields_deg, main_nm, coating_is_assumed };
+    let subject = ReportedLens {
+        lens,
+        lens_settings,
+        settings,
+        system: &system,
+        analysis,
+        fields_deg,
+        main_nm,
+        coating_is_assumed,
+    };
     let found = asked.find(subject)?;
     Ok(serde_json::to_string(&WrittenReport { head, found })?)
 }

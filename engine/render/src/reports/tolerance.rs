@@ -208,7 +208,9 @@ impl<'a> Bench<'a> {
         let (published, own) = (subject.lens, subject.lens_settings);
         let by_travel = focuses_inside.then(|| -> Box<dyn Fn(f64) -> Prescription + Sync + 'a> {
             let rest = lens.clone();
-            Box::new(move |travel| System::standing(published, own, travel).map_or_else(|_| rest.clone(), |found| found.0))
+            Box::new(move |travel| {
+                System::standing(published, own, travel).map_or_else(|_| rest.clone(), |found| found.0)
+            })
         });
         let scale = subject.system.scale();
         let analysis = &subject.analysis;
@@ -289,7 +291,8 @@ impl<'a> Bench<'a> {
 
     /// The mean square radius of the spots, mm².
     fn mean_square(&self, analysis: &Analysis<'_>) -> Option<f64> {
-        let squares = self.fields_deg.iter().map(|&angle| Some(analysis.spot(angle, self.options.rays)?.rms_mm.powi(2)));
+        let squares =
+            self.fields_deg.iter().map(|&angle| Some(analysis.spot(angle, self.options.rays)?.rms_mm.powi(2)));
         Some(squares.sum::<Option<f64>>()? / self.fields_deg.len() as f64)
     }
 

@@ -199,7 +199,8 @@ impl ZmxReader<'_> {
 
     /// Makes thicknesses of coordinate breaks that change none but z: most lenses stand on one axis.
     fn plain_breaks(&mut self) {
-        let is_plain = |change: &DAffine3| change.matrix3 == DMat3::IDENTITY && change.translation.truncate() == DVec2::ZERO;
+        let is_plain =
+            |change: &DAffine3| change.matrix3 == DMat3::IDENTITY && change.translation.truncate() == DVec2::ZERO;
         let draft = &mut self.draft;
         if !(draft.rows.iter().all(|row| is_plain(&row.before)) && is_plain(&draft.film_frame)) {
             return;

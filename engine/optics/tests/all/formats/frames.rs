@@ -10,7 +10,9 @@ use super::{parse, refused, remarks, system};
 
 /// A singlet as a lens file, with lines of a header before it.
 fn own(header: &str) -> Prescription {
-    let text = format!("{header}#radius thickness glass diameter conic isstop\n0 5 air 10 0 1\n50 4 N-BK7 20 0 0\n-60 40 air 20 0 0\n");
+    let text = format!(
+        "{header}#radius thickness glass diameter conic isstop\n0 5 air 10 0 1\n50 4 N-BK7 20 0 0\n-60 40 air 20 0 0\n"
+    );
     lens::parse(&text, "own.lens", Catalogue::shipped()).unwrap()
 }
 
@@ -109,10 +111,12 @@ fn plane_mirrors_are_unfolded() {
 #[test]
 fn what_cannot_be_unfolded_is_said() {
     // A concave mirror that bends the axis.
-    let bent = "RDM;LEN\nDIM M\nEPD 10;WL 587.6\nYAN 0\nSO 0 1e13\nS 0 50\nSTO\nS -200 -90 REFL\nADE 40\nBEN\nSI 0 0\nGO\n";
+    let bent =
+        "RDM;LEN\nDIM M\nEPD 10;WL 587.6\nYAN 0\nSO 0 1e13\nS 0 50\nSTO\nS -200 -90 REFL\nADE 40\nBEN\nSI 0 0\nGO\n";
     let said = refused("a.seq", bent);
     assert!(said.contains("the film stands at 80.0 degrees"), "{said}");
-    let stop = "RDM;LEN\nDIM M\nEPD 10;WL 587.6\nYAN 0\nSO 0 1e13\nS 0 -50 REFL\nSTO\nADE 45\nBEN\nS -50 -90\nSI 0 0\nGO\n";
+    let stop =
+        "RDM;LEN\nDIM M\nEPD 10;WL 587.6\nYAN 0\nSO 0 1e13\nS 0 -50 REFL\nSTO\nADE 45\nBEN\nS -50 -90\nSI 0 0\nGO\n";
     assert!(refused("a.seq", stop).contains("the stop is a mirror that folds"), "{}", refused("a.seq", stop));
     let returned = code_v("RET S1", "", "");
     assert!(refused("a.seq", &returned).contains("'RET' tilts, moves or reshapes"));

@@ -76,10 +76,7 @@ fn what_zemax_files_have_and_lenses_have_not() {
             "a.zmx:23:1: the film stands at 70.0 degrees to the axis of the first surface",
         ),
         (ZMX.replace("GLAS F2", "GLAS F2X9Q"), "a.zmx:20:8: unknown glass 'F2X9Q'"),
-        (
-            ZMX.replace("GLAS F2", "GLAS L-BAL35Q"),
-            "a.zmx:20:8: unknown glass 'L-BAL35Q'; did you mean L-BAL35",
-        ),
+        (ZMX.replace("GLAS F2", "GLAS L-BAL35Q"), "a.zmx:20:8: unknown glass 'L-BAL35Q'; did you mean L-BAL35"),
         (ZMX.replace("CURV 2.0E-002", "CURV nan"), "a.zmx:18:8: CURV 'nan' is not a finite number"),
         (ZMX.replace("DISZ 45", "DISZ 1e999"), "a.zmx:29:8: DISZ '1e999' is not a finite number"),
         (ZMX.replace("UNIT MM", "UNIT ELL"), "a.zmx:4:1: 'ELL' where MM, CM, IN or METER belongs"),

@@ -172,7 +172,9 @@ fn end_of_zoom(d: &CameraDescription, prescription: &Prescription) -> Option<Str
     let at_rest = System::with_travel(prescription, &d.lens, 0.0).ok()?;
     let reached_mm = Paraxial::new(&at_rest, D_LINE_NM).efl_mm?.abs();
     let is_end = (reached_mm / asked_mm - 1.0).abs() > SAME_FOCAL_LENGTH;
-    is_end.then(|| format!("'{}': {asked_mm} mm is the end of its zoom, {reached_mm:.1} mm by its surfaces", prescription.name))
+    is_end.then(|| {
+        format!("'{}': {asked_mm} mm is the end of its zoom, {reached_mm:.1} mm by its surfaces", prescription.name)
+    })
 }
 
 /// Width and height of the largest part of the film with the picture's shape, mm.

@@ -1,8 +1,8 @@
 //! The part of a picture that a lens lights, and the film for which a lens is made.
 
-use crate::camera::lens::setup::{D_LINE_NM, Setup};
-use crate::camera::description::{CameraDescription, FocusSettings, Model};
 use crate::camera::CameraError;
+use crate::camera::description::{CameraDescription, FocusSettings, Model};
+use crate::camera::lens::setup::{D_LINE_NM, Setup};
 use crate::sampler::evenly::Evenly;
 use petzval_optics::analysis::Analysis;
 use petzval_optics::focus::{FilmPlane, Focus};
@@ -138,8 +138,7 @@ fn dark_part(tracer: &Tracer, system: &System, film: &FilmPlane, half_mm: [f64; 
 /// The diameter of the circle, no larger than the picture's diagonal, beyond which no light arrives along the diagonal.
 fn lit_diameter_mm(tracer: &Tracer, system: &System, film: &FilmPlane, half_mm: [f64; 2]) -> f64 {
     let map = PupilMap::new(tracer, system, film, half_mm[0], half_mm[1]);
-    let places: Vec<[f64; 2]> =
-        (1..=RADII).map(|i| half_mm.map(|half| half * i as f64 / RADII as f64)).collect();
+    let places: Vec<[f64; 2]> = (1..=RADII).map(|i| half_mm.map(|half| half * i as f64 / RADII as f64)).collect();
     let farthest = lit(tracer, &map, film, &places).iter().rposition(|lit| *lit);
     farthest.map_or(0.0, |i| 2.0 * places[i][0].hypot(places[i][1]))
 }

@@ -6,6 +6,7 @@
 //! reciprocity a point of the scene is spread as far over the picture. Beside each exact fan goes that of Gaussian optics, which has
 //! defocus and nothing else: what is left between the two are the aberrations.
 
+use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::CameraError;
 use crate::camera::description::CameraDescription;
@@ -14,7 +15,6 @@ use crate::camera::lens::real_lens::film_spectrum;
 use crate::camera::lens::setup::LensInfo;
 use crate::camera::lens::steps::Steps;
 use crate::camera::lens::transmission;
-use crate::Rgb;
 use crate::luminance;
 use crate::sampler::evenly::Evenly;
 use glam::{DVec2, DVec3, Vec2};
@@ -454,7 +454,8 @@ impl Fans<'_> {
         let halves: &[f64] = if s.is_upright() { &[0.0, 0.5] } else { &[-0.5, 0.0, 0.5] };
         for place in halves.iter().flat_map(|x| halves.iter().map(|y| DVec2::new(*x, *y))) {
             let Some(colour) = seen(place) else { continue };
-            let stops = (colour * balance / exposed).to_array().map(|c| f64::from(c.max(f32::MIN_POSITIVE)).log2().abs());
+            let stops =
+                (colour * balance / exposed).to_array().map(|c| f64::from(c.max(f32::MIN_POSITIVE)).log2().abs());
             found.transmission = found.transmission.or(stops.into_iter().fold(0.0, f64::max), place.as_vec2());
         }
     }

@@ -73,7 +73,11 @@ fn lenses_drawn_at_random_are_within_their_tolerances() {
                          "trials": 24, "compensator": "back-focus" });
     let [first, second] = [(); 2].map(|()| found(TRIPLET, &[0.0, 10.0], change.clone()));
     assert_eq!(first["trials"], second["trials"]);
-    let other = found(TRIPLET, &[0.0, 10.0], { let mut c = change.clone(); c["seed"] = json!(2); c });
+    let other = found(TRIPLET, &[0.0, 10.0], {
+        let mut c = change.clone();
+        c["seed"] = json!(2);
+        c
+    });
     assert_ne!(first["trials"], other["trials"]);
     // Parts of the lenses, in order, and a lens whose parts deviate is worse in the middle than the nominal one.
     let rms: Vec<f64> = first["quantiles"].as_array().unwrap().iter().map(|q| q["rms_mm"].as_f64().unwrap()).collect();
