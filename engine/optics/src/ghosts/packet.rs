@@ -18,11 +18,11 @@ use crate::trace::{Bundle, ReflectedTracer, Tracer, Travel};
 const SEARCH: [usize; 2] = [24, 256];
 /// Rays of the search on the narrowest part that is to be found.
 const ON_PART: f64 = 6.0;
-/// Points along a side at which the power is known; and where these are too few, by places between them (parts of the window) at
-/// which it may be off by so much.
-const POWER_SIDE: usize = 7;
+/// Points along a side at which the power is known, and by how much it may be off at places between them (parts of the window) for these
+/// to be enough. Rays with the power of each surface take most of a ghost's time.
+const POWER_SIDES: [(usize, f64); 2] = [(4, 0.01), (7, 0.03)];
+/// Points along a side where those are too few.
 const FINE_POWER_SIDE: usize = 33;
-const SMOOTH: f64 = 0.03;
 const PROBES: [DVec2; 6] = [
     DVec2::new(0.25, 0.25),
     DVec2::new(0.72, 0.28),
@@ -175,14 +175,20 @@ impl GhostTracer {
     /// The part of the power that gets along the path, over a window.
     fn power(&self, system: &System, beam: &Beam, window: &Window) -> Power {
         let exact = |at: DVec2| power::along(system, &self.open, beam.ray(at)).map(|found| found.1);
-        let even = Power::new(window, POWER_SIDE, exact);
-        // Where light begins to be reflected as a whole nothing is smooth.
         let size = window.high - window.low;
-        let is_smooth = PROBES.iter().all(|probe| {
-            let at = window.low + size * *probe;
-            exact(at).is_none_or(|power| (even.at(at) - power).abs() <= SMOOTH * power.max(even.mean()))
-        });
-        if is_smooth { even } else { Power::new(window, FINE_POWER_SIDE, exact) }
+        let probes = PROBES.map(|probe| window.low + size * probe);
+        let known = probes.map(exact);
+        for (side, tolerance) in POWER_SIDES {
+            let even = Power::new(window, side, exact);
+            let is_near = |(at, power): (&DVec2, &Option<f64>)| {
+                power.is_none_or(|power| (even.at(*at) - power).abs() <= tolerance * power.max(even.mean()))
+            };
+            if probes.iter().zip(&known).all(is_near) {
+                return even;
+            }
+        }
+        // Where light begins to be reflected as a whole nothing is smooth.
+        Power::new(window, FINE_POWER_SIDE, exact)
     }
 }
 

@@ -22,10 +22,15 @@ use std::collections::HashMap;
 const CELL_PX: f64 = 24.0;
 const LEAST_CELLS: usize = 12;
 const MOST_CELLS: usize = 48;
+/// The same of ghosts that are simulated coarsely.
+const COARSE_PX: f64 = 48.0;
+const LEAST_COARSE_CELLS: usize = 8;
 /// Images of a ghost in two neighbouring bands of the spectrum lie at most so far apart, if it needs no more than [`MOST_BANDS`].
 const BAND_PX: f64 = 2.0;
 const LEAST_BANDS: usize = 6;
 const MOST_BANDS: usize = 24;
+const LEAST_COARSE_BANDS: usize = 3;
+const MOST_COARSE_BANDS: usize = 8;
 /// Ghosts of a source that blurs them less are those of its middle.
 const BLUR_PX: f64 = 1.5;
 /// The part of the progress in which ghosts are looked for.
@@ -108,7 +113,8 @@ impl Paths {
 
 /// Number of cells along each side of a ghost's grid.
 fn side(one: &Candidate) -> usize {
-    (((one.bounds[1] - one.bounds[0]).max_element() / CELL_PX) as usize).clamp(LEAST_CELLS, MOST_CELLS)
+    let (cell_px, least) = if one.is_coarse { (COARSE_PX, LEAST_COARSE_CELLS) } else { (CELL_PX, LEAST_CELLS) };
+    (((one.bounds[1] - one.bounds[0]).max_element() / cell_px) as usize).clamp(least, MOST_CELLS)
 }
 
 /// Number of rays of a ghost, about: what its simulation costs.
@@ -120,7 +126,8 @@ fn work(one: &Candidate) -> f64 {
 fn bands(one: &Candidate) -> usize {
     // Each band comes from another place of the source.
     let for_blur = if one.blur_px > BLUR_PX { 2.0 * one.blur_px } else { 0.0 };
-    ((one.spread_px / BAND_PX).max(for_blur).ceil() as usize).clamp(LEAST_BANDS, MOST_BANDS)
+    let [least, most] = if one.is_coarse { [LEAST_COARSE_BANDS, MOST_COARSE_BANDS] } else { [LEAST_BANDS, MOST_BANDS] };
+    ((one.spread_px / BAND_PX).max(for_blur).ceil() as usize).clamp(least, most)
 }
 
 /// A place in a disc of this radius for each of so many bands: neighbours in the spectrum lie far apart, and all lie evenly.

@@ -26,12 +26,17 @@ pub(super) struct Candidate {
     pub(super) spread_px: f64,
     /// Distance between the images of the source's edge and of its middle, pixels.
     pub(super) blur_px: f64,
+    /// True if the ghost is so weak that it may be simulated coarsely.
+    pub(super) is_coarse: bool,
 }
 
 /// The ends of what is seen, and the middle.
 pub(super) const LINES_NM: [f64; 3] = [440.0, 550.0, 640.0];
 /// Bounds hold a ghost's light unevenly; the brightest parts of most ghosts are no more than so many times as bright.
 const PEAK: f32 = 4.0;
+/// A ghost is simulated coarsely as long as what all such could add stays within so many tolerances: few colours and a coarse grid leave a
+/// quarter of its light in the wrong place at most.
+const COARSE: f32 = 4.0;
 /// Number of cells along each side of the picture in which the light that is left out is summed.
 const CELLS: usize = 24;
 
@@ -71,7 +76,7 @@ pub(super) fn candidates(
             let radius = f64::from(sources[source].radius_rad);
             let edge = (radius > 0.0).then(|| Beam::new(lens.system(), sources[source].place.moved([radius, 0.0])));
             let blur_px = edge.flatten().map_or(0.0, |edge| apart(&window(1, &green, &edge), &Some(middle)));
-            found.push(Candidate { source, path: number, value, bounds, spread_px, blur_px });
+            found.push(Candidate { source, path: number, value, bounds, spread_px, blur_px, is_coarse: false });
         }
         let count = looked.fetch_add(1, Ordering::Relaxed) + 1;
         (watch.tell)(count as f64 / paths.len() as f64);
@@ -107,22 +112,27 @@ fn brightness(
 /// stays within the tolerance, wherever they lie over each other.
 pub(super) fn keep(mut found: Vec<Candidate>, size_px: DVec2, tolerance: f32) -> (Vec<Candidate>, f32) {
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let mut left_out = [[0.0f32; CELLS]; CELLS];
+    let [mut left_out, mut coarse] = [[[0.0f32; CELLS]; CELLS]; 2];
     let mut kept = Vec::new();
-    for one in found {
+    for mut one in found {
         let cells = |axis: usize| {
             let cell = |at: f64| ((at / size_px[axis] * CELLS as f64).max(0.0) as usize).min(CELLS - 1);
             cell(one.bounds[0][axis])..=cell(one.bounds[1][axis])
         };
-        let worst =
-            cells(1).flat_map(|y| cells(0).map(move |x| (x, y))).map(|(x, y)| left_out[y][x]).fold(0.0, f32::max);
-        if worst + PEAK * one.value > tolerance {
-            kept.push(one);
+        let places = || cells(1).flat_map(|y| cells(0).map(move |x| (x, y)));
+        let light = PEAK * one.value;
+        let fits = |sums: &[[f32; CELLS]; CELLS], most: f32| {
+            places().map(|(x, y)| sums[y][x]).fold(0.0, f32::max) + light <= most
+        };
+        if fits(&left_out, tolerance) {
+            places().for_each(|(x, y)| left_out[y][x] += light);
             continue;
         }
-        for (x, y) in cells(1).flat_map(|y| cells(0).map(move |x| (x, y))) {
-            left_out[y][x] += PEAK * one.value;
+        one.is_coarse = fits(&coarse, COARSE * tolerance);
+        if one.is_coarse {
+            places().for_each(|(x, y)| coarse[y][x] += light);
         }
+        kept.push(one);
     }
     // An order that does not depend on brightness.
     kept.sort_by_key(|one| (one.source, one.path));
