@@ -182,9 +182,8 @@ class Photograph:
 
     def _share_of_strays(self) -> float:
         """The part of the time that the light that strays is to take, after the samples."""
-        predicted = (self.told.get("predicted") or {}).get("seconds")
-        strays = sum(row["picture_seconds"] for row in self.told.get("effects", ()) if row["decision"] == "on")
-        return strays / (predicted + strays) if predicted and strays else 0.0
+        predicted = self.told.get("predicted")
+        return predicted["after_seconds"] / predicted["seconds"] if predicted and predicted["seconds"] else 0.0
 
     def _tell_of_denoising(self) -> None:
         """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""

@@ -40,8 +40,9 @@ class LastRender:
             peak = self.stats.get("peak_memory_bytes")
             lines.append(f"{speed}, at most {peak / 2**30:.2f} GB of memory" if peak else speed)
         if predicted := (self.stats.get("planned") or {}).get("predicted"):
-            strays = sum(row["picture_seconds"] for row in self.stats["planned"]["effects"] if row["decision"] == "on")
-            lines.append(f"the plan foretold {predicted['seconds']:.1f} s" + (f" and {strays:.1f} s" if strays else ""))
+            after = predicted["after_seconds"]
+            of_it = f", {after:.1f} s of it after the samples" if after else ""
+            lines.append(f"the plan foretold {predicted['seconds']:.1f} s{of_it}")
         if kept := (self.stats.get("checkpoint") or {}).get("resumed_samples"):
             seconds = self.stats["checkpoint"]["resumed_seconds"]
             lines.append(f"taken up at {kept:.1f} samples, which had taken {seconds:.0f} s")

@@ -462,7 +462,7 @@ class Plan:
         "gaussian" | "pinhole" | "as given", wavelengths, pipeline, round_f_number); look (depths in Blender units, open_part,
         exposure, brightest: towards, irradiance, part, place or null); seconds."""
     def forecast(self, scene: Scene, camera: CameraDescription, settings: SettingsDescription) -> str:
-        """The same with predicted (seconds, samples, threads, camera_part) and each row's predicted_cost, a part of the time
+        """The same with predicted (seconds, after_seconds of them for stray light, samples, threads, camera_part) and each row's predicted_cost, a part of the time
         without the effect: renders a little for that, about 0.1 s."""
 
 def effects_json() -> str:

@@ -143,7 +143,7 @@ impl Settings {
         let camera = Camera::new(&d, settings.width, settings.height)?;
         let output = OutputOptions { clip: Clip::new(&d, &camera), ..OutputOptions::default() };
         let Forecast { seconds, threads, camera_part, .. } = Forecast::new(stage, vec![camera], settings, output)?;
-        Ok(plan.report_with(Predicted { seconds, samples, threads, camera_part }))
+        Ok(plan.report_with(Predicted { seconds, after_seconds: 0.0, samples, threads, camera_part }))
     }
 }
 

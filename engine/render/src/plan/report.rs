@@ -100,8 +100,10 @@ pub struct SourceReport {
 /// The forecast of a render in a report.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Predicted {
-    /// Wall time of the samples, s.
+    /// Wall time of the samples and of the stray light, s.
     pub seconds: f64,
+    /// Wall time of the stray light alone, once the samples are there, s.
+    pub after_seconds: f64,
     /// Samples a pixel.
     pub samples: u32,
     /// Number of threads that the time holds for.
@@ -192,7 +194,8 @@ impl Plan {
         for (row, effect) in report.effects.iter_mut().zip(Effect::ALL) {
             row.predicted_cost = Some(self.cost(effect, camera_part, seconds, threads));
         }
-        report.predicted = Some(Predicted { seconds: seconds + self.seconds_after(threads), ..samples });
+        let after_seconds = self.seconds_after(threads);
+        report.predicted = Some(Predicted { seconds: seconds + after_seconds, after_seconds, ..samples });
         report
     }
 }
