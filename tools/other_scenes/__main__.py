@@ -162,9 +162,11 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
             least = max(LEAST_S, once[program])
             longer = least / max(min(seconds[program, samples]) - once[program], least / MOST_LONGER)
             most[program] = max(math.ceil(longer), 1) * samples
+        # Pictures that took long enough count, too.
         for seed in range(1, TURNS + 1):
             for program in PROGRAMS:
-                render(program, "long", most[program], seed)
+                if len(seconds.get((program, most[program]), [])) < TURNS:
+                    render(program, "long", most[program], seed)
         sample_us = {}
         for program in PROGRAMS:
             taken_s = min(seconds[program, most[program]]) - once[program]
