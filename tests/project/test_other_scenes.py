@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What pictures of several seeds say of a program's noise, and of how far two programs are apart."""
+
+import numpy as np
+import pytest
+from other_scenes import compare
+
+pytestmark = pytest.mark.once
+
+SHAPE = (45, 80, 3)
+
+
+def pictures(count: int, spread: np.ndarray | float, seed: int = 0) -> list[np.ndarray]:
+    """Of brightness one, with normal noise of this standard deviation, alike in all channels as that of light is."""
+    random = np.random.default_rng(seed)
+    return [1.0 + random.normal(size=(*SHAPE[:2], 1)) * spread * np.ones(SHAPE) for _ in range(count)]
+
+
+@pytest.mark.parametrize("count", [2, 8])
+def test_noise_is_the_variance_of_a_pixel(count):
+    found = compare.noise(pictures(count, 0.1), np.ones(SHAPE))
+    # The brightest thousandth of the pixels is left out.
+    assert found.variance == pytest.approx(0.01, rel=0.05)
+    assert found.error < 0.05
+
+
+def test_noise_in_few_pixels_is_known_badly_and_better_with_more_pictures():
+    spread = np.zeros(SHAPE)
+    # More than the thousandth that is left out.
+    spread[10, 20:60] = 1.0
+    errors = []
+    for count in (2, 4, 8):
+        variances = [compare.noise(pictures(count, spread, seed), np.ones(SHAPE)) for seed in range(60)]
+        said = np.mean([one.error for one in variances])
+        errors.append(said)
+        # As far as they lie apart, within what 60 say of that, and what the pixels left out take.
+        found = np.std([one.variance for one in variances]) / np.mean([one.variance for one in variances])
+        assert said == pytest.approx(found, rel=0.5)
+    assert errors[0] > 0.15 and errors == sorted(errors, reverse=True)
+
+
+def test_programs_agree_beyond_noise_where_only_noise_parts_them():
+    ours, theirs = pictures(2, 0.1, 1), pictures(2, 0.1, 2)
+    assert compare.difference(ours, theirs).beyond_noise < 0.005
+    brighter = [1.03 * one for one in theirs]
+    assert compare.difference(ours, brighter).beyond_noise == pytest.approx(0.03, abs=0.006)
