@@ -13,23 +13,31 @@ impl Job {
     /// end. [`Self::stop_developing`] ends it without a result.
     pub fn develop(&self, strays: &Strays) {
         let shared: &Shared = &self.shared;
+        let stopped = || shared.stop_developing.load(Ordering::Relaxed);
+        let tell = |part: f64| shared.developed.store(part.to_bits(), Ordering::Relaxed);
+        let watch = Watch { stopped: &stopped, tell: &tell };
+        if let Some(found) = self.with_picture(|straight| strays.find(straight, &watch)) {
+            *lock(&shared.strayed) = Some(Arc::new(found));
+        }
+    }
+
+    /// [`Strays::expected_times`] of a picture of so many pixels, by this one.
+    pub(super) fn expected_times(&self, strays: &Strays, of_this: &Strays, pixels: f64) -> Vec<(StrayPass, f64)> {
+        self.with_picture(|straight| strays.expected_times(of_this, straight, pixels))
+    }
+
+    /// Gives the picture as it is now to a function that runs on as many threads as the render had.
+    fn with_picture<T: Send>(&self, find: impl FnOnce(&Straight<'_>) -> T + Send) -> T {
+        let shared: &Shared = &self.shared;
         let (width, height) = shared.film.size();
         let light = shared.film.picture().into_iter().map(|[r, g, b, _]| Rgb::new(r, g, b)).collect();
         let picture = Picture { width, height, light };
         let (exposure, gains) = shared.film.scales();
-        let camera = self.camera();
-        let straight = Straight { stage: &shared.stage, camera, picture: &picture, exposure, gains };
-        let stopped = || shared.stop_developing.load(Ordering::Relaxed);
-        let tell = |part: f64| shared.developed.store(part.to_bits(), Ordering::Relaxed);
-        let watch = Watch { stopped: &stopped, tell: &tell };
-        let find = || strays.find(&straight, &watch);
-        // As many threads as the render had; where there can be no more, this one does.
-        let found = match ThreadPoolBuilder::new().num_threads(self.threads.len()).build() {
-            Ok(pool) => pool.install(find),
-            Err(_) => find(),
-        };
-        if let Some(found) = found {
-            *lock(&shared.strayed) = Some(Arc::new(found));
+        let straight = Straight { stage: &shared.stage, camera: self.camera(), picture: &picture, exposure, gains };
+        // Where there can be no more threads, this one does.
+        match ThreadPoolBuilder::new().num_threads(self.threads.len()).build() {
+            Ok(pool) => pool.install(|| find(&straight)),
+            Err(_) => find(&straight),
         }
     }
 

@@ -1,7 +1,7 @@
 //! A render as it is asked for: descriptions, settings, a plan and outputs become the arguments of a [`Job`].
 
 use super::checkpoint::Checkpoints;
-use super::forecast::Forecast;
+use super::forecast::{self, Forecast};
 use super::{Job, OutputOptions, Settings, SettingsError, catcher};
 use crate::camera::clip::Clip;
 use crate::camera::tools::imaging::Imaging;
@@ -138,12 +138,14 @@ impl Settings {
         stage: Arc<PreparedScene>,
         d: &CameraDescription,
     ) -> Result<PlanReport, RequestError> {
-        let (d, samples) = (plan.applied(d), self.samples);
+        let (applied, samples) = (plan.applied(d), self.samples);
         let settings = Self { pipeline: plan.pipeline(), ..self };
-        let camera = Camera::new(&d, settings.width, settings.height)?;
-        let output = OutputOptions { clip: Clip::new(&d, &camera), ..OutputOptions::default() };
-        let Forecast { seconds, threads, camera_part, .. } = Forecast::new(stage, vec![camera], settings, output)?;
-        Ok(plan.report_with(Predicted { seconds, after_seconds: 0.0, samples, threads, camera_part }))
+        let camera = Camera::new(&applied, settings.width, settings.height)?;
+        let output = OutputOptions { clip: Clip::new(&applied, &camera), ..OutputOptions::default() };
+        let made = Forecast::new(stage.clone(), vec![camera], settings.clone(), output)?;
+        let Forecast { seconds, threads, camera_part, .. } = made;
+        let measured = forecast::stray_light(plan, stage, d, settings)?;
+        Ok(plan.report_with(Predicted { seconds, after_seconds: 0.0, samples, threads, camera_part }, &measured))
     }
 }
 

@@ -187,8 +187,17 @@ impl Plan {
         }
     }
 
-    /// The report with a forecast of the samples' time, to which the work once a picture is added.
-    pub fn report_with(&self, samples: Predicted) -> PlanReport {
+    /// The report with a forecast of the samples' time, to which the work once a picture is added: the wall times of some effects that
+    /// were measured, s, and of the others by their price.
+    pub fn report_with(&self, samples: Predicted, measured: &[(Effect, f64)]) -> PlanReport {
+        let mut plan = self.clone();
+        for &(effect, seconds) in measured {
+            plan.decisions[effect as usize].picture_s = seconds * samples.threads as f64;
+        }
+        plan.report_by_price(samples)
+    }
+
+    fn report_by_price(&self, samples: Predicted) -> PlanReport {
         let Predicted { seconds, threads, camera_part, .. } = samples;
         let mut report = self.report();
         for (row, effect) in report.effects.iter_mut().zip(Effect::ALL) {

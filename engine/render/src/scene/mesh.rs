@@ -306,8 +306,13 @@ mod tests {
         let (mesh, warning) = Mesh::new(d).unwrap();
         assert_eq!(mesh.triangles.len(), 2);
         assert_eq!(mesh.material_slots, Some(vec![0, 1]));
-        assert!(warning.unwrap().contains("4 of 6"));
+        // Those without area are silent.
+        assert!(warning.unwrap().contains("2 of 6"));
         assert!(Mesh::new(quad()).unwrap().1.is_none());
+        let mut flat = quad();
+        flat.triangles.push([0, 0, 1]);
+        let (mesh, warning) = Mesh::new(flat).unwrap();
+        assert_eq!((mesh.triangles.len(), warning), (2, None));
     }
 
     #[test]

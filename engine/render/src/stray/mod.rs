@@ -185,6 +185,40 @@ impl Straight<'_> {
 const OTHERS: f64 = 0.05;
 
 impl Strays {
+    /// The sources of ghosts, the irradiance of those that are left out, and the light that may be left out, in the picture's units.
+    fn sources(straight: &Straight<'_>, Ghosts { lens, tolerance, .. }: &Ghosts) -> (Vec<sources::Source>, f32, f32) {
+        let least = tolerance / (lens.brightest_ghost() as f32).max(f32::MIN_POSITIVE);
+        let (sources, dropped) = sources::all(straight, lens, least);
+        (sources, dropped, tolerance * lens.brightness() as f32)
+    }
+
+    /// Wall time that each kind will take of the whole picture, s, by a small one of the same view, `small`, whose stray light has the
+    /// settings `of_small`.
+    pub fn expected_times(&self, of_small: &Self, small: &Straight<'_>, pixels: f64) -> Vec<(StrayPass, f64)> {
+        let mut times = Vec::new();
+        if let Some(settings) = &self.ghosts {
+            let (sources, _, tolerance) = Self::sources(small, settings);
+            let seconds = ghosts::expected_seconds(&settings.lens, &sources, settings.reflections, tolerance);
+            times.push((StrayPass::Ghosts, seconds));
+        }
+        let light = &small.picture.light;
+        // Time of a transform of n pixels is about n log n.
+        let growth = |n: f64| n * n.max(2.0).ln();
+        let ratio = growth(pixels) / growth(light.len() as f64);
+        let mut timed = |pass: StrayPass, change: &dyn Fn() -> Vec<Rgb>| {
+            let start = Instant::now();
+            change();
+            times.push((pass, ratio * start.elapsed().as_secs_f64()));
+        };
+        if let Some(glare) = &of_small.glare {
+            timed(StrayPass::Glare, &|| glare.change(light, self.front_light));
+        }
+        if let Some(diffraction) = &of_small.diffraction {
+            timed(StrayPass::Diffraction, &|| diffraction.change(light));
+        }
+        times
+    }
+
     /// Finds the stray light; `None` where `watch` stopped it.
     pub fn find(&self, straight: &Straight<'_>, watch: &Watch<'_>) -> Option<StrayLight> {
         let mut found = StrayLight::default();
@@ -194,10 +228,9 @@ impl Strays {
             found.parts.push(StrayPart { pass, light, seconds });
         };
         let mut ghost_report = None;
-        if let Some(Ghosts { lens, tolerance, reflections }) = &self.ghosts {
-            let least = tolerance / (lens.brightest_ghost() as f32).max(f32::MIN_POSITIVE);
-            let (sources, dropped) = sources::all(straight, lens, least);
-            let tolerance = tolerance * lens.brightness() as f32;
+        if let Some(settings) = &self.ghosts {
+            let Ghosts { lens, reflections, .. } = settings;
+            let (sources, dropped, tolerance) = Self::sources(straight, settings);
             let others = u8::from(self.glare.is_some()) + u8::from(self.diffraction.is_some());
             let part = 1.0 - OTHERS * f64::from(others);
             let tell = |done: f64| (watch.tell)(part * done);

@@ -16,6 +16,8 @@ use serde::Serialize;
 const PLACES: [usize; 2] = [33, 19];
 /// Places along the film's half diagonal where the edge of the light is looked for.
 const RADII: usize = 200;
+/// A circle that was found is looked at again on a film so many times as wide.
+const WIDER: f64 = 1.5;
 /// Rays from each place.
 const RAYS: u32 = 24;
 /// The dark part of a picture that is not worth a word: the last light of a corner.
@@ -137,6 +139,13 @@ fn dark_part(tracer: &Tracer, system: &System, film: &FilmPlane, half_mm: [f64; 
 
 /// The diameter of the circle, no larger than the picture's diagonal, beyond which no light arrives along the diagonal.
 fn lit_diameter_mm(tracer: &Tracer, system: &System, film: &FilmPlane, half_mm: [f64; 2]) -> f64 {
+    let found = lit_within_mm(tracer, system, film, half_mm);
+    // The pupil map of a film that is far too large is coarse.
+    let part = WIDER * found / (2.0 * half_mm[0].hypot(half_mm[1]));
+    if part > 0.0 && part < 1.0 { lit_within_mm(tracer, system, film, half_mm.map(|half| half * part)) } else { found }
+}
+
+fn lit_within_mm(tracer: &Tracer, system: &System, film: &FilmPlane, half_mm: [f64; 2]) -> f64 {
     let map = PupilMap::new(tracer, system, film, half_mm[0], half_mm[1]);
     let places: Vec<[f64; 2]> = (1..=RADII).map(|i| half_mm.map(|half| half * i as f64 / RADII as f64)).collect();
     let farthest = lit(tracer, &map, film, &places).iter().rposition(|lit| *lit);
