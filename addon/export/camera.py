@@ -262,6 +262,6 @@ def _warn(description: CameraDescription, camera: bpy.types.Camera, report: Repo
         kind = {"PANO": "panoramic"}.get(camera.type, camera.type.lower())
         report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
     settings = camera.petzval
-    is_followed = settings.focal_mode == "BLENDER" or settings.in_step
+    is_followed = settings.focal_mode == "BLENDER" or (settings.in_step and settings.match_viewport)
     if description.model in OF_LENS_FILE and any(description.perspective.shift) and not is_followed:
         report.warn(f"{name}: Blender's shift does not move a real lens: use the shift of its Film & Movements panel")

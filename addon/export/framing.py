@@ -8,7 +8,7 @@ import os
 from dataclasses import replace
 from typing import Any
 
-from petzval.description import CameraDescription, FilmSettings
+from petzval.description import CameraDescription
 
 from ..native import engine
 from .report import Report
@@ -43,11 +43,8 @@ def like_blender(description: CameraDescription, size: tuple[int, int], report: 
     return replace(
         description,
         lens=replace(description.lens, focal_length={"MILLIMETRES": found["focal_length_mm"]}),
-        film=FilmSettings(
-            width_mm, width_mm / shape, film.tilt_rad, film.swing_rad,
-            (film.shift_mm[0] + shift[0], film.shift_mm[1] + shift[1]),
-        ),
-    )  # fmt: skip
+        film=replace(film, shift_mm=(film.shift_mm[0] + shift[0], film.shift_mm[1] + shift[1])),
+    )
 
 
 def film_of_lens_mm(description: CameraDescription, size: tuple[int, int]) -> tuple[float, float]:

@@ -23,6 +23,9 @@ from . import lens_info
 _SAME = 1e-5
 
 
+#: Of the defaults of a camera's settings: 0.1 had others, and no number.
+SETTINGS_VERSION = 2
+
 _switches = 0
 
 
@@ -55,13 +58,16 @@ def switched(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
 
 def lens_changed(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
     """A lens setting was changed by the user."""
-    settings = camera.petzval
+    mark_set_up(camera.petzval)
+    follow(camera, scene)
+
+
+def mark_set_up(settings: bpy.types.PropertyGroup) -> None:
+    """Keeps in the file that the lens was set up, and by which defaults."""
     if not settings.in_step:
         settings.in_step = True
-    if not settings.is_property_set("focal_mode"):
-        # Kept in the file: older ones have other defaults.
-        settings.focal_mode = settings.focal_mode
-    follow(camera, scene)
+    if settings.version != SETTINGS_VERSION:
+        settings.version = SETTINGS_VERSION
 
 
 def follow(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
@@ -159,8 +165,10 @@ def _file_opened(_path: str) -> None:
     """Cameras that versions before 0.2 have set up: theirs was one lens as published, unless another was chosen."""
     for camera in bpy.data.cameras:
         settings = camera.petzval
-        if settings.in_step and not settings.is_property_set("focal_mode"):
-            settings.focal_mode = "PUBLISHED"
+        if settings.in_step and settings.version < SETTINGS_VERSION:
+            settings.version = SETTINGS_VERSION
+            if not settings.is_property_set("focal_mode"):
+                settings.focal_mode = "PUBLISHED"
             if not settings.is_property_set("lens_file"):
                 settings.lens_file = _LENS_OF_0_1
     _listen()

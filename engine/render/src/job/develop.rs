@@ -21,9 +21,9 @@ impl Job {
         }
     }
 
-    /// [`Strays::expected_times`] of a picture of so many pixels, by this one.
-    pub(super) fn expected_times(&self, strays: &Strays, of_this: &Strays, pixels: f64) -> Vec<(StrayPass, f64)> {
-        self.with_picture(|straight| strays.expected_times(of_this, straight, pixels))
+    /// [`Strays::expected_times`] of the whole picture, by this small one.
+    pub(super) fn expected_times(&self, strays: &Strays, of_this: &Strays) -> Vec<(StrayPass, f64)> {
+        self.with_picture(|straight| strays.expected_times(of_this, straight))
     }
 
     /// Gives the picture as it is now to a function that runs on as many threads as the render had.

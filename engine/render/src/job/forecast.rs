@@ -137,7 +137,7 @@ pub fn stray_light(
     let of_small = plan.strays(d, [width, height])?.unwrap_or_default();
     let job = Job::start_with(stage, vec![camera], small, output)?;
     job.wait(Duration::MAX);
-    let times = job.expected_times(&strays, &of_small, pixels);
+    let times = job.expected_times(&strays, &of_small);
     let effect = |(pass, seconds): (StrayPass, f64)| {
         let effect = match pass {
             StrayPass::Ghosts => Effect::Ghosts,

@@ -194,7 +194,7 @@ impl Strays {
 
     /// Wall time that each kind will take of the whole picture, s, by a small one of the same view, `small`, whose stray light has the
     /// settings `of_small`.
-    pub fn expected_times(&self, of_small: &Self, small: &Straight<'_>, pixels: f64) -> Vec<(StrayPass, f64)> {
+    pub fn expected_times(&self, of_small: &Self, small: &Straight<'_>) -> Vec<(StrayPass, f64)> {
         let mut times = Vec::new();
         if let Some(settings) = &self.ghosts {
             let (sources, _, tolerance) = Self::sources(small, settings);
@@ -202,19 +202,11 @@ impl Strays {
             times.push((StrayPass::Ghosts, seconds));
         }
         let light = &small.picture.light;
-        // Time of a transform of n pixels is about n log n.
-        let growth = |n: f64| n * n.max(2.0).ln();
-        let ratio = growth(pixels) / growth(light.len() as f64);
-        let mut timed = |pass: StrayPass, change: &dyn Fn() -> Vec<Rgb>| {
-            let start = Instant::now();
-            change();
-            times.push((pass, ratio * start.elapsed().as_secs_f64()));
-        };
-        if let Some(glare) = &of_small.glare {
-            timed(StrayPass::Glare, &|| glare.change(light, self.front_light));
+        if let (Some(glare), Some(of_small)) = (&self.glare, &of_small.glare) {
+            times.push((StrayPass::Glare, glare.expected_seconds(of_small, light, self.front_light)));
         }
-        if let Some(diffraction) = &of_small.diffraction {
-            timed(StrayPass::Diffraction, &|| diffraction.change(light));
+        if let (Some(diffraction), Some(of_small)) = (&self.diffraction, &of_small.diffraction) {
+            times.push((StrayPass::Diffraction, diffraction.expected_seconds(of_small, light)));
         }
         times
     }
