@@ -87,20 +87,20 @@ def test_deviations_do_what_they_do_in_optiland(petzval_cli, name):
     lens, asked = REFERENCE / "lenses" / f"{name}.lens", ("--wavelengths", "587.5618", "--fields", "0")
     bfd_mm = json.loads(petzval_cli("lens", "info", lens, "--json").stdout)["bfd_mm"]
     done = petzval_cli(
-        "lens", "tolerance", lens, *asked, wanted["field_deg"], "--film-shift", wanted["film_from_last_vertex_mm"] - bfd_mm,
+        "lens", "tolerance", lens, *asked, wanted["field_deg"], f"--film-shift={wanted['film_from_last_vertex_mm'] - bfd_mm}",
         "--pupil-diameter", wanted["pupil_diameter_mm"], "--compensator", "none", "--trials", "2", "--rays", "41", "--json",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     ours = {(one["kind"], one["first"], one["last"]): one for one in found["sensitivities"]}
     nominal = wanted["nominal"]["rms_mm"]
-    # Its grid of rays is cut by a circle in the entrance pupil, ours by the lens's rims: spots differ by a per cent.
-    assert found["nominal"]["rms_mm"] == pytest.approx(nominal, rel=0.01)
+    # Its grid of rays lies in the entrance pupil, ours in the beam before the lens: spots differ by a fifth of a per cent.
+    assert found["nominal"]["rms_mm"] == pytest.approx(nominal, rel=0.004)
     for theirs in wanted["deviations"]:
         plus, minus = (
             ours[theirs["kind"], theirs["first"], theirs["last"]][side] for side in ("plus", "minus")
         )
-        assert plus["rms_mm"] == pytest.approx(theirs["rms_mm"], rel=0.015), theirs
+        assert plus["rms_mm"] == pytest.approx(theirs["rms_mm"], rel=0.004), theirs
         assert plus["distortion_percent"] == pytest.approx(theirs["distortion_percent"], rel=1e-4, abs=2e-6), theirs
         if theirs["kind"] in ("decenter_y", "tilt_x"):
             assert minus["rms_mm"] == pytest.approx(plus["rms_mm"], rel=1e-6)

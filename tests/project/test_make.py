@@ -37,6 +37,7 @@ RECIPES = {
     "gpu": ["GPU_OPTIONS=--quick"],
     "instructions": [],
     "lens-index": [],
+    "other-programs": [],
     "newcomer": [],
     "numerics": [],
     "other-scenes": ["SCENES=tests/scenes", "OTHER_SCENES_OPTIONS=--only demo --samples 9 --size 64x36"],

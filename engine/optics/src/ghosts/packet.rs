@@ -23,6 +23,8 @@ const NEAR: f64 = 0.2;
 /// Points along a side at which the power is known, and by how much it may be off at places between them (parts of the window) for these
 /// to be enough. Rays with the power of each surface take most of a ghost's time.
 const POWER_SIDES: [(usize, f64); 3] = [(4, 0.01), (7, 0.03), (13, 0.05)];
+/// Points along a side of a weak ghost: as few as a parabola needs.
+const COARSE_POWER_SIDE: usize = 3;
 /// Points along a side where those are too few.
 const FINE_POWER_SIDE: usize = 33;
 /// Halvings by which the edge of a ghost is found: to a hundredth of a cell, and coarsely to a tenth.
@@ -222,7 +224,7 @@ impl GhostTracer {
     fn power(&self, system: &System, beam: &Beam, window: &Window, is_coarse: bool) -> Power {
         let exact = |at: DVec2| power::along(system, &self.open, beam.ray(at)).map(|found| found.1);
         if is_coarse {
-            return Power::new(window, POWER_SIDES[0].0, exact);
+            return Power::new(window, COARSE_POWER_SIDE, exact);
         }
         let size = window.high - window.low;
         let probes = PROBES.map(|probe| window.low + size * probe);

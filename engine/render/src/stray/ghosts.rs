@@ -32,6 +32,7 @@ const COARSE_MARGIN: f64 = 0.1;
 const BAND_PX: f64 = 2.0;
 const LEAST_BANDS: usize = 6;
 const MOST_BANDS: usize = 24;
+const COARSE_BAND_PX: f64 = 4.0;
 const LEAST_COARSE_BANDS: usize = 3;
 const MOST_COARSE_BANDS: usize = 8;
 /// Ghosts of a source that blurs them less are those of its middle.
@@ -50,8 +51,11 @@ pub struct GhostReport {
     pub found: usize,
     /// Ghosts that were simulated.
     pub simulated: usize,
-    /// Bound of the light that the others could add to a pixel, in the picture's units.
+    /// Bound of the light that the others could add to a pixel, in the picture's units: nearly everywhere, for places where several are
+    /// brightest at once may have more.
     pub left_out: f32,
+    /// The largest such bound that may be left out.
+    pub tolerance: f32,
 }
 
 /// The light of all ghosts of so many reflections, as it is added to the picture. What is left out stays below `tolerance`, in the
@@ -70,7 +74,7 @@ pub fn ghosts(
     let turns = turns(lens, reflections);
     let tell = |part: f64| (watch.tell)(LOOKING * part);
     let found = candidates(lens, &turns, sources, &beams, &Watch { tell: &tell, ..*watch })?;
-    let mut report = GhostReport { sources: sources.len(), found: found.len(), ..GhostReport::default() };
+    let mut report = GhostReport { sources: sources.len(), found: found.len(), tolerance, ..GhostReport::default() };
     let (mut kept, left_out) = keep(found, size, tolerance);
     measure_spread(lens, &turns, sources, &beams, &mut kept);
     (report.simulated, report.left_out) = (kept.len(), left_out);
@@ -136,8 +140,11 @@ fn work(one: &Candidate) -> f64 {
 fn bands(one: &Candidate) -> usize {
     // Each band comes from another place of the source.
     let for_blur = if one.blur_px > BLUR_PX { 2.0 * one.blur_px } else { 0.0 };
-    let [least, most] = if one.is_coarse { [LEAST_COARSE_BANDS, MOST_COARSE_BANDS] } else { [LEAST_BANDS, MOST_BANDS] };
-    ((one.spread_px / BAND_PX).max(for_blur).ceil() as usize).clamp(least, most)
+    let (band_px, least, most) = match one.is_coarse {
+        true => (COARSE_BAND_PX, LEAST_COARSE_BANDS, MOST_COARSE_BANDS),
+        false => (BAND_PX, LEAST_BANDS, MOST_BANDS),
+    };
+    ((one.spread_px / band_px).max(for_blur).ceil() as usize).clamp(least, most)
 }
 
 /// A place in a disc of this radius for each of so many bands: neighbours in the spectrum lie far apart, and all lie evenly.
