@@ -19,6 +19,8 @@ SCENES = $(PETZVAL_SCENES)
 OTHER_SCENES_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 GPU_OPTIONS =
+# Of a 3D view in the pictures of Blender's window.
+UI_SAMPLES = 64
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
@@ -95,7 +97,7 @@ newcomer: $(ENGINE) extension ## time a newcomer's path: install the extension, 
 
 ui-pictures: extension ## what the tests of Blender's window see, into docs/ui
 	@tools/setup-python.sh bench
-	@$(dir $(PETZVAL))python -m pytest -q -m window
+	@PETZVAL_PICTURE_SAMPLES=$(UI_SAMPLES) $(dir $(PETZVAL))python -m pytest -q -m window
 	@.venv-bench/bin/python tools/ui-pictures.py
 
 panel-pictures: extension ## the pictures of panels in docs/panel.md and README.md, in Blender's window
