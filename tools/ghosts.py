@@ -36,7 +36,11 @@ SCENES = {
     "sun": ("flektogon-1954", "35", "11", "5"),
 }
 #: A small picture of few samples through a lens of many surfaces, whose ghosts take long beside its samples.
-FORETOLD = (("nikkor-z-50-f1.8", "8", "320x180", 16), ("takumar-35-1970", "8", "320x180", 16), ("nikkor-z-50-f1.8", "8", "960x540", 64))
+FORETOLD = (
+    ("nikkor-z-50-f1.8", "8", "320x180", 16),
+    ("takumar-35-1970", "8", "320x180", 16),
+    ("nikkor-z-50-f1.8", "8", "960x540", 64),
+)
 #: Of the renders that are timed, whose last ones are the page's pictures: at 1536 x 1024 with 256 samples the page took an hour.
 RESOLUTION = "1152x768"
 COATINGS = ("none", "mgf2", "triple")

@@ -97,9 +97,7 @@ def test_deviations_do_what_they_do_in_optiland(petzval_cli, name):
     # Its grid of rays lies in the entrance pupil, ours in the beam before the lens: spots differ by a fifth of a per cent.
     assert found["nominal"]["rms_mm"] == pytest.approx(nominal, rel=0.004)
     for theirs in wanted["deviations"]:
-        plus, minus = (
-            ours[theirs["kind"], theirs["first"], theirs["last"]][side] for side in ("plus", "minus")
-        )
+        plus, minus = (ours[theirs["kind"], theirs["first"], theirs["last"]][side] for side in ("plus", "minus"))
         assert plus["rms_mm"] == pytest.approx(theirs["rms_mm"], rel=0.004), theirs
         assert plus["distortion_percent"] == pytest.approx(theirs["distortion_percent"], rel=1e-4, abs=2e-6), theirs
         if theirs["kind"] in ("decenter_y", "tilt_x"):
@@ -108,6 +106,11 @@ def test_deviations_do_what_they_do_in_optiland(petzval_cli, name):
     worst = max(wanted["deviations"], key=lambda one: one["rms_mm"])
     first = max(found["sensitivities"], key=lambda one: one["plus"]["rms_mm"])
     assert (first["kind"], first["first"]) == (worst["kind"], worst["first"])
+
+
+def test_a_negative_number_may_be_written_in_any_way(petzval_cli):
+    said = [petzval_cli("lens", "spots", LENS, "--film-shift", text).stdout for text in ("-0.05", "-5e-2", "-.05")]
+    assert "film mm" in said[0] and said[0] == said[1] == said[2]
 
 
 def test_spots_grow_with_defocus_and_shrink_at_best_focus(petzval_cli, tmp_path):

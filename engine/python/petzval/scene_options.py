@@ -9,7 +9,6 @@ import contextlib
 import json
 import math
 import os
-import re
 import select
 import signal
 import subprocess
@@ -112,8 +111,6 @@ def add(p: argparse.ArgumentParser) -> None:
         metavar="X,Y,Z",
         help="turn the film so that three points of the world are sharp",
     )
-    # Coordinates may begin with a minus: what looks so is no option here.
-    p._negative_number_matcher = re.compile(r"-[\d.]")
     p.add_argument("--shift", type=types.pair, metavar="X,Y", help="the lens right and up against the film, mm")
     p.add_argument(
         "--scale", type=types.triple, metavar="X,Y,Z", help="millimetres for one Blender unit along each axis"

@@ -17,7 +17,7 @@ use crate::trace::{Bundle, ReflectedTracer, Tracer, Travel};
 /// The fewest and the most rays along the beam's width by which the part of the beam that gets through is found.
 const SEARCH: [usize; 2] = [24, 256];
 /// Rays of the search on the narrowest part that is to be found.
-const ON_PART: f64 = 4.0;
+const ON_PART: f64 = 6.0;
 /// Margin about a known window, parts of its width, within which the window of a beam like it is looked for.
 const NEAR: f64 = 0.2;
 /// Points along a side at which the power is known, and by how much it may be off at places between them (parts of the window) for these

@@ -178,15 +178,21 @@ fn triangles(lens: &StrayLens, source: &Source, one: &Candidate, paths: &Paths) 
         let Some(window) = window else { continue };
         // For light of one square millimetre: what it is where it lies on one square pixel.
         let colour = band.response * source.irradiance * (lens.gain() * lens.px2_per_mm2()) as f32;
-        tracer.pieces(lens.system(), (beam, lens.film()), Grid { window: &window, side, is_coarse: one.is_coarse }, &mut bundle, &mut |piece| {
-            let corners = piece.corners.map(|corner| lens.pixel(corner));
-            let low = corners[0].min(corners[1]).min(corners[2]);
-            let high = corners[0].max(corners[1]).max(corners[2]);
-            if high.cmpge(picture[0]).all() && low.cmple(picture[1]).all() {
-                let light = colour * piece.light_mm2 as f32;
-                found.push(Triangle { corners: corners.map(|corner| corner.as_vec2()), light });
-            }
-        });
+        tracer.pieces(
+            lens.system(),
+            (beam, lens.film()),
+            Grid { window: &window, side, is_coarse: one.is_coarse },
+            &mut bundle,
+            &mut |piece| {
+                let corners = piece.corners.map(|corner| lens.pixel(corner));
+                let low = corners[0].min(corners[1]).min(corners[2]);
+                let high = corners[0].max(corners[1]).max(corners[2]);
+                if high.cmpge(picture[0]).all() && low.cmple(picture[1]).all() {
+                    let light = colour * piece.light_mm2 as f32;
+                    found.push(Triangle { corners: corners.map(|corner| corner.as_vec2()), light });
+                }
+            },
+        );
     }
     found
 }
@@ -218,7 +224,8 @@ pub fn expected_seconds(lens: &StrayLens, sources: &[Source], reflections: Refle
     let traced: Vec<Candidate> = kept.iter().step_by(kept.len().div_ceil(FORECAST_GHOSTS).max(1)).copied().collect();
     let start = Instant::now();
     let paths = Paths::new(lens, &some, &traced);
-    let preparing_s = start.elapsed().as_secs_f64() * Paths::asked(&kept).len() as f64 / paths.tracers.len().max(1) as f64;
+    let preparing_s =
+        start.elapsed().as_secs_f64() * Paths::asked(&kept).len() as f64 / paths.tracers.len().max(1) as f64;
     let size = lens.size_px();
     let mut picture = Picture { width: size.x as u32, height: size.y as u32, light: Vec::new() };
     picture.light.resize(picture.width as usize * picture.height as usize, crate::Rgb::ZERO);
