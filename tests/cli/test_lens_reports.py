@@ -94,11 +94,12 @@ def test_deviations_do_what_they_do_in_optiland(petzval_cli, name):
     found = json.loads(done.stdout)
     ours = {(one["kind"], one["first"], one["last"]): one for one in found["sensitivities"]}
     nominal = wanted["nominal"]["rms_mm"]
-    # Its grid of rays lies in the entrance pupil, ours in the beam before the lens: spots differ by a fifth of a per cent.
+    # Its grid of rays lies in the entrance pupil, ours in the beam before the lens: spots differ by a fifth of a per cent,
+    # and small ones by some hundredths of a micrometre.
     assert found["nominal"]["rms_mm"] == pytest.approx(nominal, rel=0.004)
     for theirs in wanted["deviations"]:
         plus, minus = (ours[theirs["kind"], theirs["first"], theirs["last"]][side] for side in ("plus", "minus"))
-        assert plus["rms_mm"] == pytest.approx(theirs["rms_mm"], rel=0.004), theirs
+        assert plus["rms_mm"] == pytest.approx(theirs["rms_mm"], rel=0.004, abs=5e-5), theirs
         assert plus["distortion_percent"] == pytest.approx(theirs["distortion_percent"], rel=1e-4, abs=2e-6), theirs
         if theirs["kind"] in ("decenter_y", "tilt_x"):
             assert minus["rms_mm"] == pytest.approx(plus["rms_mm"], rel=1e-6)

@@ -254,18 +254,7 @@ impl<'a> LensReader<'a> {
         if words.is_empty() {
             return Ok(());
         }
-        if self.rows.len() >= MOST_SURFACES {
-            let problem = Problem::Unsupported(format!("a lens has no more than {MOST_SURFACES} surfaces"));
-            return self.fail(line, words[0].column, problem);
-        }
-        let expected = COLUMNS.len() + self.extra.len();
-        if words[0].text.eq_ignore_ascii_case(COLUMNS[0]) || words[0].text.ends_with(':') {
-            return self.fail(line, words[0].column, Problem::HeaderWithoutMark);
-        }
-        if words.len() != expected {
-            let column = words.get(expected).unwrap_or(&words[0]).column;
-            return self.fail(line, column, Problem::ColumnCount { found: words.len(), expected });
-        }
+        self.check_words(line, &words)?;
         let number = |i: usize| {
             let what = COLUMNS.get(i).copied().unwrap_or_else(|| &self.extra[i - COLUMNS.len()]);
             finite(words[i].text).ok_or_else(|| at(self.file, line, words[i].column, not_a_number(what, words[i].text)))
@@ -310,6 +299,23 @@ impl<'a> LensReader<'a> {
         }
         self.flag(line, &words[5])?;
         self.rows.push(row);
+        Ok(())
+    }
+
+    /// Checks that a line is a row of as many columns as the heading has.
+    fn check_words(&self, line: usize, words: &[Token<'_>]) -> Result<(), LensFileError> {
+        if self.rows.len() >= MOST_SURFACES {
+            let problem = Problem::Unsupported(format!("a lens has no more than {MOST_SURFACES} surfaces"));
+            return self.fail(line, words[0].column, problem);
+        }
+        let expected = COLUMNS.len() + self.extra.len();
+        if words[0].text.eq_ignore_ascii_case(COLUMNS[0]) || words[0].text.ends_with(':') {
+            return self.fail(line, words[0].column, Problem::HeaderWithoutMark);
+        }
+        if words.len() != expected {
+            let column = words.get(expected).unwrap_or(&words[0]).column;
+            return self.fail(line, column, Problem::ColumnCount { found: words.len(), expected });
+        }
         Ok(())
     }
 

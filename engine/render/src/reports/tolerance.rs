@@ -259,7 +259,7 @@ impl<'a> Bench<'a> {
                 let at = |travel: f64| {
                     let system = system(&lens_at(travel))?;
                     let analysis = self.analysis(&system, 0.0)?;
-                    Some(self.mean_square(&analysis)?)
+                    self.mean_square(&analysis)
                 };
                 let travel = lowest(at)?;
                 self.on_film(&system(&lens_at(travel))?, 0.0, travel)

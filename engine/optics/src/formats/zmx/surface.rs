@@ -171,7 +171,7 @@ impl ZmxReader<'_> {
         let mut pending = DAffine3::IDENTITY;
         for block in surfaces {
             if block.kind == "COORDBRK" {
-                pending = pending * self.coordinate_break(block);
+                pending *= self.coordinate_break(block);
                 continue;
             }
             let mut row = self.row(block, scale)?;
