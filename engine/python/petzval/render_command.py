@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 from pathlib import Path
 from typing import Any
 
@@ -107,10 +106,11 @@ def _take(a: argparse.Namespace, options: dict[str, Any], output: Path, frame: i
     """One picture: its frame, if it is one of several, and the files that are written, checked."""
     if frame is not None:
         output = numbered(output, frame)
-    checkpoint = Path(a.checkpoint) if a.checkpoint else Path(f"{output}.checkpoint")
-    if frame is not None and a.checkpoint:
-        checkpoint = numbered(checkpoint, frame)
-    checkpoint = None if a.checkpoint == "off" else checkpoint
+    checkpoint: Path | None = None
+    if a.checkpoint != "off":
+        checkpoint = Path(a.checkpoint) if a.checkpoint else Path(f"{output}.checkpoint")
+        if frame is not None and a.checkpoint:
+            checkpoint = numbered(checkpoint, frame)
     stats = Path(a.stats) if a.stats else None
     if stats is not None and frame is not None:
         stats = numbered(stats, frame)
@@ -133,9 +133,10 @@ def _take(a: argparse.Namespace, options: dict[str, Any], output: Path, frame: i
 def numbered(file: Path, frame: int) -> Path:
     """A file's name with the number of a frame for the last #### in it, as many digits as there are; without any, at its end."""
     stem = file.stem if "#" in file.stem else f"{file.stem}_####"
-    marks = re.search(r"#+(?=[^#]*$)", stem)
-    digits = f"{'-' if frame < 0 else ''}{abs(frame):0{len(marks[0])}d}"
-    return file.with_name(f"{stem[: marks.start()]}{digits}{stem[marks.end() :]}{file.suffix}")
+    end = stem.rindex("#") + 1
+    begin = len(stem[:end].rstrip("#"))
+    digits = f"{'-' if frame < 0 else ''}{abs(frame):0{end - begin}d}"
+    return file.with_name(f"{stem[:begin]}{digits}{stem[end:]}{file.suffix}")
 
 
 def _checkpoint_problem(file: Path) -> str | None:

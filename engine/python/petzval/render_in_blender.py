@@ -138,7 +138,8 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
 
 def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> str | None:
     """Renders one picture, with all that is written beside it; the error, if any."""
-    watch, found = addon.render.loop.WATCH, {}
+    watch = addon.render.loop.WATCH
+    found: dict[str, Any] = {}
     # For each frame: what is animated is set anew by it.
     wrong = _apply(scene, options, addon, found)
     if wrong:

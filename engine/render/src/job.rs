@@ -7,6 +7,7 @@ mod adaptive;
 pub mod catcher;
 pub mod checkpoint;
 mod develop;
+mod error;
 pub mod forecast;
 mod parts;
 mod report;

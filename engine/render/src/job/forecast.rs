@@ -1,6 +1,6 @@
 //! A forecast of a render's time, from rendering a little of it: tiles all over the picture, on as many threads.
 
-use super::request::RequestError;
+use super::error::RequestError;
 use super::{Job, OutputOptions, Settings, SettingsError, Shared};
 use crate::camera::clip::Clip;
 use crate::camera::{Camera, CameraDescription};

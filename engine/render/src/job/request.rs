@@ -1,8 +1,9 @@
 //! A render as it is asked for: descriptions, settings, a plan and outputs become the arguments of a [`Job`].
 
 use super::checkpoint::Checkpoints;
+pub use super::error::RequestError;
 use super::forecast::{self, Forecast};
-use super::{Job, OutputOptions, Settings, SettingsError, catcher};
+use super::{Job, OutputOptions, Settings, catcher};
 use crate::camera::clip::Clip;
 use crate::camera::tools::imaging::Imaging;
 use crate::camera::tools::shade;
@@ -46,17 +47,6 @@ pub struct JobRequest {
     pub catches: bool,
     /// The file in which the render is kept while it goes on.
     pub checkpoints: Option<Checkpoints>,
-}
-
-/// An error by which a render does not start.
-#[derive(Debug, thiserror::Error)]
-pub enum RequestError {
-    /// A camera makes no picture.
-    #[error(transparent)]
-    Camera(#[from] CameraError),
-    /// A setting is out of range.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
 }
 
 impl Job {
