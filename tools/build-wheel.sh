@@ -4,8 +4,8 @@
 # `petzval` from the checkout, so that a change of a Python file needs no build.
 #
 #   tools/build-wheel.sh            the development build: one engine, compiled fast; shares its artifacts with `cargo test`
-#   tools/build-wheel.sh --release  the wheel that is shipped: link-time optimisation, an engine for each level of processor,
-#                                   and an old C library (docs/packaging.md)
+#   tools/build-wheel.sh --release  the wheel that is shipped: link-time optimisation, laid out by a profile, an engine for each level
+#                                   of processor, and an old C library (docs/packaging.md)
 #
 # A release wheel that is up to date serves as a development build too.
 set -eu
@@ -42,7 +42,7 @@ fresh() {
     [ "$installed" = "$(modules "$@" | sort)" ] || return 1
     # Folders count too: theirs is the time of the last file added or taken away. The package's own is left out: the
     # build itself adds to it.
-    changed=$(find engine addon lenses .cargo Cargo.toml Cargo.lock pyproject.toml LICENSE tools/build-wheel.sh tools/join-wheels.py tools/supply \
+    changed=$(find engine addon lenses .cargo Cargo.toml Cargo.lock pyproject.toml LICENSE tools/build-wheel.sh tools/train_engine.py tools/join-wheels.py tools/supply \
         \( -name __pycache__ -o -name _bundled -o -name _engines -o -name '*.so' \) -prune -o \
         ! -path "$package" -newer "$stamp" -print | head -n 1)
     [ -z "$changed" ]
@@ -51,6 +51,46 @@ fresh() {
 # run COMMAND...: keeps what a build says in the log, and shows it when the build fails.
 run() {
     "$@" >"$log" 2>&1 || { cat "$log" >&2; echo "petzval: the engine was not built: see above, or $log" >&2; exit 1; }
+}
+
+# Counts the branches and calls of an engine at work (tools/train_engine.py), for the compiler to lay the release out by: a sixth to a
+# fifth of a render's time (docs/design/processors.md). Puts the flags for that into $laid_out; without the tools for it, nothing.
+count_branches() {
+    laid_out=
+    sysroot=$(rustc --print sysroot)
+    libraries=$sysroot/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')
+    merge=$libraries/bin/llvm-profdata
+    if ! [ -x "$merge" ] && command -v rustup >/dev/null; then rustup component add llvm-tools >"$log" 2>&1 || true; fi
+    bpy=$(for python in .venv-bpy52/bin/python .venv-bpy45/bin/python; do [ ! -x "$python" ] || { echo "$PWD/$python"; break; }; done)
+    if ! [ -x "$merge" ] || ! ls "$libraries"/lib/libprofiler_builtins-*.rlib >/dev/null 2>&1 || [ -z "$bpy" ]; then
+        echo "petzval: a wheel that renders a sixth slower: its layout by profile needs Rust from rustup (rustup component add llvm-tools) and bpy" >&2
+        return
+    fi
+    # Counted on the best level that this machine runs, for all of them.
+    counted=
+    for level in $levels; do
+        case $level in x86-64-v3) grep -qw avx2 /proc/cpuinfo || continue ;; esac
+        counted="-C target-cpu=$level"
+    done
+    folder=$(mkdir -p "${CARGO_TARGET_DIR:-target}/profile" && cd "${CARGO_TARGET_DIR:-target}/profile" && pwd)
+    stage=$folder/stage
+    rm -rf "$stage" "$folder/counts" "$folder/pictures"
+    mkdir -p "$stage/engine/python/petzval" "$folder/pictures"
+    run env RUSTFLAGS="$RUSTFLAGS $counted -C profile-generate=$folder/counts" CARGO_TARGET_DIR="$folder" \
+        PYO3_PYTHON="$PWD/.venv-tools/bin/python" cargo build --release --locked -p petzval-python
+    cp "$package"/*.py "$package"/*.pyi "$stage/engine/python/petzval/"
+    for part in "$package"/*/; do
+        case $part in */_*) ;; *) cp -R "$part" "$stage/engine/python/petzval/" ;; esac
+    done
+    cp "$folder"/release/lib_native.* "$stage/engine/python/petzval/_native.abi3.so"
+    for part in addon lenses pyproject.toml; do ln -s "$PWD/$part" "$stage/$part"; done
+    # Counts of build scripts, which are none of the engine's, lie beside.
+    run env LLVM_PROFILE_FILE="$folder/counts/engine-%m-%p.profraw" \
+        PYTHONPATH="$stage/engine/python:$PWD/tools:$PWD/tests:$PWD/tests/scenes" \
+        "$bpy" "$PWD/tools/train_engine.py" "$folder/pictures"
+    run "$merge" merge -o "$folder/engine.profdata" "$folder"/counts/engine-*.profraw
+    rm -rf "$stage" "$folder/counts" "$folder/pictures"
+    laid_out="-C profile-use=$folder/engine.profdata"
 }
 
 compile_release() {
@@ -62,6 +102,8 @@ compile_release() {
     sources="--remap-path-prefix=$PWD=petzval --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}/registry/src=crates"
     RUSTFLAGS="${RUSTFLAGS-} $sources"
     export RUSTFLAGS
+    count_branches
+    RUSTFLAGS="$RUSTFLAGS $laid_out"
     flags="build --release"
     if .venv-wheels/bin/python -c 'import ziglang' 2>/dev/null; then flags="$flags --zig --compatibility manylinux_2_28"; fi
     if [ -z "$levels" ]; then
@@ -81,7 +123,7 @@ compile_release() {
 build() {
     case $build in
     development) echo "petzval: compiling the engine (about 3 minutes on 2 cores the first time; log: $log)" >&2 ;;
-    release) echo "petzval: compiling the release wheel (about 7 minutes on 2 cores; log: $log)" >&2 ;;
+    release) echo "petzval: compiling the release wheel (about 11 minutes on 2 cores; log: $log)" >&2 ;;
     esac
     rm -rf "$package/_bundled" dist/new
     find "$package" -name '*.so.new' -exec rm {} +

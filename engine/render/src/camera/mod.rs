@@ -158,6 +158,11 @@ impl Camera {
         }
     }
 
+    /// True if a sample depends on its wavelength or is carried back to the film: if not, [`Request`] needs no numbers for that.
+    pub fn has_wavelengths(&self) -> bool {
+        !matches!(self, Self::Pinhole(_) | Self::Thin(_) | Self::Orthographic(_))
+    }
+
     /// Memory for batches, where there are any.
     pub fn batch(&self) -> Option<LensBatch> {
         match self {
@@ -172,6 +177,7 @@ impl Camera {
         match (self, batch) {
             (Self::Lens(lens), Some(batch)) => lens.sample_batch(requests, batch, rays),
             (Self::Adapted(lens), Some(batch)) => lens.sample_batch(requests, batch, rays),
+            (Self::Pinhole(pinhole), _) => rays.extend(requests.iter().map(|r| Some(pinhole.ray(r.place)))),
             _ => rays.extend(requests.iter().map(|r| self.sample(r.place, r.u_lens, r.u_wavelength))),
         }
     }
