@@ -80,9 +80,9 @@ count_branches() {
         PYO3_PYTHON="$PWD/.venv-tools/bin/python" cargo build --release --locked -p petzval-python
     cp "$package"/*.py "$package"/*.pyi "$stage/engine/python/petzval/"
     for part in "$package"/*/; do
-        case $part in */_*) ;; *) cp -R "$part" "$stage/engine/python/petzval/" ;; esac
+        case $part in */_*) ;; *) cp -R "${part%/}" "$stage/engine/python/petzval/" ;; esac
     done
-    cp "$folder"/release/lib_native.* "$stage/engine/python/petzval/_native.abi3.so"
+    cp "$(ls "$folder/release/lib_native.so" "$folder/release/lib_native.dylib" 2>/dev/null)" "$stage/engine/python/petzval/_native.abi3.so"
     for part in addon lenses pyproject.toml; do ln -s "$PWD/$part" "$stage/$part"; done
     # Counts of build scripts, which are none of the engine's, lie beside.
     run env LLVM_PROFILE_FILE="$folder/counts/engine-%m-%p.profraw" \
