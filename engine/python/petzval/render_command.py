@@ -75,7 +75,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 def run(arguments: argparse.Namespace) -> int:
     """Renders; the exit status."""
-    options = _checked(arguments)
+    options = options_of(arguments)
     if arguments.blender:
         return scene_options.in_blender(arguments.blender, options)
     interrupts.listen()
@@ -86,8 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
     return interrupts.INTERRUPTED
 
 
-def _checked(a: argparse.Namespace) -> dict[str, Any]:
-    """The options as plain data."""
+def options_of(a: argparse.Namespace) -> dict[str, Any]:
+    """The options as plain data, checked, as `render_in_blender.render` takes them."""
     options = scene_options.checked(a)
     output = Path(a.output) if a.output else Path(f"{Path(a.scene).stem}.png")
     if output.suffix.lower() not in _SUFFIXES:
