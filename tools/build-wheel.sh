@@ -55,12 +55,11 @@ run() {
 
 # Counts the branches and calls of an engine at work (tools/train_engine.py), for the compiler to lay the release out by: a sixth to a
 # fifth of a render's time (docs/design/processors.md). Puts the flags for that into $laid_out; without the tools for it, nothing. The
-# argument is the option of the target that the release is compiled for: it is part of the names of functions, by which counts are found.
+# arguments are maturin's: counts are found by the names of functions, in which Cargo puts a hash of how a crate is compiled, so the
+# counting engine is compiled by the very command of the release.
 count_branches() {
     laid_out=
-    sysroot=$(rustc --print sysroot)
-    host=$(rustc -vV | sed -n 's/^host: //p')
-    libraries=$sysroot/lib/rustlib/$host
+    libraries=$(rustc --print sysroot)/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')
     merge=$libraries/bin/llvm-profdata
     if ! [ -x "$merge" ] && command -v rustup >/dev/null; then rustup component add llvm-tools >"$log" 2>&1 || true; fi
     bpy=$(for python in .venv-bpy52/bin/python .venv-bpy45/bin/python; do [ ! -x "$python" ] || { echo "$PWD/$python"; break; }; done)
@@ -75,23 +74,17 @@ count_branches() {
         counted="-C target-cpu=$level"
     done
     folder=$(mkdir -p "${CARGO_TARGET_DIR:-target}/profile" && cd "${CARGO_TARGET_DIR:-target}/profile" && pwd)
-    stage=$folder/stage
-    rm -rf "$stage" "$folder/counts" "$folder/pictures"
-    mkdir -p "$stage/engine/python/petzval" "$folder/pictures"
-    run env RUSTFLAGS="$RUSTFLAGS $counted -C profile-generate=$folder/counts" CARGO_TARGET_DIR="$folder" \
-        PYO3_PYTHON="$PWD/.venv-tools/bin/python" cargo build --release --locked -p petzval-python $1
-    cp "$package"/*.py "$package"/*.pyi "$stage/engine/python/petzval/"
-    for part in "$package"/*/; do
-        case $part in */_*) ;; *) cp -R "${part%/}" "$stage/engine/python/petzval/" ;; esac
-    done
-    cp "$(ls "$folder"/release/lib_native.so "$folder"/*/release/lib_native.so "$folder"/release/lib_native.dylib 2>/dev/null)" "$stage/engine/python/petzval/_native.abi3.so"
-    for part in addon lenses pyproject.toml; do ln -s "$PWD/$part" "$stage/$part"; done
+    rm -rf "$folder/wheel" "$folder/stage" "$folder/counts" "$folder/pictures"
+    mkdir -p "$folder/pictures"
+    run env RUSTFLAGS="$RUSTFLAGS $counted -C profile-generate=$folder/counts" \
+        maturin "$@" --target-dir "$folder" --out "$folder/wheel"
+    run .venv-tools/bin/python -m zipfile -e "$folder"/wheel/*.whl "$folder/stage"
     # Counts of build scripts, which are none of the engine's, lie beside.
     run env LLVM_PROFILE_FILE="$folder/counts/engine-%m-%p.profraw" \
-        PYTHONPATH="$stage/engine/python:$PWD/tools:$PWD/tests:$PWD/tests/scenes" \
+        PYTHONPATH="$folder/stage:$PWD/tools:$PWD/tests:$PWD/tests/scenes" \
         "$bpy" "$PWD/tools/train_engine.py" "$folder/pictures"
     run "$merge" merge -o "$folder/engine.profdata" "$folder"/counts/engine-*.profraw
-    rm -rf "$stage" "$folder/counts" "$folder/pictures"
+    rm -rf "$folder/wheel" "$folder/stage" "$folder/counts" "$folder/pictures"
     laid_out="-C profile-use=$folder/engine.profdata"
 }
 
@@ -106,8 +99,8 @@ compile_release() {
     export RUSTFLAGS
     flags="build --release"
     if .venv-wheels/bin/python -c 'import ziglang' 2>/dev/null; then flags="$flags --zig --compatibility manylinux_2_28"; fi
-    # maturin names the target to Zig.
-    case $flags in *--zig*) count_branches "--target=$(rustc -vV | sed -n 's/^host: //p')" ;; *) count_branches "" ;; esac
+    # shellcheck disable=SC2086
+    count_branches $flags
     RUSTFLAGS="$RUSTFLAGS $laid_out"
     if [ -z "$levels" ]; then
         # shellcheck disable=SC2086

@@ -104,7 +104,7 @@ def test_a_film_that_the_lens_does_not_cover_is_said(scene):
     own = scene.camera.data.petzval
     own.lens_file = "phone-4.1-f1.8"
     complaint = scenes.part("queries.lens_info").coverage(scene.camera, scene)
-    assert "stay black" in complaint and "Of the Lens" in complaint
+    assert "stays black" in complaint and "Of the Lens" in complaint
     own.film_mode = "LENS"
     assert scenes.part("queries.lens_info").coverage(scene.camera, scene) == ""
     found = info_of(scene)

@@ -10,6 +10,7 @@ use crate::surface::{Conic, LAST_POWER, Shape};
 use glam::DAffine3;
 
 use super::beams::{self, FieldBeam};
+use super::configurations::Configurations;
 use super::draft_row::DraftRow;
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::{Reading, Remarks};
@@ -22,7 +23,7 @@ const ROOM: f64 = 1.02;
 /// Beams of more fields tell nothing new.
 const MOST_FIELDS: usize = 50;
 /// Objects farther away are at infinity, mm: programs write 1e10 and more.
-const INFINITELY_FAR_MM: f64 = 1e8;
+pub(super) const INFINITELY_FAR_MM: f64 = 1e8;
 
 /// A file's statement of the width of the beam on the axis.
 #[derive(Clone, Copy, Debug)]
@@ -72,6 +73,8 @@ pub(super) struct Draft<'a> {
     pub(super) coating: Option<Coating>,
     /// Surfaces with gaps that move, and where they are.
     pub(super) moving: Option<(Vec<Part>, Vec<Position>, Vec<Place>)>,
+    /// Configurations, of which moving parts are made.
+    pub(super) configurations: Option<Configurations>,
     pub(super) remarks: Remarks,
 }
 
@@ -92,6 +95,7 @@ impl<'a> Draft<'a> {
             metadata: Metadata::default(),
             coating: None,
             moving: None,
+            configurations: None,
             remarks: Remarks::default(),
         }
     }
@@ -130,6 +134,9 @@ impl<'a> Draft<'a> {
         }
         if let Some(StatedBeam::EntrancePupil(diameter)) = &mut self.beam {
             *diameter *= mm;
+        }
+        if let Some(configurations) = &mut self.configurations {
+            configurations.scale(mm);
         }
     }
 
@@ -181,7 +188,8 @@ impl<'a> Draft<'a> {
         self.drop_inert();
         let stop = self.stop.unwrap_or(0);
         self.open_stop(stop);
-        self.open_rims(stop);
+        let widest_mm = self.configure(stop);
+        self.open_rims(stop, &widest_mm);
         self.note_design();
 
         let surfaces = self.surfaces()?;
@@ -243,7 +251,7 @@ impl<'a> Draft<'a> {
 
     /// Takes out planes between one medium and the same that neither are the stop nor have a rim: marks of the design program.
     fn drop_inert(&mut self) {
-        if self.moving.as_ref().is_some_and(|(parts, ..)| !parts.is_empty()) {
+        if self.configurations.is_some() || self.moving.as_ref().is_some_and(|(parts, ..)| !parts.is_empty()) {
             return;
         }
         let mut before = Medium::air();
@@ -271,7 +279,7 @@ impl<'a> Draft<'a> {
     }
 
     /// The surfaces as Gaussian optics sees them.
-    fn thin(&self) -> Vec<ParaxialSurface> {
+    pub(super) fn thin(&self) -> Vec<ParaxialSurface> {
         let (mut sign, mut medium) = (1.0, 1.0);
         let one = |row: &DraftRow| {
             let from = sign * medium;
@@ -288,7 +296,7 @@ impl<'a> Draft<'a> {
     }
 
     /// Sets the stop's width, by the beam that the file wants.
-    fn open_stop(&mut self, stop: usize) {
+    pub(super) fn open_stop(&mut self, stop: usize) {
         let thin = self.thin();
         let front = front_of(&thin, stop);
         let semi = match self.beam {
@@ -305,18 +313,21 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Sets the widths of the other surfaces, where the file does not state them: those of the beams of its fields.
-    fn open_rims(&mut self, stop: usize) {
+    /// Sets the widths of the other surfaces, where the file does not state them: those of the beams of its fields. Widths that nobody
+    /// has fixed are at least those of the beams in other configurations.
+    fn open_rims(&mut self, stop: usize, widest_mm: &[f64]) {
         let good = |x: f64| x.is_finite() && x > 0.0;
         let given = |row: &DraftRow| row.semi_diameter_mm.filter(|x| good(*x));
         let guessed = self.rows.iter().filter(|row| given(row).is_none()).count();
-        let computed = if guessed > 0 { self.beams(stop) } else { vec![0.0; self.rows.len()] };
+        let mut computed = if guessed > 0 { self.beams(stop) } else { vec![0.0; self.rows.len()] };
+        computed.iter_mut().zip(widest_mm).for_each(|(computed, widest)| *computed = computed.max(*widest));
         let largest = self.rows.iter().filter_map(given).fold(0.0, f64::max);
         let spare = if largest > 0.0 { largest } else { 1.0 };
         for (i, row) in self.rows.iter_mut().enumerate() {
             let base = Conic { curvature: row.curvature, conic: row.conic };
             let reach = Shape::from_numbers(base, &[], row.radius_x_mm).reach_mm();
-            let known = given(row);
+            let known =
+                given(row).map(|semi| if i == stop || row.is_width_fixed { semi } else { semi.max(widest_mm[i]) });
             let semi = known.unwrap_or(if good(computed[i]) { ROOM * computed[i] } else { spare });
             if semi > reach && known.is_some() {
                 let (wanted, has) = (2.0 * semi, 2.0 * reach);
@@ -335,7 +346,7 @@ impl<'a> Draft<'a> {
     }
 
     /// Distances from the axis that the beams of the fields reach on the surfaces.
-    fn beams(&self, stop: usize) -> Vec<f64> {
+    pub(super) fn beams(&self, stop: usize) -> Vec<f64> {
         let thin = self.thin();
         let front = front_of(&thin, stop);
         let stop_semi = self.rows[stop].semi_diameter_mm.unwrap_or(0.0);

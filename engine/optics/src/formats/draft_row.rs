@@ -21,6 +21,8 @@ pub(super) struct DraftRow {
     pub(super) semi_diameter_mm: Option<f64>,
     /// True if the file means that the rim stops light, not only that the beam is so wide.
     pub(super) has_rim: bool,
+    /// True if the width is the designer's: else it may be that of the beams in one configuration.
+    pub(super) is_width_fixed: bool,
     pub(super) obstruction_mm: f64,
     /// The change of coordinates from the place that the row before leaves to this surface, mm.
     pub(super) before: DAffine3,
@@ -43,6 +45,7 @@ impl DraftRow {
             behind: NextMedium::Medium(Medium::air()),
             semi_diameter_mm: None,
             has_rim: false,
+            is_width_fixed: false,
             obstruction_mm: 0.0,
             before: DAffine3::IDENTITY,
             after: DAffine3::IDENTITY,

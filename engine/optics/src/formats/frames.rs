@@ -61,18 +61,18 @@ impl Draft<'_> {
         if is_straight {
             return Ok(());
         }
+        // Unfolded, the axis goes straight on along z, however the file's coordinates are turned between its mirrors.
         let (mut here, mut unfolded) = (DAffine3::IDENTITY, DAffine3::IDENTITY);
         let mut frames: Vec<(DAffine3, bool)> = Vec::with_capacity(self.rows.len());
         let mut folds = Vec::new();
         for (i, row) in self.rows.iter().enumerate() {
-            let axis = here.matrix3.z_axis;
             let own = here * row.before;
             let frame = unfolded * own;
             let is_plane =
                 row.curvature == 0.0 && row.terms.iter().all(|(_, a)| *a == 0.0) && row.radius_x_mm.is_none();
             let is_fold = is_plane
                 && matches!(row.behind, NextMedium::Mirror)
-                && axis.cross(own.matrix3.z_axis).length() > FOLD_RAD;
+                && frame.matrix3.z_axis.cross(DVec3::Z).length() > FOLD_RAD;
             if is_fold {
                 if self.stop == Some(i) {
                     let what = "the stop is a mirror that folds the axis; put the stop on a plane beside it".to_owned();
@@ -83,6 +83,10 @@ impl Draft<'_> {
             }
             frames.push(right_handed(frame));
             here = own * row.after * DAffine3::from_translation(DVec3::Z * row.thickness_mm);
+        }
+        if let Some(configurations) = self.configurations.take() {
+            let what = "the lens is tilted or folded: its configurations are left out, and it is read as it stands in the surfaces";
+            self.remarks.say(configurations.place(), what);
         }
         let (film, _) = right_handed(unfolded * here * self.film_frame);
         self.check_film(&film)?;

@@ -5,6 +5,8 @@
 //! another. Glasses are NAME_MAKER without hyphens, a private catalogue's names in quotes, or numbers: `517.642` is nd 1.517 and Vd 64.2.
 //! (Commands as in files that CODE V saved.)
 
+mod zoom;
+
 use std::collections::HashMap;
 
 use glam::{DAffine3, DVec3};
@@ -166,6 +168,7 @@ struct SeqReader<'a> {
     /// While a private catalogue is read: its wavelengths in nm.
     private: Option<Vec<f64>>,
     private_glasses: HashMap<String, Medium>,
+    zoom: zoom::ZoomLines,
     ended: bool,
 }
 
@@ -187,6 +190,7 @@ impl<'a> SeqReader<'a> {
             cut: [Vec::new(), Vec::new()],
             private: None,
             private_glasses: HashMap::new(),
+            zoom: zoom::ZoomLines::default(),
             ended: false,
         }
     }
@@ -246,10 +250,7 @@ impl<'a> SeqReader<'a> {
             "VUY" => self.cut[1] = self.numbers(words, "VUY")?,
             "VLY" => self.cut[0] = self.numbers(words, "VLY")?,
             "PRV" => self.private = Some(Vec::new()),
-            "ZOO" => {
-                let what = "zoom positions are left out; the lens is read in its first";
-                self.draft.remarks.once("ZOO", words[0].place, what);
-            }
+            "ZOO" => self.zoom_line(words)?,
             "GO" => self.ended = true,
             "SO" | "SI" | "S" => self.surface(&key, words)?,
             // S3 as a command begins with the surface's number.
@@ -416,6 +417,14 @@ impl<'a> SeqReader<'a> {
             "STO" | "STOP" => self.draft.stop = Some(index),
             "K" => self.draft.rows[index].conic = value(self)?,
             "CON" | "ASP" | "SPH" => {}
+            // A solve, such as THI HMY 0: what it gave stands in the surface.
+            "THI" | "CUY"
+                if words.get(1).is_some_and(|word| !word.quoted && word.text.starts_with(char::is_alphabetic)) =>
+            {
+                let what =
+                    format!("'{key} {}' is left out; the surface keeps the numbers that the file has", words[1].text);
+                self.draft.remarks.once("solve", place, what);
+            }
             "THI" => self.draft.rows[index].thickness_mm = value(self)?,
             "CUY" => self.draft.rows[index].curvature = value(self)?,
             "GLA" => {
@@ -500,6 +509,7 @@ impl<'a> SeqReader<'a> {
                 .draft
                 .fail(place, Problem::Unsupported("there is no film; end the surfaces with SI".to_owned()));
         }
+        self.configure();
         if let Some(last) = self.draft.rows.last_mut() {
             last.thickness_mm += self.defocus_mm;
         }

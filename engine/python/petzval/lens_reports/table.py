@@ -27,7 +27,10 @@ class Table:
 def _text(cell: float | str | None) -> str:
     if cell is None:
         return "-"
-    return cell if isinstance(cell, str) else f"{cell:.4g}"
+    if isinstance(cell, str):
+        return cell
+    # What is left of a zero by rounding is none.
+    return f"{0.0 if abs(cell) < 1e-12 else cell:.4g}"
 
 
 def per_line(wavelengths_nm: Sequence[float], what: str) -> list[str]:

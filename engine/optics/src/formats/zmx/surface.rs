@@ -3,11 +3,12 @@
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use crate::prescription::{NextMedium, Place};
+use crate::surface::{Conic, LAST_POWER};
 
 use super::super::draft_row::DraftRow;
-use super::super::frames;
 use super::super::problem::{LensFileError, Problem, at};
 use super::super::text::Token;
+use super::super::{forbes, frames};
 use super::ZmxReader;
 
 /// A surface while its lines are read. Lengths in the file's units.
@@ -19,6 +20,8 @@ pub(super) struct SurfaceLines {
     conic: f64,
     thickness: f64,
     diameter: Option<f64>,
+    /// True if the designer has fixed the diameter: else it is that of the beams in the configuration that the file was saved in.
+    is_width_fixed: bool,
     mechanical: Option<f64>,
     /// Inner and outer radius of a round aperture.
     aperture: Option<[f64; 2]>,
@@ -40,6 +43,7 @@ impl SurfaceLines {
             conic: 0.0,
             thickness: 0.0,
             diameter: None,
+            is_width_fixed: false,
             mechanical: None,
             aperture: None,
             obstruction: 0.0,
@@ -52,6 +56,10 @@ impl SurfaceLines {
 
     fn parameter(&self, number: usize) -> f64 {
         self.parameters.iter().find(|p| p.0 == number).map_or(0.0, |p| p.1)
+    }
+
+    fn extra_value(&self, number: usize) -> f64 {
+        self.extra.iter().find(|p| p.0 == number).map_or(0.0, |p| p.1)
     }
 }
 
@@ -101,7 +109,10 @@ impl ZmxReader<'_> {
                 }
                 self.blocks[index].thickness = if endless { f64::INFINITY } else { first(self)? };
             }
-            "DIAM" => self.blocks[index].diameter = Some(first(self)?),
+            "DIAM" => {
+                self.blocks[index].diameter = Some(first(self)?);
+                self.blocks[index].is_width_fixed = rest.get(1).is_some_and(|word| word.text != "0");
+            }
             "MEMA" => self.blocks[index].mechanical = Some(first(self)?),
             "CLAP" | "FLAP" => self.blocks[index].aperture = Some(pair(self)?),
             "OBSC" => {
@@ -154,8 +165,8 @@ impl ZmxReader<'_> {
         Ok(())
     }
 
-    /// Object, surfaces and film from the blocks.
-    pub(super) fn surfaces(&mut self) -> Result<(), LensFileError> {
+    /// Object, surfaces and film from the blocks. Returns the row of each block, if it is one.
+    pub(super) fn surfaces(&mut self) -> Result<Vec<Option<usize>>, LensFileError> {
         let scale = self.mm_per_unit;
         let blocks = std::mem::take(&mut self.blocks);
         let [object, surfaces @ .., film] = blocks.as_slice() else {
@@ -169,7 +180,9 @@ impl ZmxReader<'_> {
             self.draft.film_radius_mm = Some(scale / film.curvature);
         }
         let mut pending = DAffine3::IDENTITY;
+        let mut rows = vec![None];
         for block in surfaces {
+            rows.push((block.kind != "COORDBRK").then_some(self.draft.rows.len()));
             if block.kind == "COORDBRK" {
                 pending *= self.coordinate_break(block);
                 continue;
@@ -183,7 +196,7 @@ impl ZmxReader<'_> {
         }
         self.draft.film_frame = pending;
         self.plain_breaks();
-        Ok(())
+        Ok(rows)
     }
 
     /// The change of coordinates of a coordinate break, mm: parameters 1 and 2 decentre, 3 to 5 turn about x, y and z, 6 says the order.
@@ -223,7 +236,6 @@ impl ZmxReader<'_> {
         row.curvature = block.curvature / scale;
         row.conic = block.conic;
         row.thickness_mm = block.thickness * scale;
-        self.shape(block, scale, &mut row)?;
         row.behind = self.glass(block)?;
         let rim = block.aperture.map(|[_, outer]| outer).filter(|outer| *outer > 0.0);
         row.has_rim = rim.is_some() || block.obstruction > 0.0;
@@ -233,10 +245,12 @@ impl ZmxReader<'_> {
         }
         let hole = block.aperture.map_or(0.0, |[inner, _]| inner);
         row.obstruction_mm = hole.max(block.obstruction) * scale;
+        row.is_width_fixed = row.has_rim || block.is_width_fixed;
+        self.shape(block, scale, &mut row)?;
         Ok(row)
     }
 
-    /// Reads the part of the shape that the surface's type adds to curvature and conic constant.
+    /// Reads the part of the shape that the surface's type adds to curvature and conic constant. The row has its clear diameter already.
     fn shape(&mut self, block: &SurfaceLines, scale: f64, row: &mut DraftRow) -> Result<(), LensFileError> {
         // A coefficient of rᵖ, in the file's units, in mm.
         let term = |power: u32, a: f64| (power, a / scale.powi(power as i32 - 1));
@@ -245,7 +259,7 @@ impl ZmxReader<'_> {
             "EVENASPH" => row.terms = (1..=8).map(|i| term(2 * i as u32, block.parameter(i))).collect(),
             "ODDASPHE" => row.terms = (1..=8).map(|i| term(i as u32, block.parameter(i))).collect(),
             "XASPHERE" | "XOSPHERE" => {
-                let value = |number: usize| block.extra.iter().find(|p| p.0 == number).map_or(0.0, |p| p.1);
+                let value = |number: usize| block.extra_value(number);
                 let (count, radius) = (value(1).clamp(0.0, 240.0) as usize, value(2));
                 let step = if block.kind == "XASPHERE" { 2 } else { 1 };
                 if count > 0 && !(radius > 0.0) {
@@ -266,15 +280,52 @@ impl ZmxReader<'_> {
                 row.radius_x_mm = Some(block.parameter(1) * scale);
                 row.terms = (2..=8).map(|i| term(2 * (i as u32 - 1), block.parameter(i))).collect();
             }
+            "QED_TYPE" => row.terms = self.forbes(block, scale, row)?,
             other => {
                 let what = format!(
-                    "surface type '{other}' is not supported; STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE and TOROIDAL are"
+                    "surface type '{other}' is not supported; STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE, QED_TYPE and TOROIDAL \
+                     are"
                 );
                 return self.draft.fail(block.kind_place, Problem::Unsupported(what));
             }
         }
         row.terms.retain(|(_, a)| *a != 0.0);
         Ok(())
+    }
+
+    /// The terms of a Q-type asphere: XDAT 1 is 0 for Qbfs and 1 for Qcon, 2 the number of coefficients, 3 the radius to which they are
+    /// normalized, then the coefficients in the file's units.
+    fn forbes(&mut self, block: &SurfaceLines, scale: f64, row: &DraftRow) -> Result<forbes::Terms, LensFileError> {
+        let value = |number: usize| block.extra_value(number);
+        let (kind, count, radius_mm) = (value(1), value(2).clamp(0.0, 240.0) as usize, value(3) * scale);
+        let coefficients_mm: Vec<f64> = (0..count).map(|i| value(i + 4) * scale).collect();
+        if coefficients_mm.iter().all(|a| *a == 0.0) {
+            return Ok(Vec::new());
+        }
+        if !(radius_mm > 0.0) {
+            let what = format!("the asphere's normalization radius is {radius_mm}; it must be larger than 0");
+            return self.draft.fail(block.kind_place, Problem::Unsupported(what));
+        }
+        if kind == 1.0 {
+            return Ok(forbes::conic_based(&coefficients_mm, radius_mm));
+        }
+        if kind != 0.0 {
+            let what = format!("Q-type aspheres are of type 0 (Qbfs) or 1 (Qcon), not {kind}");
+            return self.draft.fail(block.kind_place, Problem::Unsupported(what));
+        }
+        let base = Conic { curvature: row.curvature, conic: row.conic };
+        let clear_mm = row.semi_diameter_mm.unwrap_or(radius_mm);
+        let Some((terms, miss_mm)) = forbes::slope_orthogonal(&coefficients_mm, radius_mm, base, clear_mm) else {
+            let what = format!(
+                "the Q-type asphere ends, or is no polynomial of r^{LAST_POWER}, before its clear radius of {clear_mm} mm"
+            );
+            return self.draft.fail(block.kind_place, Problem::Unsupported(what));
+        };
+        let what = format!(
+            "the Qbfs asphere is taken as powers to r^{LAST_POWER}, which follow its sag within {miss_mm:.1e} mm"
+        );
+        self.draft.remarks.say(block.kind_place, what);
+        Ok(terms)
     }
 
     fn glass(&mut self, block: &SurfaceLines) -> Result<NextMedium, LensFileError> {

@@ -77,10 +77,10 @@ impl CameraDescription {
             } else {
                 "the film reaches beyond what the lens lights"
             };
-            format!("{by}, {where_to}, and {percent:.0} % of the picture stay black: turn or shift it less")
+            format!("{by}, {where_to}, and {percent:.0} % of the picture stays black: turn or shift it less")
         } else {
             format!(
-                "{percent:.0} % of the picture stay black: the lens lights a circle of {lit_diameter_mm:.1} mm, and the picture takes \
+                "{percent:.0} % of the picture stays black: the lens lights a circle of {lit_diameter_mm:.1} mm, and the picture takes \
                  {:.1} x {:.1} mm: set Film to Of the Lens (--film lens), make the film smaller, or choose a lens for larger film",
                 setup.info.picture_width_mm, setup.info.picture_height_mm
             )

@@ -1,0 +1,201 @@
+//! Configurations of a design program's file: the gaps, object distances and beams of a zoom's focal lengths, or of a lens that is
+//! focused inside.
+
+use std::collections::BTreeMap;
+
+use crate::first_order::between_vertices;
+use crate::prescription::Place;
+use crate::prescription::moving::{Part, Position, Quantity};
+
+use super::draft::{Draft, INFINITELY_FAR_MM, StatedBeam};
+
+/// A file with more is no lens.
+pub(super) const MOST: usize = 100;
+/// Focal lengths that differ by less are the same, as a part.
+const SAME_FOCAL_LENGTH: f64 = 1e-4;
+/// Rounding of widths of the stop, as a part.
+const SAME_WIDTH: f64 = 1e-9;
+
+/// What a file says of its configurations; what it does not is as in the surfaces. Lengths in mm.
+pub(super) struct Configurations {
+    count: usize,
+    /// The one in which the surfaces stand.
+    active: usize,
+    place: Place,
+    /// By row: the gap behind it.
+    gaps_mm: BTreeMap<usize, Vec<Option<f64>>>,
+    objects_mm: Vec<Option<f64>>,
+    beams: Vec<Option<StatedBeam>>,
+}
+
+/// A lens in one configuration.
+struct State {
+    focal_mm: f64,
+    object_mm: f64,
+    /// By row.
+    gaps_mm: Vec<f64>,
+    stop_diameter_mm: f64,
+}
+
+impl Configurations {
+    /// So many configurations; `active` counts from 0.
+    pub(super) fn new(count: usize, active: usize, place: Place) -> Self {
+        let nothing = vec![None; count];
+        Self { count, active, place, gaps_mm: BTreeMap::new(), objects_mm: nothing, beams: vec![None; count] }
+    }
+
+    pub(super) fn place(&self) -> Place {
+        self.place
+    }
+
+    pub(super) fn gap(&mut self, row: usize, configuration: usize, mm: f64) {
+        let all = self.gaps_mm.entry(row).or_insert_with(|| vec![None; self.count]);
+        if let Some(gap) = all.get_mut(configuration) {
+            *gap = Some(mm);
+        }
+    }
+
+    pub(super) fn object(&mut self, configuration: usize, mm: f64) {
+        if let Some(object) = self.objects_mm.get_mut(configuration) {
+            *object = Some(mm);
+        }
+    }
+
+    pub(super) fn beam(&mut self, configuration: usize, beam: StatedBeam) {
+        if let Some(stated) = self.beams.get_mut(configuration) {
+            *stated = Some(beam);
+        }
+    }
+
+    /// Makes millimetres of lengths in units of `mm`.
+    pub(super) fn scale(&mut self, mm: f64) {
+        self.gaps_mm.values_mut().flatten().chain(&mut self.objects_mm).flatten().for_each(|length| *length *= mm);
+        for beam in self.beams.iter_mut().flatten() {
+            if let StatedBeam::EntrancePupil(diameter) = beam {
+                *diameter *= mm;
+            }
+        }
+    }
+}
+
+impl Draft<'_> {
+    /// Makes moving parts of the configurations. Returns how wide the beams are on each surface in the widest of them, mm; 0 without any.
+    pub(super) fn configure(&mut self, stop: usize) -> Vec<f64> {
+        let mut widest_mm = vec![0.0f64; self.rows.len()];
+        let Some(configurations) = self.configurations.take() else { return widest_mm };
+        let states: Vec<State> =
+            (0..configurations.count).map(|i| self.state(&configurations, i, stop, &mut widest_mm)).collect();
+        if let Err(why) = self.positions_of(&configurations, &states, stop) {
+            let (count, place) = (configurations.count, configurations.place);
+            let what = format!(
+                "the file has {count} configurations, and {why}: the lens is read as it stands in the surfaces"
+            );
+            self.remarks.say(place, what);
+            return vec![0.0; self.rows.len()];
+        }
+        widest_mm
+    }
+
+    /// The lens in a configuration, its beams added to the widest. The draft is as before.
+    fn state(&mut self, configurations: &Configurations, i: usize, stop: usize, widest_mm: &mut [f64]) -> State {
+        let before = (self.rows.clone(), self.object_mm, self.beam);
+        for (row, gaps_mm) in &configurations.gaps_mm {
+            self.rows[*row].thickness_mm = gaps_mm[i].unwrap_or(self.rows[*row].thickness_mm);
+        }
+        self.object_mm = configurations.objects_mm[i].unwrap_or(self.object_mm);
+        if self.object_mm.abs() > INFINITELY_FAR_MM {
+            self.object_mm = f64::INFINITY;
+        }
+        self.beam = configurations.beams[i].or(self.beam);
+        self.open_stop(stop);
+        for (widest, beam) in widest_mm.iter_mut().zip(self.beams(stop)) {
+            *widest = widest.max(beam);
+        }
+        let state = State {
+            focal_mm: between_vertices(&self.thin()).c.recip().abs(),
+            object_mm: self.object_mm,
+            gaps_mm: self.rows.iter().map(|row| row.thickness_mm).collect(),
+            stop_diameter_mm: 2.0 * self.rows[stop].semi_diameter_mm.unwrap_or(0.0),
+        };
+        (self.rows, self.object_mm, self.beam) = before;
+        state
+    }
+
+    /// Puts the states into the draft as positions by zoom and focus, the active one first; the error says why they are none.
+    fn positions_of(
+        &mut self,
+        configurations: &Configurations,
+        states: &[State],
+        stop: usize,
+    ) -> Result<(), &'static str> {
+        if states.iter().any(|state| !state.focal_mm.is_finite()) {
+            return Err("one of them has no focal length");
+        }
+        let is_same = |a: f64, b: f64| (a - b).abs() <= SAME_FOCAL_LENGTH * a.abs();
+        // Those with their object at infinity, one of each focal length; the active one first.
+        let mut far: Vec<usize> = Vec::new();
+        let first = configurations.active.min(states.len() - 1);
+        for i in std::iter::once(first).chain((0..states.len()).filter(|i| *i != first)) {
+            let is_new = !far.iter().any(|j| is_same(states[*j].focal_mm, states[i].focal_mm));
+            if states[i].object_mm.is_infinite() && is_new {
+                far.push(i);
+            }
+        }
+        if far.is_empty() {
+            return Err("none has its object at infinity");
+        }
+        let zooms = far.len() > 1;
+        let near: Vec<usize> = (0..states.len()).filter(|i| states[*i].object_mm.is_finite()).collect();
+        // Those of near objects repeat the zooms in their order in the file.
+        let mut by_file = far.clone();
+        by_file.sort_unstable();
+        let belongs = |i: usize| (near.len() % far.len() == 0).then(|| by_file[i % far.len()]);
+        let all = far.iter().map(|i| (*i, *i));
+        let all: Vec<(usize, usize)> =
+            all.chain(near.iter().enumerate().filter_map(|(order, i)| Some((*i, belongs(order)?)))).collect();
+
+        let changes = |of: &dyn Fn(&State) -> f64, same: f64| {
+            let value = of(&states[all[0].0]);
+            all.iter().any(|(i, _)| (of(&states[*i]) - value).abs() > same * value.abs())
+        };
+        let last = self.rows.len() - 1;
+        // The film follows the lens by itself; with it a lens would not be focused.
+        let gaps: Vec<usize> =
+            (0..=last).filter(|row| (zooms || *row != last) && changes(&|state| state.gaps_mm[*row], 0.0)).collect();
+        let opens = changes(&|state| state.stop_diameter_mm, SAME_WIDTH);
+        if gaps.is_empty() {
+            return Err("no gap changes between them");
+        }
+        let position = |&(i, zoom): &(usize, usize)| Position {
+            zoom_mm: zooms.then(|| (states[zoom].focal_mm * 1e4).round() / 1e4),
+            focus_mm: states[i].object_mm,
+            values: (gaps.iter().map(|row| states[i].gaps_mm[*row]))
+                .chain(opens.then_some(states[i].stop_diameter_mm))
+                .collect(),
+        };
+        let mut positions: Vec<Position> = Vec::new();
+        for place in all.iter().map(position) {
+            if !positions.iter().any(|p| p.zoom_mm == place.zoom_mm && p.focus_mm == place.focus_mm) {
+                positions.push(place);
+            }
+        }
+        let left_out = states.len() - positions.len();
+        let mut what = match positions.iter().filter_map(|p| p.zoom_mm).reduce(f64::max) {
+            Some(longest) => {
+                let shortest = positions.iter().filter_map(|p| p.zoom_mm).fold(f64::INFINITY, f64::min);
+                format!("{} configurations are positions of a zoom from {shortest} to {longest} mm", positions.len())
+            }
+            None => format!("{} configurations are positions of the focus", positions.len()),
+        };
+        if left_out > 0 {
+            what += &format!(
+                "; {left_out} more are left out: they repeat a focal length, or are near ones of no known zoom"
+            );
+        }
+        self.remarks.say(configurations.place, what);
+        let diameter = opens.then_some(Part { surface: stop, quantity: Quantity::Diameter });
+        let parts = gaps.into_iter().map(Part::gap).chain(diameter).collect();
+        self.moving = Some((parts, positions.clone(), vec![configurations.place; positions.len()]));
+        Ok(())
+    }
+}
