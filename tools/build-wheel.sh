@@ -59,7 +59,8 @@ run() {
 # counting engine is compiled by the very command of the release.
 count_branches() {
     laid_out=
-    libraries=$(rustc --print sysroot)/lib/rustlib/$(rustc -vV | sed -n 's/^host: //p')
+    host=$(rustc -vV | sed -n 's/^host: //p')
+    libraries=$(rustc --print sysroot)/lib/rustlib/$host
     merge=$libraries/bin/llvm-profdata
     if ! [ -x "$merge" ] && command -v rustup >/dev/null; then rustup component add llvm-tools >"$log" 2>&1 || true; fi
     bpy=$(for python in .venv-bpy52/bin/python .venv-bpy45/bin/python; do [ ! -x "$python" ] || { echo "$PWD/$python"; break; }; done)
@@ -76,8 +77,10 @@ count_branches() {
     folder=$(mkdir -p "${CARGO_TARGET_DIR:-target}/profile" && cd "${CARGO_TARGET_DIR:-target}/profile" && pwd)
     rm -rf "$folder/wheel" "$folder/stage" "$folder/counts" "$folder/pictures"
     mkdir -p "$folder/pictures"
+    # Linked by this machine's own linker: Zig's does not know the option by which the counters come in.
     run env RUSTFLAGS="$RUSTFLAGS $counted -C profile-generate=$folder/counts" \
-        maturin "$@" --target-dir "$folder" --out "$folder/wheel"
+        "CARGO_TARGET_$(echo "$host" | tr 'a-z-' 'A-Z_')_LINKER=cc" \
+        maturin "$@" --auditwheel skip --target-dir "$folder" --out "$folder/wheel"
     run .venv-tools/bin/python -m zipfile -e "$folder"/wheel/*.whl "$folder/stage"
     # Counts of build scripts, which are none of the engine's, lie beside.
     run env LLVM_PROFILE_FILE="$folder/counts/engine-%m-%p.profraw" \

@@ -26,6 +26,8 @@ pub(super) struct Configurations {
     gaps_mm: BTreeMap<usize, Vec<Option<f64>>>,
     objects_mm: Vec<Option<f64>>,
     beams: Vec<Option<StatedBeam>>,
+    /// True if the film stands at the image of first order in each.
+    pub(super) image_follows: bool,
 }
 
 /// A lens in one configuration.
@@ -41,7 +43,15 @@ impl Configurations {
     /// So many configurations; `active` counts from 0.
     pub(super) fn new(count: usize, active: usize, place: Place) -> Self {
         let nothing = vec![None; count];
-        Self { count, active, place, gaps_mm: BTreeMap::new(), objects_mm: nothing, beams: vec![None; count] }
+        Self {
+            count,
+            active,
+            place,
+            gaps_mm: BTreeMap::new(),
+            objects_mm: nothing,
+            beams: vec![None; count],
+            image_follows: false,
+        }
     }
 
     pub(super) fn place(&self) -> Place {
@@ -78,6 +88,23 @@ impl Configurations {
     }
 }
 
+/// The configuration at infinity of the same zoom as the one of a near object: the one that shares most gaps with it. Of several that do,
+/// the one before it in the file, or, where those at infinity stand first, the one of the same order. `None` if neither tells.
+fn zoom_of(i: usize, order: usize, near: usize, far: &[usize], states: &[State]) -> Option<usize> {
+    let shared = |j: usize| states[i].gaps_mm.iter().zip(&states[j].gaps_mm).filter(|(a, b)| a == b).count();
+    let most = far.iter().map(|j| shared(*j)).max()?;
+    let mut alike = far.iter().copied().filter(|j| shared(*j) == most);
+    if let (Some(only), None) = (alike.next(), alike.next()) {
+        return Some(only);
+    }
+    let mut by_file = far.to_vec();
+    by_file.sort_unstable();
+    if by_file.iter().enumerate().all(|(place, j)| place == *j) {
+        return (near % far.len() == 0).then(|| by_file[order % far.len()]);
+    }
+    by_file.into_iter().rev().find(|j| *j < i)
+}
+
 impl Draft<'_> {
     /// Makes moving parts of the configurations. Returns how wide the beams are on each surface in the widest of them, mm; 0 without any.
     pub(super) fn configure(&mut self, stop: usize) -> Vec<f64> {
@@ -105,6 +132,11 @@ impl Draft<'_> {
         self.object_mm = configurations.objects_mm[i].unwrap_or(self.object_mm);
         if self.object_mm.abs() > INFINITELY_FAR_MM {
             self.object_mm = f64::INFINITY;
+        }
+        if let (Some(last), Some(mm)) =
+            (self.rows.len().checked_sub(1), self.image_distance_mm().filter(|_| configurations.image_follows))
+        {
+            self.rows[last].thickness_mm = mm;
         }
         self.beam = configurations.beams[i].or(self.beam);
         self.open_stop(stop);
@@ -146,13 +178,9 @@ impl Draft<'_> {
         }
         let zooms = far.len() > 1;
         let near: Vec<usize> = (0..states.len()).filter(|i| states[*i].object_mm.is_finite()).collect();
-        // Those of near objects repeat the zooms in their order in the file.
-        let mut by_file = far.clone();
-        by_file.sort_unstable();
-        let belongs = |i: usize| (near.len() % far.len() == 0).then(|| by_file[i % far.len()]);
-        let all = far.iter().map(|i| (*i, *i));
-        let all: Vec<(usize, usize)> =
-            all.chain(near.iter().enumerate().filter_map(|(order, i)| Some((*i, belongs(order)?)))).collect();
+        let near_ones =
+            near.iter().enumerate().filter_map(|(order, i)| Some((*i, zoom_of(*i, order, near.len(), &far, states)?)));
+        let all: Vec<(usize, usize)> = far.iter().map(|i| (*i, *i)).chain(near_ones).collect();
 
         let changes = |of: &dyn Fn(&State) -> f64, same: f64| {
             let value = of(&states[all[0].0]);

@@ -140,15 +140,20 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Puts the film where the image is at first order.
-    pub(super) fn film_at_focus(&mut self, place: Place) {
+    /// The distance of the image at first order from the last surface, mm; `None` without one.
+    pub(super) fn image_distance_mm(&self) -> Option<f64> {
         let thin = self.thin();
         let matrix = between_vertices(&thin);
         let ray = if self.object_mm.abs() > INFINITELY_FAR_MM { (1.0, 0.0) } else { (self.object_mm, 1.0) };
         let [height, slope] = matrix.apply(ray.0, ray.1);
         let index = thin.last().map_or(1.0, |s| s.to);
-        let distance = -height * index / slope;
-        if let (Some(last), true) = (self.rows.last_mut(), distance.is_finite()) {
+        Some(-height * index / slope).filter(|mm| mm.is_finite())
+    }
+
+    /// Puts the film where the image is at first order.
+    pub(super) fn film_at_focus(&mut self, place: Place) {
+        let distance = self.image_distance_mm();
+        if let (Some(last), Some(distance)) = (self.rows.last_mut(), distance) {
             last.thickness_mm = distance;
             self.remarks.say(place, format!("the film is put where the image is at first order, at {distance}"));
         }

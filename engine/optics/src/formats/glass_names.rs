@@ -35,11 +35,14 @@ const CATALOGUES: [(&str, &[&str]); 12] = [
 ];
 
 /// Materials that the programs call otherwise than our catalogues.
-const ALIASES: [(&str, &str); 12] = [
+const ALIASES: [(&str, &str); 14] = [
     ("silica", "fused-silica"),
     ("f_silica", "fused-silica"),
     ("fused silica", "fused-silica"),
     ("quartz_fused", "fused-silica"),
+    // Corning's fused silica HPFS 7980, in its catalogue and in makers' files.
+    ("c79-80", "fused-silica"),
+    ("uvfs", "fused-silica"),
     ("calfluor", "caf2"),
     ("fluorite", "caf2"),
     ("fluorspar", "caf2"),

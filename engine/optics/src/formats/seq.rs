@@ -221,6 +221,8 @@ impl<'a> SeqReader<'a> {
         }
         match key.as_str() {
             "RDM" => self.by_radius = words.get(1).is_none_or(|word| !word.upper().starts_with('N')),
+            // The title of a zoom position is no name of the lens.
+            "TIT" | "TITLE" if words.len() > 2 && zoom::position_of(&words[1]).is_some() => {}
             "TIT" | "TITLE" => self.draft.name = words.get(1).map(|word| word.text.clone()),
             "DIM" => {
                 self.mm_per_unit = match words.get(1).map(SeqWord::upper).as_deref() {
@@ -417,6 +419,9 @@ impl<'a> SeqReader<'a> {
             "STO" | "STOP" => self.draft.stop = Some(index),
             "K" => self.draft.rows[index].conic = value(self)?,
             "CON" | "ASP" | "SPH" => {}
+            "THI" if words.get(1).and_then(zoom::position_of).is_some() => {
+                self.zoom_value(index + 1, zoom::position_of(&words[1]), self.number(&words, 2, key)?);
+            }
             // A solve, such as THI HMY 0: what it gave stands in the surface.
             "THI" | "CUY"
                 if words.get(1).is_some_and(|word| !word.quoted && word.text.starts_with(char::is_alphabetic)) =>

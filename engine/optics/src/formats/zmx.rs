@@ -22,7 +22,7 @@ use super::problem::{LensFileError, Problem, at};
 use super::remarks::Reading;
 use super::text::{Token, finite, not_a_number, tokens};
 
-use surface::SurfaceLines;
+use surface::{SurfaceLines, ThicknessSolve};
 
 pub use write::write;
 
@@ -74,6 +74,12 @@ struct ZmxReader<'a> {
     configurations: Option<(usize, usize, Place)>,
     /// Gaps by configuration: surface, configuration from 0, length in the file's units.
     gaps: Vec<(usize, usize, f64)>,
+    /// By surface: how its thickness follows from others.
+    solves: Vec<Option<ThicknessSolve>>,
+    /// By surface: its thickness, in the file's units.
+    thicknesses: Vec<f64>,
+    /// True if the film stands at the image of first order in each configuration.
+    image_follows: bool,
     /// The width of the beam by configuration, as the file measures that.
     beams: Vec<(usize, f64)>,
     /// True behind the surfaces, from the first line that stands to the left: other parts of the file.
@@ -96,6 +102,9 @@ impl<'a> ZmxReader<'a> {
             header: Header::default(),
             configurations: None,
             gaps: Vec::new(),
+            solves: Vec::new(),
+            thicknesses: Vec::new(),
+            image_follows: false,
             beams: Vec::new(),
             after_surfaces: false,
         }
@@ -248,8 +257,12 @@ impl<'a> ZmxReader<'a> {
 
     /// Tells the draft of the configurations. `rows` has the row of each `SURF`, if it is one.
     fn configure(&mut self, rows: &[Option<usize>]) {
-        let Some((count, active, place)) = self.configurations else { return };
+        // What our own header says of moving gaps says all of them.
+        let Some((count, active, place)) = self.configurations.filter(|_| self.header.moving.is_empty()) else {
+            return;
+        };
         let scale = self.mm_per_unit;
+        self.solve_gaps(count);
         let mut configurations = Configurations::new(count, active - 1, place);
         for &(surface, configuration, value) in &self.gaps {
             match rows.get(surface).copied().flatten() {
@@ -270,7 +283,34 @@ impl<'a> ZmxReader<'a> {
             };
             configurations.beam(configuration, beam);
         }
+        configurations.image_follows = self.image_follows;
         self.draft.configurations = Some(configurations);
+    }
+
+    /// Adds the gaps that follow from others in each configuration.
+    fn solve_gaps(&mut self, count: usize) {
+        for (j, solve) in std::mem::take(&mut self.solves).into_iter().enumerate() {
+            let (first, total, is_all) = match solve {
+                Some(ThicknessSolve::Compensator { surface, total }) => (surface, total, false),
+                Some(ThicknessSolve::Position { surface, total }) => (surface, total, true),
+                Some(ThicknessSolve::Image) if j + 2 == self.thicknesses.len() => {
+                    self.image_follows = true;
+                    continue;
+                }
+                _ => continue,
+            };
+            if first == 0 || first >= j {
+                continue;
+            }
+            for configuration in 0..count {
+                let gap = |surface: usize| {
+                    let stated = self.gaps.iter().rev().find(|gap| (gap.0, gap.1) == (surface, configuration));
+                    stated.map_or(self.thicknesses[surface], |gap| gap.2)
+                };
+                let others: f64 = if is_all { (first..j).map(gap).sum() } else { gap(first) };
+                self.gaps.push((j, configuration, total - others));
+            }
+        }
     }
 
     /// A line of the editor of configurations: `MNUM` has their number and the active one, every other operand, surface, configuration and

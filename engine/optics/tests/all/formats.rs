@@ -2,6 +2,7 @@
 //! is wrong or missing is said in one line.
 
 mod catalogues;
+mod configurations;
 mod frames;
 mod kinds;
 mod other_packages;

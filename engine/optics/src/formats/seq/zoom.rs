@@ -1,4 +1,5 @@
-//! The zoom positions of a `.seq` file: `ZOO 3` is their number, `ZOO THI S5 1.2 3.4 5.6` the values of a quantity in each.
+//! The zoom positions of a `.seq` file: `ZOO 3` is their number, `ZOO THI S5 1.2 3.4 5.6` the values of a quantity in each; `THI S5 Z2 3.4` is
+//! one of them.
 
 use super::super::configurations::{self, Configurations};
 use super::super::draft::StatedBeam;
@@ -19,12 +20,27 @@ pub(super) struct ZoomLines {
     place: Option<Place>,
     /// The gap behind a surface, counted from 1; 0 is the object.
     gaps: Vec<(usize, Vec<f64>)>,
+    /// Single ones: surface, position from 0, gap.
+    single: Vec<(usize, usize, f64)>,
     /// The film's distance from its place.
     defocus: Option<Vec<f64>>,
     beams: Vec<StatedBeam>,
 }
 
+/// The position of `Z3`, counted from 0.
+pub(super) fn position_of(word: &SeqWord) -> Option<usize> {
+    let number: usize = word.upper().strip_prefix('Z')?.parse().ok()?;
+    number.checked_sub(1).filter(|_| !word.quoted)
+}
+
 impl SeqReader<'_> {
+    /// The gap behind a surface, counted from 1, in one position.
+    pub(super) fn zoom_value(&mut self, surface: usize, position: Option<usize>, gap: f64) {
+        if let Some(position) = position.filter(|_| self.zoom.single.len() < configurations::MOST * 1000) {
+            self.zoom.single.push((surface, position, gap));
+        }
+    }
+
     /// A command `ZOO`.
     pub(super) fn zoom_line(&mut self, words: &[SeqWord]) -> Result<(), LensFileError> {
         let place = words[0].place;
@@ -44,7 +60,7 @@ impl SeqReader<'_> {
         let surface = words.get(2).map(SeqWord::upper).unwrap_or_default();
         match quantity.as_str() {
             "THI" => {
-                let values = self.zoomed(words, 3)?;
+                let Some(values) = self.zoomed(words, 3)? else { return Ok(()) };
                 match surface.as_str() {
                     "SI" => self.zoom.defocus = Some(values),
                     "SO" => self.zoom.gaps.push((0, values)),
@@ -58,10 +74,15 @@ impl SeqReader<'_> {
                     },
                 }
             }
-            "EPD" => self.zoom.beams = self.zoomed(words, 2)?.into_iter().map(StatedBeam::EntrancePupil).collect(),
-            "FNO" => self.zoom.beams = self.zoomed(words, 2)?.into_iter().map(StatedBeam::FNumber).collect(),
-            "NA" => self.zoom.beams = self.zoomed(words, 2)?.iter().map(|na| StatedBeam::FNumber(0.5 / na)).collect(),
-            "NAO" => self.zoom.beams = self.zoomed(words, 2)?.into_iter().map(StatedBeam::ObjectNa).collect(),
+            "EPD" | "FNO" | "NA" | "NAO" => {
+                let beam = |value: f64| match quantity.as_str() {
+                    "EPD" => StatedBeam::EntrancePupil(value),
+                    "FNO" => StatedBeam::FNumber(value),
+                    "NA" => StatedBeam::FNumber(0.5 / value),
+                    _ => StatedBeam::ObjectNa(value),
+                };
+                self.zoom.beams = self.zoomed(words, 2)?.into_iter().flatten().map(beam).collect();
+            }
             other => {
                 let what = format!("'{other}' changes with the zoom; it is kept as in the first position");
                 self.draft.remarks.once(&format!("ZOO {other}"), place, what);
@@ -70,15 +91,18 @@ impl SeqReader<'_> {
         Ok(())
     }
 
-    /// The values in all positions; those that a line does not have are the last that it has.
-    fn zoomed(&self, words: &[SeqWord], first: usize) -> Result<Vec<f64>, LensFileError> {
+    /// The values in all positions; those that a line does not have are the last that it has. `None` for a line that has none.
+    fn zoomed(&self, words: &[SeqWord], first: usize) -> Result<Option<Vec<f64>>, LensFileError> {
+        if words.len() <= first {
+            return Ok(None);
+        }
         let mut values = vec![self.number(words, first, "value in the first zoom position")?];
         for i in first + 1..words.len().min(first + self.zoom.count.max(1)) {
             values.push(self.number(words, i, "value in a zoom position")?);
         }
         let last = values[values.len() - 1];
         values.resize(self.zoom.count.max(1), last);
-        Ok(values)
+        Ok(Some(values))
     }
 
     /// Tells the draft of the zoom positions; its surfaces stand in the first, the film out of focus as there.
@@ -101,6 +125,16 @@ impl SeqReader<'_> {
                         None => configurations.object(i, value),
                     }
                 }
+            }
+        }
+        for (number, position, gap) in zoom.single {
+            match number.cmp(&last) {
+                std::cmp::Ordering::Less => configurations.gap(number - 1, position, gap),
+                std::cmp::Ordering::Equal if position < zoom.count => {
+                    back.get_or_insert_with(|| vec![self.draft.rows[last - 1].thickness_mm; zoom.count])[position] =
+                        gap;
+                }
+                _ => {}
             }
         }
         if let Some(row) = self.draft.rows.len().checked_sub(1)

@@ -7,9 +7,20 @@ use crate::surface::{Conic, LAST_POWER};
 
 use super::super::draft_row::DraftRow;
 use super::super::problem::{LensFileError, Problem, at};
-use super::super::text::Token;
+use super::super::text::{Token, finite};
 use super::super::{forbes, frames};
 use super::ZmxReader;
+
+/// A thickness that follows from others. Lengths in the file's units.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ThicknessSolve {
+    /// `TCOM`: with the thickness of a surface before it, a total.
+    Compensator { surface: usize, total: f64 },
+    /// `TOLE`: with all thicknesses from a surface on, a total.
+    Position { surface: usize, total: f64 },
+    /// `MAZH` with a height of 0: the next surface stands at the image of first order.
+    Image,
+}
 
 /// A surface while its lines are read. Lengths in the file's units.
 pub(super) struct SurfaceLines {
@@ -25,9 +36,12 @@ pub(super) struct SurfaceLines {
     mechanical: Option<f64>,
     /// Inner and outer radius of a round aperture.
     aperture: Option<[f64; 2]>,
+    is_floating: bool,
     obstruction: f64,
     glass: Option<(Vec<String>, Place)>,
     is_stop: bool,
+    /// A solve for the thickness.
+    solve: Option<ThicknessSolve>,
     /// `PARM` and `XDAT`, number and value.
     parameters: Vec<(usize, f64, Place)>,
     extra: Vec<(usize, f64, Place)>,
@@ -46,9 +60,11 @@ impl SurfaceLines {
             is_width_fixed: false,
             mechanical: None,
             aperture: None,
+            is_floating: false,
             obstruction: 0.0,
             glass: None,
             is_stop: false,
+            solve: None,
             parameters: Vec::new(),
             extra: Vec::new(),
         }
@@ -64,16 +80,16 @@ impl SurfaceLines {
 }
 
 /// Keywords of surfaces that say nothing of how light goes.
-const SILENT: [&str; 22] = [
+const SILENT: [&str; 21] = [
     "FIMP", "HIDE", "MIRR", "SLAB", "VDSZ", "POPS", "COMM", "PPAR", "VPAR", "XPAR", "DRAW", "CONF", "SCOL", "SNAM",
-    "PTYP", "MATR", "TCEM", "GRIN", "RSCE", "OPDX", "MAZH", "CHZN",
+    "PTYP", "MATR", "TCEM", "GRIN", "RSCE", "OPDX", "CHZN",
 ];
 
 /// True for keywords that stand in surfaces.
 pub(super) fn knows(keyword: &str) -> bool {
-    const KNOWN: [&str; 22] = [
+    const KNOWN: [&str; 25] = [
         "TYPE", "CURV", "DISZ", "DIAM", "MEMA", "CONI", "PARM", "XDAT", "GLAS", "STOP", "CLAP", "FLAP", "OBSC", "SQAP",
-        "SQOB", "ELAP", "ELOB", "UDAP", "OBDC", "COAT", "SCBD", "GLCB",
+        "SQOB", "ELAP", "ELOB", "UDAP", "OBDC", "COAT", "SCBD", "GLCB", "TCOM", "TOLE", "MAZH",
     ];
     KNOWN.contains(&keyword) || SILENT.contains(&keyword)
 }
@@ -114,7 +130,23 @@ impl ZmxReader<'_> {
                 self.blocks[index].is_width_fixed = rest.get(1).is_some_and(|word| word.text != "0");
             }
             "MEMA" => self.blocks[index].mechanical = Some(first(self)?),
-            "CLAP" | "FLAP" => self.blocks[index].aperture = Some(pair(self)?),
+            "CLAP" | "FLAP" => {
+                self.blocks[index].aperture = Some(pair(self)?);
+                // A floating one is as wide as the beams of the configuration, however that is fixed.
+                self.blocks[index].is_floating = key.text == "FLAP";
+            }
+            "TCOM" | "TOLE" => {
+                let [surface, total] = pair(self)?;
+                let surface = surface.clamp(0.0, 1e6) as usize;
+                self.blocks[index].solve = Some(match key.text {
+                    "TCOM" => ThicknessSolve::Compensator { surface, total },
+                    _ => ThicknessSolve::Position { surface, total },
+                });
+            }
+            "MAZH" if rest.first().is_none_or(|word| finite(word.text) == Some(0.0)) => {
+                self.blocks[index].solve = Some(ThicknessSolve::Image);
+            }
+            "MAZH" => {}
             "OBSC" => {
                 let [inner, outer] = pair(self)?;
                 if inner > 0.0 {
@@ -181,6 +213,8 @@ impl ZmxReader<'_> {
         }
         let mut pending = DAffine3::IDENTITY;
         let mut rows = vec![None];
+        self.thicknesses = blocks.iter().map(|block| block.thickness).collect();
+        self.solves = blocks.iter().map(|block| block.solve).collect();
         for block in surfaces {
             rows.push((block.kind != "COORDBRK").then_some(self.draft.rows.len()));
             if block.kind == "COORDBRK" {
@@ -245,7 +279,7 @@ impl ZmxReader<'_> {
         }
         let hole = block.aperture.map_or(0.0, |[inner, _]| inner);
         row.obstruction_mm = hole.max(block.obstruction) * scale;
-        row.is_width_fixed = row.has_rim || block.is_width_fixed;
+        row.is_width_fixed = (row.has_rim || block.is_width_fixed) && !block.is_floating;
         self.shape(block, scale, &mut row)?;
         Ok(row)
     }
@@ -347,6 +381,13 @@ impl ZmxReader<'_> {
             }
             _ => self.glasses.listed(name, *place, &mut self.draft.remarks),
         };
+        // An offset: the last two numbers are added to nd and Vd of the catalogue's glass.
+        let [more_nd, more_abbe] = [9, 10].map(|i| number(i).filter(|_| kind == 4.0).unwrap_or(0.0));
+        if more_abbe != 0.0 {
+            let what = format!("'{name}' has an offset of its Abbe number by {more_abbe}; that is left out");
+            self.draft.remarks.once("offset", *place, what);
+        }
+        let medium = medium.map(|medium| if more_nd == 0.0 { medium } else { medium.with_index_shift(more_nd) });
         medium.map(NextMedium::Medium).map_err(|error| at(self.draft.file, place.line, place.column, error.into()))
     }
 }

@@ -108,6 +108,27 @@ fn plane_mirrors_are_unfolded() {
     assert!((radii[0] - 50.0).abs() < 1e-9 && (radii[1] + 60.0).abs() < 1e-9, "{radii:?}");
 }
 
+/// A periscope as Zemax has it: two mirrors at 45 degrees, coordinates turned between them, a lens behind.
+#[test]
+fn coordinates_turned_between_mirrors_do_not_matter() {
+    let turned = |deg: i32, behind: f64| format!("  TYPE COORDBRK\n  PARM 3 {deg}\n  DISZ {behind}\n");
+    let mirror = "  GLAS MIRROR\n  DISZ 0\n";
+    let text = format!(
+        "MODE SEQ\nUNIT MM\nENPD 10\nGCAT SCHOTT\nFTYP 0 0 1 1\nYFLN 0\nWAVM 1 0.5875618 1\nPWAV 1\nSURF 0\n  DISZ INFINITY\n\
+         SURF 1\n  STOP\n  DISZ 5\n  DIAM 5\nSURF 2\n{}SURF 3\n{mirror}SURF 4\n{}SURF 5\n{}SURF 6\n{mirror}SURF 7\n{}\
+         SURF 8\n  CURV 0.02\n  DISZ 4\n  GLAS N-BK7\n  CLAP 0 10\nSURF 9\n  CURV {}\n  DISZ 40\n  CLAP 0 10\nSURF 10\n  DISZ 0\n",
+        turned(45, 0.0),
+        turned(45, -30.0),
+        turned(-45, 0.0),
+        turned(-45, 2.0),
+        -1.0 / 60.0
+    );
+    let reading = parse("a.zmx", &text).unwrap();
+    assert!(remarks(&reading).contains("2 plane mirrors are unfolded"), "{}", remarks(&reading));
+    let gaps: Vec<f64> = reading.prescription.surfaces.iter().map(|row| row.thickness_mm).collect();
+    assert!(gaps.iter().zip([37.0, 4.0, 40.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{gaps:?}");
+}
+
 #[test]
 fn what_cannot_be_unfolded_is_said() {
     // A concave mirror that bends the axis.
