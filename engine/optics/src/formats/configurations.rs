@@ -100,9 +100,27 @@ fn zoom_of(i: usize, order: usize, near: usize, far: &[usize], states: &[State])
     let mut by_file = far.to_vec();
     by_file.sort_unstable();
     if by_file.iter().enumerate().all(|(place, j)| place == *j) {
-        return (near % far.len() == 0).then(|| by_file[order % far.len()]);
+        return near.is_multiple_of(far.len()).then(|| by_file[order % far.len()]);
     }
     by_file.into_iter().rev().find(|j| *j < i)
+}
+
+/// What became of the configurations, in words.
+fn summary(positions: &[Position], left_out: usize) -> String {
+    let count = positions.len();
+    let zooms = || positions.iter().filter_map(|p| p.zoom_mm);
+    let mut what = match zooms().reduce(f64::max) {
+        Some(longest) => {
+            let shortest = zooms().fold(f64::INFINITY, f64::min);
+            format!("{count} configurations are positions of a zoom from {shortest} to {longest} mm")
+        }
+        None => format!("{count} configurations are positions of the focus"),
+    };
+    if left_out > 0 {
+        what +=
+            &format!("; {left_out} more are left out: they repeat a focal length, or are near ones of no known zoom");
+    }
+    what
 }
 
 impl Draft<'_> {
@@ -207,19 +225,7 @@ impl Draft<'_> {
                 positions.push(place);
             }
         }
-        let left_out = states.len() - positions.len();
-        let mut what = match positions.iter().filter_map(|p| p.zoom_mm).reduce(f64::max) {
-            Some(longest) => {
-                let shortest = positions.iter().filter_map(|p| p.zoom_mm).fold(f64::INFINITY, f64::min);
-                format!("{} configurations are positions of a zoom from {shortest} to {longest} mm", positions.len())
-            }
-            None => format!("{} configurations are positions of the focus", positions.len()),
-        };
-        if left_out > 0 {
-            what += &format!(
-                "; {left_out} more are left out: they repeat a focal length, or are near ones of no known zoom"
-            );
-        }
+        let what = summary(&positions, states.len() - positions.len());
         self.remarks.say(configurations.place, what);
         let diameter = opens.then_some(Part { surface: stop, quantity: Quantity::Diameter });
         let parts = gaps.into_iter().map(Part::gap).chain(diameter).collect();
