@@ -51,7 +51,8 @@ def open_panels():
         for cls in module.CLASSES:
             cls.bl_options = set(getattr(cls, "bl_options", ())) - {"DEFAULT_CLOSED"}
             cls.draw = timed(cls.bl_label, cls.draw)
-            cls.poll = chosen(cls.__name__, cls.poll)
+            if issubclass(cls, bpy.types.Panel):
+                cls.poll = chosen(cls.__name__, getattr(cls, "poll", lambda _: True))
         module.register()
 
 

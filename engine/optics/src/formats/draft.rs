@@ -9,7 +9,7 @@ use crate::prescription::{Metadata, NextMedium, Place, Prescription, SurfaceRow}
 use crate::surface::{Conic, LAST_POWER, Shape};
 use glam::DAffine3;
 
-use super::beams::{self, FieldBeam};
+use super::beams::{self, FieldBeam, StatedBeam};
 use super::configurations::Configurations;
 use super::draft_row::DraftRow;
 use super::problem::{LensFileError, Problem, at};
@@ -24,17 +24,6 @@ const ROOM: f64 = 1.02;
 const MOST_FIELDS: usize = 50;
 /// Objects farther away are at infinity, mm: programs write 1e10 and more.
 pub(super) const INFINITELY_FAR_MM: f64 = 1e8;
-
-/// A file's statement of the width of the beam on the axis.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum StatedBeam {
-    /// Diameter of the entrance pupil, mm.
-    EntrancePupil(f64),
-    /// Focal length over the diameter of the entrance pupil.
-    FNumber(f64),
-    /// Sine of the angle to the axis at which its rim leaves the object.
-    ObjectNa(f64),
-}
 
 /// A point of the field, in the y-z plane.
 #[derive(Clone, Copy, Debug)]

@@ -86,7 +86,7 @@ impl Draft<'_> {
         }
         if let Some(configurations) = self.configurations.take() {
             let what = "the lens is tilted or folded: its configurations are left out, and it is read as it stands in the surfaces";
-            self.remarks.say(configurations.place(), what);
+            self.remarks.say(configurations.place, what);
         }
         let (film, _) = right_handed(unfolded * here * self.film_frame);
         self.check_film(&film)?;

@@ -23,6 +23,7 @@ pub mod seq;
 pub mod table;
 mod text;
 pub mod zmx;
+mod zoom_positions;
 
 use std::path::{Path, PathBuf};
 

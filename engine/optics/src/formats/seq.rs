@@ -14,7 +14,8 @@ use glam::{DAffine3, DVec3};
 use crate::glass::{Catalogue, Dispersion, GlassError, Medium};
 use crate::prescription::{NextMedium, Place};
 
-use super::draft::{Draft, FieldKind, FieldPoint, MOST_SURFACES, StatedBeam};
+use super::beams::StatedBeam;
+use super::draft::{Draft, FieldKind, FieldPoint, MOST_SURFACES};
 use super::draft_row::DraftRow;
 use super::frames;
 use super::glass_names::Glasses;

@@ -14,8 +14,9 @@ use std::path::PathBuf;
 use crate::glass::Catalogue;
 use crate::prescription::Place;
 
+use super::beams::StatedBeam;
 use super::configurations::{self, Configurations};
-use super::draft::{Draft, FieldKind, FieldPoint, StatedBeam};
+use super::draft::{Draft, FieldKind, FieldPoint};
 use super::glass_names::Glasses;
 use super::header::{self, Header};
 use super::problem::{LensFileError, Problem, at};

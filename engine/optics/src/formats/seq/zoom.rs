@@ -2,7 +2,7 @@
 //! one of them.
 
 use super::super::configurations::{self, Configurations};
-use super::super::draft::StatedBeam;
+use super::super::beams::StatedBeam;
 use super::super::problem::{LensFileError, Problem};
 use super::{SeqReader, SeqWord};
 use crate::prescription::Place;
