@@ -131,7 +131,7 @@ compile_release() {
 build() {
     case $build in
     development) echo "petzval: compiling the engine (about 3 minutes on 2 cores the first time; log: $log)" >&2 ;;
-    release) echo "petzval: compiling the release wheel (about 11 minutes on 2 cores; log: $log)" >&2 ;;
+    release) echo "petzval: compiling the release wheel (about 15 minutes on 2 cores; log: $log)" >&2 ;;
     esac
     rm -rf "$package/_bundled" dist/new
     find "$package" -name '*.so.new' -exec rm {} +
