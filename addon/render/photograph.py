@@ -10,10 +10,11 @@ import time
 
 import bpy
 
-from petzval.description import CameraDescription, ShutterDescription, changed, focused
+from petzval.description import CameraDescription, DenoisingDescription, ShutterDescription, changed, focused
 
-from ..data import effects, process_memory
+from ..data import denoiser, effects, process_memory
 from ..export import camera as camera_export
+from ..export import denoising
 from ..export import settings as render_settings
 from ..export import shutter as shutters
 from ..export import velocity
@@ -109,7 +110,7 @@ class Photograph:
             loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
             deliver_black(self.host, self.depsgraph)
             return
-        self._tell_of_denoising()
+        how = self._denoising()
         self._plan(native, scene, camera, settings, moving, opened)
         beside = self.results.for_job() | {
             "plan": self.plan,
@@ -118,6 +119,8 @@ class Photograph:
             "shutter": opened,
             "mist": world_export.mist(self.scene.world),
         }
+        if how is not None:
+            beside["parts"] = [*dict.fromkeys([*beside["parts"], *denoising.guides(how)])]
         picture_of: dict[str, str] = {}
         if checkpoint:
             decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
@@ -131,6 +134,8 @@ class Photograph:
             job, stop_asked=self._stop_asked, show=self.results.show, tell=self._progress, limit_s=limit_s
         )
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
+        if how is not None and not stopped:
+            self._denoise(job, how)
         strays = [name for name in effects.STRAYS if self._is_on(name)]
         if strays and self.results.is_mergeable:
             self.host.report(
@@ -185,15 +190,30 @@ class Photograph:
         predicted = self.told.get("predicted")
         return predicted["after_seconds"] / predicted["seconds"] if predicted and predicted["seconds"] else 0.0
 
-    def _tell_of_denoising(self) -> None:
-        """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""
-        cycles = getattr(self.scene, "cycles", None)
-        if cycles is not None and cycles.is_property_set("use_denoising") and cycles.use_denoising:
-            self.host.report(
-                {"INFO"},
-                "Petzval does not denoise by itself: turn on View Layer > Passes > Data for Denoise Node, and use the Denoise node "
-                "of the compositor with Denoising Albedo and Denoising Normal",
-            )
+    def _denoising(self) -> DenoisingDescription | None:
+        """How the picture is denoised once its samples are there; None: it is not."""
+        if not denoising.is_wanted(self.scene, self.depsgraph.view_layer_eval):
+            return None
+        if self.results.is_mergeable:
+            self.host.report({"INFO"}, "Mergeable parts are not denoised: merge them, and denoise the whole")
+            return None
+        how = denoising.describe(self.scene)
+        if how is None:
+            self.host.report({"WARNING"}, f"Not denoised: {denoiser.INSTALL}")
+        return how
+
+    def _denoise(self, job, how: DenoisingDescription) -> None:
+        """Takes the noise out of the picture; without that it stays as it is."""
+
+        def meanwhile() -> None:
+            self._tell(f"Denoising: {100.0 * job.developed():.0f} %", 1.0)
+
+        try:
+            loop.stoppable(lambda: job.denoise(how), self._stop_asked, meanwhile)
+        except loop.Stopped:
+            job.stop_developing()
+        except engine().PetzvalError as error:
+            self.host.report({"WARNING"}, f"Not denoised: {error}")
 
     def _beside_all(self, native, camera, settings, moving, size, place, blur, opened, *, is_sky: bool):
         """The finished render of what catches shadows without anything that throws them, or of the sky alone."""

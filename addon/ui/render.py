@@ -6,6 +6,8 @@ from __future__ import annotations
 import bpy
 
 from .. import native
+from ..data import denoiser
+from .camera_parts import complain
 from .mixin import PetzvalPanel, columns
 from .preset_panels import PETZVAL_PT_sampling_presets
 
@@ -38,6 +40,31 @@ class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
         if settings.use_noise_threshold:
             layout.prop(settings, "min_samples")
         layout.prop(settings, "time_limit")
+
+
+class PETZVAL_RENDER_PT_denoise(_RenderPanel, bpy.types.Panel):
+    bl_label = "Denoise"
+    bl_parent_id = "PETZVAL_RENDER_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        # Cycles keeps it.
+        return super().poll(context) and hasattr(context.scene, "cycles")
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.cycles, "use_denoising", text="")
+
+    def draw(self, context):
+        layout = columns(self)
+        cycles = context.scene.cycles
+        if cycles.use_denoising and denoiser.library() is None:
+            complain(context, layout, denoiser.INSTALL)
+        layout.active = cycles.use_denoising
+        layout.prop(cycles, "denoising_input_passes", text="Passes")
+        layout.prop(cycles, "denoising_prefilter", text="Prefilter")
+        if hasattr(cycles, "denoising_quality"):
+            layout.prop(cycles, "denoising_quality", text="Quality")
 
 
 class PETZVAL_RENDER_PT_sampling_viewport(_RenderPanel, bpy.types.Panel):
@@ -136,6 +163,7 @@ class PETZVAL_RENDER_PT_fast_gi(_RenderPanel, bpy.types.Panel):
 
 CLASSES = (
     PETZVAL_RENDER_PT_sampling,
+    PETZVAL_RENDER_PT_denoise,
     PETZVAL_RENDER_PT_sampling_viewport,
     PETZVAL_RENDER_PT_sampling_advanced,
     PETZVAL_RENDER_PT_light_paths,

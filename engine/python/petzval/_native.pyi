@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from .description import (
     CameraDescription,
+    DenoisingDescription,
     LensReportSettings,
     LensSettings,
     LightDescription,
@@ -535,6 +536,11 @@ class Job:
         """(height, width, 4), what is there now."""
     def stop(self) -> None:
         """Asks to stop; finished samples stay. The job ends within 0.1 s."""
+    def denoise(self, how: DenoisingDescription) -> None:
+        """After the end, before `develop`: takes the noise out of the picture; `image` then has none. Raises what the library reports; the
+        picture then is as it was. `developed` and `stop_developing` are about it, too."""
+    def noisy_image(self) -> npt.NDArray[np.float32]:
+        """`image` as it is without `denoise`."""
     def develop(self) -> None:
         """After the end: finds the light that strays in the lens, if the plan has any simulated; `image` then has it. Takes its time."""
     def stop_developing(self) -> None:

@@ -14,6 +14,7 @@ use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::job::catcher::Laying;
 use petzval_render::job::checkpoint::Checkpoints;
+use petzval_render::job::denoise::Denoising;
 use petzval_render::job::request::JobRequest;
 use petzval_render::job::{self as engine, Settings};
 use petzval_render::pipeline::exposure::Shutter;
@@ -127,10 +128,10 @@ impl Job {
     fn data<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let (width, height) = self.job.film().size();
         if let Some(place) = ["REMAINDER", "REMAINDER_FINE"].iter().position(|known| *known == name) {
-            // With light that strays the picture is no sum of samples.
-            let rest = without_gil(py, || match self.job.strayed() {
-                Some(_) => vec![[[0.0; 4]; 2]; width as usize * height as usize],
-                None => self.job.film().remainders(),
+            // Denoised, or with light that strays, the picture is no sum of samples.
+            let rest = without_gil(py, || match self.job.is_denoised() || self.job.strayed().is_some() {
+                true => vec![[[0.0; 4]; 2]; width as usize * height as usize],
+                false => self.job.film().remainders(),
             })?;
             return array(py, rest.into_iter().map(|both| both[place]).collect(), width, height);
         }
@@ -218,6 +219,16 @@ impl Job {
 
     fn stop(&self) {
         self.job.stop();
+    }
+
+    fn denoise(&self, py: Python<'_>, how: Described<Denoising>) -> Result<(), Error> {
+        Ok(without_gil(py, || self.job.denoise(&how.0))??)
+    }
+
+    fn noisy_image<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (width, height) = self.job.film().size();
+        let pixels = without_gil(py, || self.job.noisy_picture())?;
+        array(py, pixels, width, height)
     }
 
     fn develop(&self, py: Python<'_>) -> Result<(), Error> {

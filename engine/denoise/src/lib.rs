@@ -1,0 +1,236 @@
+//! Denoising by Intel's Open Image Denoise, which is loaded from where it lies: Blender ships it beside itself.
+//!
+//! Nothing is linked when the engine is compiled, and no copy is bundled: [`Denoiser::open`] takes the path of
+//! `libOpenImageDenoise.so.2`, `OpenImageDenoise.dll` or `libOpenImageDenoise.dylib`. Versions 2.0 and later have one interface.
+
+mod api;
+
+use std::path::{Path, PathBuf};
+
+use api::{Device, Functions};
+use serde::Deserialize;
+use thiserror::Error;
+
+/// The oldest major version of the library whose interface is known.
+const MAJOR: i32 = 2;
+/// The first minor version that knows [`Quality::Fast`].
+const FAST_MINOR: i32 = 3;
+
+/// An error of denoising. The picture is as it was.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DenoiseError {
+    /// The library cannot be loaded, or is none.
+    #[error("Open Image Denoise cannot be loaded from {path:?}: {why}")]
+    NoLibrary {
+        /// The library's file.
+        path: PathBuf,
+        /// The system's message.
+        why: String,
+    },
+    /// The library is of another interface.
+    #[error("Open Image Denoise {major}.{minor} is too old; version 2 or later is needed")]
+    TooOld {
+        /// Its major version.
+        major: i32,
+        /// Its minor version.
+        minor: i32,
+    },
+    /// There is not enough memory for it.
+    #[error("there is not enough memory to denoise the picture")]
+    OutOfMemory,
+    /// It was stopped.
+    #[error("denoising was stopped")]
+    Stopped,
+    /// The library reports another error.
+    #[error("Open Image Denoise failed: {message} (error {code})")]
+    Failed {
+        /// The library's number of the error.
+        code: i32,
+        /// The library's message.
+        message: String,
+    },
+    /// An image has not three numbers for each pixel.
+    #[error("{name} has {found} numbers; {expected} are needed for {width} x {height} pixels")]
+    Size {
+        /// The image's name.
+        name: &'static str,
+        /// Its numbers.
+        found: usize,
+        /// The numbers of its size.
+        expected: usize,
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+}
+
+/// How much time is spent on a better picture.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Quality {
+    /// For previews.
+    Fast,
+    /// Between both.
+    Balanced,
+    /// For final pictures.
+    #[default]
+    High,
+}
+
+/// What becomes of noise in albedo and normal before they guide the filter. Cycles' words.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Prefilter {
+    /// They are taken for free of noise.
+    None,
+    /// They are filtered together with the picture.
+    Fast,
+    /// They are filtered first, each alone.
+    #[default]
+    Accurate,
+}
+
+/// A picture and what guides the filter. Images hold red, green and blue of each pixel, rows after each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// The picture: radiance, of any brightness.
+    pub colour: &'a [f32],
+    /// Albedo, 0 to 1; with [`Self::normal`] or alone.
+    pub albedo: Option<&'a [f32]>,
+    /// Normal, -1 to 1; only beside albedo.
+    pub normal: Option<&'a [f32]>,
+    /// What becomes of the noise of both.
+    pub prefilter: Prefilter,
+    /// The quality.
+    pub quality: Quality,
+    /// Threads that compute.
+    pub threads: usize,
+    /// Megabytes that the filter may take for itself; `None` as it wants.
+    pub memory_mb: Option<usize>,
+}
+
+/// The library, loaded.
+pub struct Denoiser {
+    functions: Functions,
+    version: [i32; 3],
+}
+
+impl Denoiser {
+    /// Loads the library of a file.
+    ///
+    /// # Errors
+    /// [`DenoiseError::NoLibrary`], [`DenoiseError::TooOld`], or what its device reports.
+    pub fn open(path: &Path) -> Result<Self, DenoiseError> {
+        let functions = Functions::load(path)?;
+        let version = Device::new(&functions, 1)?.version();
+        let [major, minor, _] = version;
+        if major < MAJOR {
+            return Err(DenoiseError::TooOld { major, minor });
+        }
+        Ok(Self { functions, version })
+    }
+
+    /// Major, minor and patch version.
+    pub fn version(&self) -> [i32; 3] {
+        self.version
+    }
+
+    /// The picture without its noise. `watch` is called now and then with the part that is done, and returns false to stop.
+    ///
+    /// Numbers that are not finite are taken for black: the filter would spread them.
+    ///
+    /// # Errors
+    /// [`DenoiseError`]; nothing is lost by one.
+    pub fn denoise(&self, request: &Request<'_>, watch: &dyn Fn(f64) -> bool) -> Result<Vec<f32>, DenoiseError> {
+        let Request { width, height, .. } = *request;
+        let expected = width * height * 3;
+        let checked = |name: &'static str, pixels: &[f32]| match pixels.len() == expected {
+            true => Ok(pixels.iter().map(|x| if x.is_finite() { *x } else { 0.0 }).collect::<Vec<f32>>()),
+            false => Err(DenoiseError::Size { name, found: pixels.len(), expected, width, height }),
+        };
+        let colour = checked("the picture", request.colour)?;
+        let mut guides = Vec::new();
+        if let Some(albedo) = request.albedo {
+            guides.push((c"albedo", checked("the albedo", albedo)?));
+            if let Some(normal) = request.normal {
+                guides.push((c"normal", checked("the normal", normal)?));
+            }
+        }
+        if width == 0 || height == 0 {
+            return Ok(colour);
+        }
+        let device = Device::new(&self.functions, request.threads)?;
+        let is_accurate = request.prefilter == Prefilter::Accurate;
+        let steps = if is_accurate { guides.len() + 1 } else { 1 } as f64;
+        if is_accurate {
+            for (done, (name, pixels)) in guides.iter_mut().enumerate() {
+                let noisy = std::mem::take(pixels);
+                let tell = |part: f64| watch((done as f64 + part) / steps);
+                *pixels = self.filtered(&device, request, &[(name, noisy)], false, &tell)?;
+            }
+        }
+        let first = steps - 1.0;
+        let tell = |part: f64| watch((first + part) / steps);
+        let mut images = vec![(c"color", colour)];
+        images.append(&mut guides);
+        self.filtered(&device, request, &images, true, &tell)
+    }
+
+    /// The first of these images, filtered; the others guide.
+    fn filtered(
+        &self,
+        device: &Device<'_>,
+        request: &Request<'_>,
+        images: &[(&std::ffi::CStr, Vec<f32>)],
+        is_picture: bool,
+        watch: &dyn Fn(f64) -> bool,
+    ) -> Result<Vec<f32>, DenoiseError> {
+        let Request { width, height, .. } = *request;
+        let mut output = vec![0.0f32; width * height * 3];
+        let filter = device.filter()?;
+        filter.set_int(c"quality", self.quality(request.quality));
+        if let Some(mb) = request.memory_mb {
+            filter.set_int(c"maxMemoryMB", i32::try_from(mb).unwrap_or(i32::MAX));
+        }
+        if is_picture {
+            filter.set_bool(c"hdr", true);
+            filter.set_bool(c"cleanAux", images.len() > 1 && request.prefilter != Prefilter::Fast);
+        }
+        give(&filter, images, &mut output, [width, height], watch)?;
+        Ok(output)
+    }
+
+    /// The library's number of a quality.
+    fn quality(&self, quality: Quality) -> i32 {
+        let [major, minor, _] = self.version;
+        match quality {
+            Quality::Fast if major > MAJOR || minor >= FAST_MINOR => 4,
+            Quality::Fast | Quality::Balanced => 5,
+            Quality::High => 6,
+        }
+    }
+}
+
+/// Runs a filter over images that stay where they are meanwhile.
+#[allow(unsafe_code, reason = "a C library is called")]
+fn give(
+    filter: &api::Filter<'_>,
+    images: &[(&std::ffi::CStr, Vec<f32>)],
+    output: &mut [f32],
+    [width, height]: [usize; 2],
+    watch: &dyn Fn(f64) -> bool,
+) -> Result<(), DenoiseError> {
+    // SAFETY: `images` and `output` are borrowed until the filter has run; the library only reads the images.
+    unsafe {
+        for (name, pixels) in images {
+            filter.image(name, pixels.as_ptr(), pixels.len(), [width, height]);
+        }
+        filter.image(c"output", output.as_mut_ptr(), output.len(), [width, height]);
+    }
+    filter.execute(watch)
+}
