@@ -19,10 +19,12 @@ SCENES = $(PETZVAL_SCENES)
 OTHER_SCENES_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 GPU_OPTIONS =
+# Of a 3D view in the pictures of Blender's window.
+UI_SAMPLES = 64
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes viewport-price newcomer ui-pictures panel-pictures lens-index coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -95,7 +97,7 @@ newcomer: $(ENGINE) extension ## time a newcomer's path: install the extension, 
 
 ui-pictures: extension ## what the tests of Blender's window see, into docs/ui
 	@tools/setup-python.sh bench
-	@$(dir $(PETZVAL))python -m pytest -q -m window
+	@PETZVAL_PICTURE_SAMPLES=$(UI_SAMPLES) $(dir $(PETZVAL))python -m pytest -q -m window
 	@.venv-bench/bin/python tools/ui-pictures.py
 
 panel-pictures: extension ## the pictures of panels in docs/panel.md and README.md, in Blender's window
@@ -104,6 +106,9 @@ panel-pictures: extension ## the pictures of panels in docs/panel.md and README.
 
 lens-index: build ## the lens library's page with a drawing of each lens, docs/lenses.md
 	@$(dir $(PETZVAL))python tools/lens_index.py
+
+other-programs: build ## lenses by rayoptics and optiland beside the same by Petzval, into docs/other-programs.md
+	@$(dir $(PETZVAL))python tools/other_programs.py
 
 coatings: build ## what coatings reflect, and what lenses let through, into docs/coatings.md
 	@cargo build --quiet --locked -p petzval-optics --example coatings

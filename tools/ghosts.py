@@ -35,6 +35,12 @@ SCENES = {
     "night": ("takumar-35-1970", "35", "8", "6"),
     "sun": ("flektogon-1954", "35", "11", "5"),
 }
+#: A small picture of few samples through a lens of many surfaces, whose ghosts take long beside its samples.
+FORETOLD = (
+    ("nikkor-z-50-f1.8", "8", "320x180", 16),
+    ("takumar-35-1970", "8", "320x180", 16),
+    ("nikkor-z-50-f1.8", "8", "960x540", 64),
+)
 #: Of the renders that are timed, whose last ones are the page's pictures: at 1536 x 1024 with 256 samples the page took an hour.
 RESOLUTION = "1152x768"
 COATINGS = ("none", "mgf2", "triple")
@@ -103,6 +109,30 @@ def priced(folder: Path, scenes: dict[str, Path], rounds: int, samples: int) -> 
     return rows, taken
 
 
+def foretold(folder: Path, scene: Path, rounds: int) -> list[str]:
+    """The table of what the plan says that stray light takes, and what it takes."""
+    rows = [
+        "| lens | picture | samples, s | foretold after them, s | after them, s | ghosts | left out, of the tolerance |",
+        "|---|---|---:|---:|---:|---:|---:|",
+    ]
+    for lens, f_number, resolution, samples in FORETOLD:
+        asked = (scene, "--lens", lens, "--f-number", f_number, "--resolution", resolution)
+        plans, runs = [], []
+        for _ in range(rounds):
+            plans.append(json.loads(petzval("plan", *asked, "--json")))
+            out, stats = folder / "picture.exr", folder / "stats.json"
+            petzval("render", *asked, "--samples", samples, "-o", out, "--stats", stats)
+            runs.append(json.loads(stats.read_text()))
+        said = median(plan["predicted"]["after_seconds"] for plan in plans)
+        took = median(sum(run["seconds"]["strays"].values()) for run in runs)
+        ghosts, without = runs[0]["ghosts"], median(run["seconds"]["render"] for run in runs)
+        rows.append(
+            f"| {lens}, f/{f_number} | {resolution}, {samples} samples | {without:.1f} | {said:.1f} | {took:.1f} | "
+            f"{ghosts['simulated']} of {ghosts['found']} | {ghosts['left_out'] / ghosts['tolerance']:.2f} |"
+        )
+    return rows
+
+
 def pictures(folder: Path, scenes: dict[str, Path], taken: dict[str, np.ndarray], samples: int) -> None:
     for name, picture in taken.items():
         Image.fromarray(picture).save(IMAGES / f"stray-{name}.jpg", quality=88)
@@ -119,7 +149,7 @@ def write(mark: str, rows: list[str]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", choices=("held", "price"))
+    parser.add_argument("--only", choices=("held", "price", "foretold"))
     parser.add_argument("--samples", type=int, default=64)
     parser.add_argument("--rounds", type=int, default=2)
     options = parser.parse_args()
@@ -138,6 +168,8 @@ def main() -> None:
             write("price", rows)
             if options.only is None:
                 pictures(folder, scenes, taken, options.samples)
+        if options.only in (None, "foretold"):
+            write("foretold", foretold(folder, scenes["night"], options.rounds))
     # What is renewed in part stays as old as the rest.
     if options.only is None:
         pages.stamp("docs/ghosts.md", origin.took(time.monotonic() - began))

@@ -31,7 +31,7 @@ PICTURES = (
     ("rendering-1", "A final render on its way", None),
     ("rendered", "And at its end", None),
     ("error", "A lens that is missing, told by Blender", None),
-    ("viewport-camera", "A 3D view through the lens, four samples", None),
+    ("viewport-camera", "A 3D view through the lens", None),
     ("viewport-stopped-down", "The same at f/16", None),
     ("viewport-perspective", "Blender's own perspective: all is sharp", None),
     ("viewport-missing", "What is wrong is told in the view", None),

@@ -19,10 +19,18 @@ MODELS = (
     ("THIN", "Thin Lens", "Depth of field without aberrations, framed by Blender's own focal length", "", 1),
     ("PINHOLE", "Pinhole", "Everything sharp, framed by Blender's own focal length", "", 2),
 )
+# The numbers are those in saved files.
 FOCAL_MODES = (
-    ("PUBLISHED", "As Published", "The lens at the size in which it was published"),
-    ("LENGTH", "Focal Length", "The whole lens scaled to a focal length"),
-    ("SCALE", "Scale", "The whole lens scaled by a factor"),
+    (
+        "BLENDER",
+        "As Blender Frames",
+        "The whole lens scaled, a zoom lens zoomed, until it frames what Blender's own focal length, sensor and shift frame",
+        "",
+        3,
+    ),
+    ("PUBLISHED", "As Published", "The lens at the size in which it was published", "", 0),
+    ("LENGTH", "Focal Length", "The whole lens scaled to a focal length", "", 1),
+    ("SCALE", "Scale", "The whole lens scaled by a factor", "", 2),
 )
 FOCUS_MODES = (
     ("CAMERA", "Object or Distance", "The camera's own depth of field settings: its focus object, else its distance"),
@@ -54,9 +62,24 @@ COATINGS = (
     ("DOUBLE", "Two Layers", "Two quarter waves wherever glass meets air"),
     ("TRIPLE", "Three Layers", "Quarter, half and quarter of a wave wherever glass meets air: broadband"),
 )
+# The numbers are those in saved files.
 FILM_MODES = (
-    ("SENSOR", "Camera Sensor", "The camera's own sensor size and fit"),
-    ("SIZE", "Film Size", "A film of its own size; the picture is the largest part of it with the picture's shape"),
+    ("SENSOR", "Camera Sensor", "The camera's own sensor size and fit", "", 0),
+    (
+        "LENS",
+        "Of the Lens",
+        "The film for which the lens is made, as its file says, else as large as its design's field of view; the picture is the largest "
+        "part of it with the picture's shape",
+        "",
+        2,
+    ),
+    (
+        "SIZE",
+        "Film Size",
+        "A film of its own size; the picture is the largest part of it with the picture's shape",
+        "",
+        1,
+    ),
 )
 
 PRECISIONS = (

@@ -23,7 +23,9 @@ from petzval.description import (
     Scattering,
 )
 
+from ..data import default_lens
 from ..data.lens_files import LensMissing, resolve
+from . import framing
 from .errors import ExportError
 from .report import Report
 
@@ -89,8 +91,10 @@ def describe(
         return _orthographic(description, camera, width / side, report)
     description = replace(description, focus=_focus(description, camera, report))
     if of_lens:
-        path, film = _lens_path(description, camera), _film(description, camera, height * aspect / width)
-        description = replace(description, lens_path=path, film=film)
+        description = replace(description, lens_path=_lens_path(description, camera, height * aspect / width))
+        description = replace(description, film=_film(description, camera, (width, height)))
+        if settings.focal_mode == "BLENDER":
+            description = framing.like_blender(description, (width, height), report)
     _warn(description, camera, report)
     return description
 
@@ -222,17 +226,29 @@ def _focus_point(dof: bpy.types.CameraDOFSettings) -> tuple[float, float, float]
     return tuple(matrix.translation)
 
 
-def _lens_path(description: CameraDescription, camera: bpy.types.Camera) -> str:
+def _lens_path(description: CameraDescription, camera: bpy.types.Camera, aspect: float) -> str:
+    """The lens's file; `aspect`: the picture's height over its width."""
+    of = description.perspective
+    chosen = camera.petzval.lens_file.strip()
     try:
-        return resolve(camera.petzval.lens_file, camera.library)
+        return resolve(
+            chosen or default_lens.file_name(of.focal_length_mm, of.film_width_mm, of.film_width_mm * aspect),
+            camera.library,
+        )
     except LensMissing as error:
         raise ExportError(f"Camera '{description.object_name}': {error}") from None
 
 
-def _film(description: CameraDescription, camera: bpy.types.Camera, aspect: float) -> FilmSettings:
-    """The film of a lens; `aspect`: the picture's height over its width."""
+def _film(description: CameraDescription, camera: bpy.types.Camera, size: tuple[int, int]) -> FilmSettings:
+    """The film of a lens; `size`: the picture's pixels."""
     settings = camera.petzval
-    if settings.film_mode == "SIZE":
+    aspect = size[1] * description.pixel_aspect / size[0]
+    if settings.film_mode == "LENS":
+        try:
+            width_mm, height_mm = framing.film_of_lens_mm(description, size)
+        except framing.Refused as error:
+            raise ExportError(str(error)) from None
+    elif settings.film_mode == "SIZE":
         width_mm, height_mm = settings.film_width, settings.film_height
     else:
         width_mm = description.perspective.film_width_mm
@@ -245,5 +261,7 @@ def _warn(description: CameraDescription, camera: bpy.types.Camera, report: Repo
     if camera.type != "PERSP":
         kind = {"PANO": "panoramic"}.get(camera.type, camera.type.lower())
         report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
-    if description.model in OF_LENS_FILE and any(description.perspective.shift) and not camera.petzval.in_step:
+    settings = camera.petzval
+    is_followed = settings.focal_mode == "BLENDER" or (settings.in_step and settings.match_viewport)
+    if description.model in OF_LENS_FILE and any(description.perspective.shift) and not is_followed:
         report.warn(f"{name}: Blender's shift does not move a real lens: use the shift of its Film & Movements panel")

@@ -130,7 +130,7 @@ class PETZVAL_OT_match_viewport(bpy.types.Operator):
         if complaint:
             self.report({"ERROR"}, complaint)
             return {"CANCELLED"}
-        camera.petzval.in_step = True
+        viewport_camera.mark_set_up(camera.petzval)
         return {"FINISHED"}
 
 

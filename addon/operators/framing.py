@@ -43,6 +43,9 @@ class PETZVAL_OT_frame_like_blender(LensOperator, bpy.types.Operator):
         # Blender's camera is what is followed now: it must stay as it is.
         own.match_viewport = False
         own.focus_mode = "CAMERA"
+        if self.by == "FILM" and own.focal_mode == "BLENDER":
+            # The film is to be changed, not the lens.
+            own.focal_mode = "PUBLISHED"
         size = camera_export.resolution(context.scene.render)
 
         def ask() -> dict:

@@ -56,18 +56,30 @@ def for_panel(camera: bpy.types.Object, scene: bpy.types.Scene, found: dict[str,
     return _shown[key]
 
 
-def _ask(description: CameraDescription, width: int, height: int) -> dict[str, Any]:
+def coverage(camera: bpy.types.Object, scene: bpy.types.Scene) -> str:
+    """What of the picture the lens does not light, why, and what helps; empty if it lights all, and while a render runs."""
+    if redraw.is_rendering():
+        return ""
+    size = camera_export.resolution(scene.render)
+    try:
+        description = camera_export.describe(camera, scene, *size, Report())
+        return _ask(description, *size, "coverage_json").get("complaint") or ""
+    except (ExportError, EngineMissing):
+        return ""
+
+
+def _ask(description: CameraDescription, width: int, height: int, function: str = "camera_info_json") -> dict[str, Any]:
     try:
         changed = os.stat(description.lens_path).st_mtime_ns
     except OSError:
         changed = 0
-    key = (repr(description), width, height, changed)
+    key = (function, repr(description), width, height, changed)
     if key not in _answers:
         while len(_answers) >= _REMEMBERED:
             del _answers[next(iter(_answers))]
         native = engine()
         try:
-            _answers[key] = json.loads(native.camera_info_json(description, width, height))
+            _answers[key] = json.loads(getattr(native, function)(description, width, height))
         except native.PetzvalError as error:
             _answers[key] = {"error": " ".join(str(error).split())}
     return _answers[key]

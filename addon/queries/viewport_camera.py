@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keeps Blender's own camera in step with the lens, so that the camera view frames what will be photographed.
 
-Only cameras whose lens was set up are touched: choosing the engine alone changes nothing. Nothing is written while
-drawing or rendering.
+Only cameras whose lens was set up are touched, and they are put back as they were while another engine is chosen. Nothing is written
+while drawing or rendering.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ from . import lens_info
 # Writing a value that is there already would only mark the file as changed.
 _SAME = 1e-5
 
+
+#: Of the defaults of a camera's settings: 0.1 had others, and no number.
+SETTINGS_VERSION = 2
 
 _switches = 0
 
@@ -47,7 +50,7 @@ def switched(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
     settings = camera.petzval
     if settings.model in OF_LENS_FILE:
         lens_changed(camera, scene)
-    elif scene is not None and not camera.library and settings.match_viewport:
+    elif scene is not None and not camera.library and settings.match_viewport and settings.focal_mode != "BLENDER":
         holder = camera_object(camera, scene)
         if holder is not None:
             match(holder, scene, settings.lens_model)
@@ -55,15 +58,26 @@ def switched(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
 
 def lens_changed(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
     """A lens setting was changed by the user."""
-    if not camera.petzval.in_step:
-        camera.petzval.in_step = True
+    mark_set_up(camera.petzval)
     follow(camera, scene)
+
+
+def mark_set_up(settings: bpy.types.PropertyGroup) -> None:
+    """Keeps in the file that the lens was set up, and by which defaults."""
+    if not settings.in_step:
+        settings.in_step = True
+    if settings.version != SETTINGS_VERSION:
+        settings.version = SETTINGS_VERSION
 
 
 def follow(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
     """Brings Blender's camera in step where that is wanted and possible."""
     settings = camera.petzval
     if scene is None or camera.library or settings.model not in OF_LENS_FILE or not settings.match_viewport:
+        return
+    if settings.focal_mode == "BLENDER":
+        # The lens follows Blender's camera.
+        restore(camera)
         return
     holder = camera_object(camera, scene)
     if holder is not None:
@@ -77,8 +91,9 @@ def match(holder: bpy.types.Object, scene: bpy.types.Scene, model: str | None = 
     if "error" in info:
         return info["error"]
     camera = holder.data
+    _keep(camera)
     wanted = {"lens": info["viewport_focal_length_mm"]}
-    if camera.petzval.film_mode == "SIZE":
+    if camera.petzval.film_mode != "SENSOR":
         if camera.sensor_fit != "HORIZONTAL":
             camera.sensor_fit = "HORIZONTAL"
         wanted["sensor_width"] = info["picture_width_mm"]
@@ -92,6 +107,38 @@ def match(holder: bpy.types.Object, scene: bpy.types.Scene, model: str | None = 
     return ""
 
 
+def _keep(camera: bpy.types.Camera) -> None:
+    """Remembers Blender's own camera before it follows the lens."""
+    settings = camera.petzval
+    if not settings.blender_sensor_fit:
+        settings.blender_camera = (camera.lens, camera.sensor_width, camera.shift_x, camera.shift_y)
+        settings.blender_sensor_fit = camera.sensor_fit
+
+
+def restore(camera: bpy.types.Camera) -> None:
+    """Blender's own camera as it was before it followed the lens."""
+    settings = camera.petzval
+    if camera.library or not settings.blender_sensor_fit:
+        return
+    camera.lens, camera.sensor_width, camera.shift_x, camera.shift_y = settings.blender_camera
+    camera.sensor_fit = settings.blender_sensor_fit
+    settings.blender_sensor_fit = ""
+
+
+def engine_changed(scene: bpy.types.Scene) -> None:
+    """The user has chosen an engine: its cameras follow their lenses under Petzval alone."""
+    for camera in {holder.data for holder in scene.objects if holder.type == "CAMERA"}:
+        if scene.render.engine != ENGINE:
+            restore(camera)
+        elif camera.petzval.in_step:
+            follow(camera, scene)
+
+
+def _engine_of_any_scene_changed() -> None:
+    for scene in bpy.data.scenes:
+        engine_changed(scene)
+
+
 def camera_object(camera: bpy.types.Camera, scene: bpy.types.Scene) -> bpy.types.Object | None:
     """An object of the scene with this camera: the scene's own camera if it has it."""
     if scene.camera is not None and scene.camera.data == camera:
@@ -102,25 +149,57 @@ def camera_object(camera: bpy.types.Camera, scene: bpy.types.Scene) -> bpy.types
 @persistent
 def _scene_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Focus objects move, sensors are set in Blender's own panels, frames change."""
-    if depsgraph is None or depsgraph.mode != "VIEWPORT" or scene.render.engine != ENGINE:
+    if depsgraph is None or depsgraph.mode != "VIEWPORT":
         return
     holder = scene.camera
     if holder is None or holder.type != "CAMERA" or not holder.data.petzval.in_step:
         return
-    follow(holder.data, scene)
+    if scene.render.engine != ENGINE:
+        restore(holder.data)
+    else:
+        follow(holder.data, scene)
 
 
-_HANDLERS = ("depsgraph_update_post", "frame_change_post")
+@persistent
+def _file_opened(_path: str) -> None:
+    """Cameras that versions before 0.2 have set up: theirs was one lens as published, unless another was chosen."""
+    for camera in bpy.data.cameras:
+        settings = camera.petzval
+        if settings.in_step and settings.version < SETTINGS_VERSION:
+            settings.version = SETTINGS_VERSION
+            if not settings.is_property_set("focal_mode"):
+                settings.focal_mode = "PUBLISHED"
+            if not settings.is_property_set("lens_file"):
+                settings.lens_file = _LENS_OF_0_1
+    _listen()
+
+
+def _listen() -> None:
+    """Has Blender tell when the engine is changed; what is asked of it is lost when a file is opened."""
+    bpy.msgbus.clear_by_owner(_OWNER)
+    key = (bpy.types.RenderSettings, "engine")
+    bpy.msgbus.subscribe_rna(key=key, owner=_OWNER, args=(), notify=_engine_of_any_scene_changed)
+
+
+_LENS_OF_0_1 = "wide-angle-smith-f3.4.lens"
+_OWNER = object()
+_HANDLERS = {
+    "depsgraph_update_post": _scene_changed,
+    "frame_change_post": _scene_changed,
+    "load_post": _file_opened,
+}
 
 
 def register() -> None:
-    for name in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(_scene_changed)
+    for name, handler in _HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+    _listen()
 
 
 def unregister() -> None:
-    for name in _HANDLERS:
+    bpy.msgbus.clear_by_owner(_OWNER)
+    for name, handler in _HANDLERS.items():
         handlers = getattr(bpy.app.handlers, name)
-        if _scene_changed in handlers:
-            handlers.remove(_scene_changed)
+        if handler in handlers:
+            handlers.remove(handler)
     lens_info.forget()

@@ -58,8 +58,11 @@ class Watch:
 WATCH = Watch()
 
 
-def stoppable(work: Callable[[], Result], stop_asked: Callable[[], bool]) -> Result:
-    """The result of a long call that cannot be stopped itself; raises `Stopped` and leaves it behind when asked to."""
+def stoppable(
+    work: Callable[[], Result], stop_asked: Callable[[], bool], meanwhile: Callable[[], None] = lambda: None
+) -> Result:
+    """The result of a long call that cannot be stopped itself; raises `Stopped` and leaves it behind when asked to. `meanwhile` is called
+    now and then."""
     outcome: list[tuple[bool, Any]] = []
 
     def run() -> None:
@@ -74,6 +77,7 @@ def stoppable(work: Callable[[], Result], stop_asked: Callable[[], bool]) -> Res
     while thread.is_alive():
         if stop_asked():
             raise Stopped
+        meanwhile()
         thread.join(POLL_SECONDS)
     good, value = outcome[0]
     if not good:

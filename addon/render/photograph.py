@@ -21,7 +21,7 @@ from ..export import world as world_export
 from ..export.motion import Frame, Motion
 from ..export.report import Report
 from ..native import engine
-from . import checkpoints, loop, persistent, planning, progress, staging, statistics
+from . import checkpoints, loop, messages, persistent, planning, progress, staging, statistics
 from .results import Results, deliver_black
 
 # Samples: with fewer, the time that a forecast takes would be seen.
@@ -29,6 +29,8 @@ _WORTH_A_FORECAST = 1 << 21
 # Pictures of a lens that changes while the shutter is open: enough for changes of a few f-stops, or of a focus pull
 # across a scene, to look smooth.
 _SHUTTER_STEPS = 16
+# The part of the light that strays before which a guess of the rest of the time is worth nothing.
+_LEAST_PART = 0.02
 
 
 class Photograph:
@@ -41,6 +43,8 @@ class Photograph:
         self.report = Report()
         self.results = Results(host, depsgraph)
         self.focus: dict | None = None
+        # What takes the picture, in a line.
+        self.camera = ""
         self.plan = None
         # What the plan tells, and the same in a line for the status.
         self.told: dict = {}
@@ -86,7 +90,7 @@ class Photograph:
         scene = loop.stoppable(lambda: builder.build(place, settings.threads, previous), self._stop_asked)
         persistent.keep(self.depsgraph, scene)
         self.report.warnings += scene.warnings()
-        for warning in self.report.warnings:
+        for warning in messages.grouped(self.report.warnings):
             self.host.report({"WARNING"}, warning)
         self._tell("Preparing the lens", 0.0)
         if camera.focus.autofocus is not None:
@@ -96,6 +100,7 @@ class Photograph:
             )
             moving = [focused(then, self.focus) for then in moving]
             neighbours = neighbours and tuple(focused(then, self.focus) for then in neighbours)
+        self.camera = staging.in_a_line(native, camera, width, height, by="autofocus" if self.focus else "")
         if not (scene.moving_count or moving or (opened and opened.camera_keys)):
             # Nothing moves: samples need no time.
             opened = None
@@ -160,12 +165,25 @@ class Photograph:
 
     def _develop(self, job) -> None:
         """Lays over the picture what of the light strays."""
-        self._tell("Ghosts, glare and diffraction", 1.0)
+        began, share = time.monotonic(), self._share_of_strays()
+
+        def meanwhile() -> None:
+            part = job.developed()
+            gone = time.monotonic() - began
+            left = gone * (1.0 - part) / part if part > _LEAST_PART else None
+            remaining = "" if left is None else f"Remaining:{progress.clock_time(left)} | "
+            self._tell(f"Ghosts, glare and diffraction: {100.0 * part:.0f} %", 1.0 - share * (1.0 - part), remaining)
+
         try:
-            loop.stoppable(job.develop, self._stop_asked)
+            loop.stoppable(job.develop, self._stop_asked, meanwhile)
         except loop.Stopped:
             # What is there of the picture stays.
             job.stop_developing()
+
+    def _share_of_strays(self) -> float:
+        """The part of the time that the light that strays is to take, after the samples."""
+        predicted = self.told.get("predicted")
+        return predicted["after_seconds"] / predicted["seconds"] if predicted and predicted["seconds"] else 0.0
 
     def _tell_of_denoising(self) -> None:
         """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""
@@ -288,7 +306,8 @@ class Photograph:
         if used is not None and peak is not None:
             self.host.update_memory_stats(memory_used=used / 2**20, memory_peak=peak / 2**20)
             left += f"Mem:{used / 2**20:.0f}M, Peak:{peak / 2**20:.0f}M | "
-        self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", part, left)
+        done = part * (1.0 - self._share_of_strays())
+        self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", done, left)
 
     def _tell(self, text: str, part: float, left: str = "") -> None:
         self.host.update_stats("", left + text)
@@ -304,7 +323,7 @@ class Photograph:
             raise loop.Stopped
 
     def _keep(self, stats: dict, sync_seconds: float, stopped: bool) -> None:
-        stats["seconds"]["sync"] = sync_seconds
+        stats["seconds"]["sync"], stats["camera"] = sync_seconds, self.camera
         # With the forecast, if there was one.
         stats["planned"], stats["plan"] = self.told, self.told["effects"]
         stats["peak_memory_bytes"], stats["time_limit_s"] = process_memory.peak_bytes(), self.scene.petzval.time_limit

@@ -3,15 +3,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Callable
 from typing import Any
 
 import bpy
 
-from petzval.description import CameraDescription, focused
+from petzval.description import OF_LENS_FILE, CameraDescription, focused
 
 from .. import export
+from ..data import lens_words
 from ..export import aperture_mask, viewport
 from ..export import camera as camera_export
 from ..export.kept import Kept
@@ -32,10 +34,23 @@ def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int
         return
     try:
         info = json.loads(native.camera_info_json(camera, width, height))
+        coverage = json.loads(native.coverage_json(camera, width, height))
     except native.PetzvalError:
         return  # said when the camera is made
     for note in [*info["remarks"], *(info["beyond_range"] if camera.wavelength_nm is not None else [])]:
         report.warn(note)
+    if coverage["complaint"]:
+        report.warn(coverage["complaint"])
+
+
+def in_a_line(native: Any, camera: CameraDescription, width: int, height: int, by: str) -> str:
+    """What takes the picture; `by`: what has focused it, if not the user."""
+    info = None
+    if camera.model in OF_LENS_FILE:
+        # A complaint comes when the camera is made.
+        with contextlib.suppress(native.PetzvalError):
+            info = json.loads(native.camera_info_json(camera, width, height))
+    return lens_words.in_a_line(camera, info, by)
 
 
 def fill(

@@ -14,7 +14,7 @@ _last: dict[str, LastRender] = {}
 
 @dataclass
 class LastRender:
-    """`stats` is the engine's `Job.stats_json`, with the seconds of `sync` added."""
+    """`stats` is the engine's `Job.stats_json`, with the seconds of `sync` added, and `camera`: what has taken the picture, in a line."""
 
     stats: dict[str, Any]
     warnings: list[str] = field(default_factory=list)
@@ -29,9 +29,10 @@ class LastRender:
             least, mean, most = self.stats["samples"], self.stats["samples_mean"], self.stats["samples_most"]
             samples = f"{least} to {most} samples, {mean:.1f} in the mean"
         lines = [
+            *([self.stats["camera"]] if "camera" in self.stats else []),
             f"{self.stats['lens']}, {self.stats['width']} x {self.stats['height']}, {samples}"
             + (" (stopped)" if self.stopped else " (time was up)" if self.was_late() else ""),
-            f"sync {seconds['sync']:.2f} s, trees {seconds['bvh']:.2f} s, render {seconds['render']:.2f} s",
+            _seconds(seconds),
             f"{100.0 * lost:.2f} % of the camera rays lost in the lens",
         ]
         if seconds["render"] > 0.0:
@@ -39,7 +40,9 @@ class LastRender:
             peak = self.stats.get("peak_memory_bytes")
             lines.append(f"{speed}, at most {peak / 2**30:.2f} GB of memory" if peak else speed)
         if predicted := (self.stats.get("planned") or {}).get("predicted"):
-            lines.append(f"the plan foretold {predicted['seconds']:.1f} s")
+            after = predicted["after_seconds"]
+            of_it = f", {after:.1f} s of it after the samples" if after else ""
+            lines.append(f"the plan foretold {predicted['seconds']:.1f} s{of_it}")
         if kept := (self.stats.get("checkpoint") or {}).get("resumed_samples"):
             seconds = self.stats["checkpoint"]["resumed_seconds"]
             lines.append(f"taken up at {kept:.1f} samples, which had taken {seconds:.0f} s")
@@ -51,6 +54,16 @@ class LastRender:
         """Whether its time was up before it had all samples."""
         limit = self.stats.get("time_limit_s") or 0.0
         return 0.0 < limit <= self.stats["seconds"]["render"] and not self.stopped
+
+
+def _seconds(seconds: dict[str, Any]) -> str:
+    """What took how long, and all together."""
+    strays = sum((seconds.get("strays") or {}).values())
+    parts = {"sync": seconds["sync"], "trees": seconds["bvh"], "samples": seconds["render"]}
+    if strays:
+        parts["ghosts, glare and diffraction"] = strays
+    said = ", ".join(f"{name} {value:.2f} s" for name, value in parts.items())
+    return f"{said}; {sum(parts.values()):.2f} s in all"
 
 
 def _precision(precision: dict[str, Any]) -> str:

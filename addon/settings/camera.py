@@ -11,7 +11,9 @@ from bpy.props import (
     EnumProperty,
     FloatProperty,
     FloatVectorProperty,
+    IntProperty,
     PointerProperty,
+    StringProperty,
 )
 
 from petzval.description import OF_LENS_FILE
@@ -274,6 +276,17 @@ class PetzvalCamera(LensProperties, bpy.types.PropertyGroup):
         soft_max=0.5,
         step=1,
         precision=4,
+    )
+    blender_camera: FloatVectorProperty(
+        description="Blender's own focal length and sensor width (mm) and its shift, as they were before they followed the lens",
+        size=4,
+        options={"HIDDEN"},
+    )
+    blender_sensor_fit: StringProperty(
+        description="Blender's own sensor fit, likewise; empty: nothing follows the lens", options={"HIDDEN"}
+    )
+    version: IntProperty(
+        description="Number of the defaults by which the lens was set up; 0: those of version 0.1", options={"HIDDEN"}
     )
     in_step: BoolProperty(
         description="The lens was set up here: Blender's camera may be kept in step", options={"HIDDEN"}

@@ -20,6 +20,13 @@ def changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> No
     viewport_camera.lens_changed(settings.id_data, context.scene)
 
 
+def _lens_chosen(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    # Who chooses a lens wants it as it is, unless a size was chosen before.
+    if settings.lens_file.strip() and not settings.is_property_set("focal_mode"):
+        settings.focal_mode = "PUBLISHED"
+    changed(settings, context)
+
+
 def _model_changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
     if viewport_camera.is_switching():
         return
@@ -34,17 +41,21 @@ class LensProperties:
 
     lens_file: StringProperty(
         name="Lens File",
-        description="A lens file (.lens, .zmx, .seq, .len, .dat, a table of the Optical Bench), or the name of a lens that comes with Petzval",
-        default="wide-angle-smith-f3.4.lens",
+        description="A lens file (.lens, .zmx, .seq, .len, .dat, a table of the Optical Bench), or the name of a lens that comes with "
+        "Petzval. Empty: a lens made for what Blender's camera sees, a normal lens of 50 mm where it sees as much",
         subtype="FILE_PATH",
         options=_RELATIVE_PATH,
-        update=changed,
+        update=_lens_chosen,
     )
     model: EnumProperty(
         name="Model", description="How the camera takes its picture", items=MODELS, update=_model_changed
     )
     focal_mode: EnumProperty(
-        name="Lens Size", description="How large the whole lens is", items=FOCAL_MODES, update=changed
+        name="Lens Size",
+        description="How large the whole lens is",
+        items=FOCAL_MODES,
+        default="BLENDER",
+        update=changed,
     )
     focal_length: FloatProperty(
         name="Focal Length",
@@ -158,6 +169,12 @@ class LensProperties:
         description="What glass and coatings take makes the picture darker. Off: exposed by the T-number, its middle stays as "
         "bright as if nothing were lost, and only the tint is seen",
         default=False,
+    )
+    white_balance: BoolProperty(
+        name="White Balance",
+        description="White is white in the middle of the picture. Off: the lens's own colour is seen, a green or yellow cast of many coatings "
+        "and glasses",
+        default=True,
     )
     spectrum: EnumProperty(
         name="Spectrum", description="The wavelengths in which the picture is taken", items=SPECTRA, update=changed

@@ -8,7 +8,8 @@ import bpy
 from petzval.description import OF_LENS_FILE
 
 from ..data import favourites, film_formats
-from .camera_parts import AperturePart, CameraPanel, LensPart
+from ..queries import lens_info, viewport_camera
+from .camera_parts import AperturePart, CameraPanel, LensPart, complain
 from .focus import PETZVAL_CAMERA_PT_focus, PETZVAL_CAMERA_PT_sharp
 from .lens_data import PETZVAL_CAMERA_PT_info
 from .lens_drawing import PETZVAL_CAMERA_PT_drawing
@@ -53,13 +54,7 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
             column.prop(camera, "shift_x", text="Shift X")
             column.prop(camera, "shift_y", text="Y")
             return
-        row = layout.row(align=True)
-        row.prop(settings, "lens_file")
-        is_liked = favourites.has(favourites.key(settings.lens_file, camera.library))
-        row.operator("petzval.favourite_lens", text="", icon="SOLO_ON" if is_liked else "SOLO_OFF")
-        row.popover(PETZVAL_PT_lens_gallery.__name__, text="", icon="IMGDISPLAY")
-        row.menu(PETZVAL_MT_lenses.bl_idname, text="", icon="DOWNARROW_HLT")
-        row.operator("petzval.choose_lens", text="", icon="VIEWZOOM")
+        _chosen_lens(context, layout)
         layout.prop(settings, "focal_mode")
         if settings.focal_mode == "LENGTH":
             layout.prop(settings, "focal_length")
@@ -72,6 +67,32 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
             layout.prop(settings, "wavelength")
         if settings.model == "LENS":
             layout.prop(settings, "precision")
+
+
+def _chosen_lens(context, layout) -> None:
+    """The lens's name, and below it the ways to choose another: in a narrow panel there is no room for them in one row."""
+    camera = context.camera
+    settings = camera.petzval
+    column = layout.column(align=True)
+    column.menu(PETZVAL_MT_lenses.bl_idname, text=_lens_name(context), icon="CAMERA_DATA")
+    row = column.row(align=True)
+    row.popover(PETZVAL_PT_lens_gallery.__name__, text="Gallery", icon="IMGDISPLAY")
+    row.operator("petzval.choose_lens", text="Search", icon="VIEWZOOM")
+    is_liked = favourites.has(favourites.key(settings.lens_file, camera.library))
+    row.operator("petzval.favourite_lens", text="", icon="SOLO_ON" if is_liked else "SOLO_OFF")
+    column.prop(settings, "lens_file", placeholder="Automatic")
+
+
+def _lens_name(context) -> str:
+    holder = viewport_camera.camera_object(context.camera, context.scene)
+    info = lens_info.for_panel(holder, context.scene) if holder is not None else {}
+    return info.get("lens_name") or "Choose a Lens"
+
+
+def _coverage(context) -> str:
+    """What of the picture the lens does not light; empty if it lights all."""
+    holder = viewport_camera.camera_object(context.camera, context.scene)
+    return lens_info.coverage(holder, context.scene) if holder is not None else ""
 
 
 def _blenders_film(layout, camera: bpy.types.Camera) -> None:
@@ -129,6 +150,7 @@ class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
             column = layout.column(align=True)
             column.prop(settings, "coating")
             column.prop(settings, "exposes_by_f_number")
+            column.prop(settings, "white_balance")
 
 
 class PETZVAL_CAMERA_PT_glare(AperturePart, bpy.types.Panel):
@@ -179,8 +201,11 @@ class PETZVAL_CAMERA_PT_film(LensPart, bpy.types.Panel):
             line.label(icon="BLANK1")
             column.prop(settings, "film_width")
             column.prop(settings, "film_height")
-        else:
+        elif settings.film_mode == "SENSOR":
             _blenders_film(column, camera)
+        complaint = _coverage(context)
+        if complaint:
+            complain(context, layout, complaint)
         column = layout.column(align=True)
         column.prop(settings, "tilt")
         column.prop(settings, "swing")

@@ -40,16 +40,6 @@ class AperturePart(CameraPanel):
         return super().poll(context) and context.camera.petzval.model != "PINHOLE"
 
 
-def focus_text(mm: float | None) -> str:
-    """A focus distance as a person would say it."""
-    if mm is None:
-        return "infinity"
-    if mm <= 0.0:
-        # The film stands before the focal plane.
-        return "beyond infinity"
-    return f"{mm:.0f} mm" if mm < 1e4 else f"{mm / 1000.0:.1f} m"
-
-
 # Of an unscaled interface: what a character of a label takes in the mean, and what icon and margins take of a line.
 _CHARACTER_PX, _MARGIN_PX = 7, 60
 

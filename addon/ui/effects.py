@@ -50,7 +50,7 @@ def _row(context, column, effect, settings, row) -> None:
         icon = "CHECKMARK" if row["decision"] == "on" else "X"
         if not effect.is_available and row["measure"] and row["measure"] > row["tolerance"]:
             icon = "ERROR"
-    line = column.split(factor=0.46 if is_narrow else 0.36, align=True)
+    line = column.split(factor=0.55 if is_narrow else 0.36, align=True)
     name = line.row()
     name.active = effect.is_available
     name.label(text=effect.label, icon=icon)

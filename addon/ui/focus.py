@@ -7,9 +7,10 @@ import bpy
 
 from petzval.description import OF_LENS_FILE
 
+from ..data.lens_words import focus_text
 from ..operators.focus import SHARP_OBJECTS
 from ..queries import autofocus, viewport_camera
-from .camera_parts import AperturePart, LensPart, complain, fact, focus_text
+from .camera_parts import AperturePart, LensPart, complain, fact
 from .mixin import columns
 
 

@@ -7,16 +7,16 @@ from math import degrees
 
 import bpy
 
+from ..data.lens_words import focus_text
 from ..queries import autofocus, lens_info, viewport_camera
-from .camera_parts import LensPart, complain, fact, focus_text, lines_of
+from .camera_parts import LensPart, complain, fact, lines_of
 
 #: Rows that the focus decides.
 _OF_FOCUS = {"Film Distance", "Focused At", "Magnification"}
-#: More notes would fill the panel.
-_MOST_NOTES = 4
 
 
 class PETZVAL_CAMERA_PT_info(LensPart, bpy.types.Panel):
+    bl_options = {"DEFAULT_CLOSED"}
     bl_label = "Lens Data"
 
     def draw(self, context):
@@ -37,17 +37,6 @@ class PETZVAL_CAMERA_PT_info(LensPart, bpy.types.Panel):
         is_open = _looks(camera) and answer is None
         for name, text in _facts(info):
             fact(column, name, "by autofocus" if is_open and name in _OF_FOCUS else text)
-        _notes(context, self.layout, [*info["remarks"], *info["beyond_range"]])
-
-
-def _notes(context: bpy.types.Context, layout: bpy.types.UILayout, notes: list[str]) -> None:
-    """What of the lens file could not be used, and glasses that are not known for all light."""
-    for note in notes[:_MOST_NOTES]:
-        column = layout.column(align=True)
-        for i, line in enumerate(lines_of(context, note)):
-            column.label(text=line, icon="BLANK1" if i else "INFO")
-    if len(notes) > _MOST_NOTES:
-        layout.label(text=f"{len(notes) - _MOST_NOTES} more: petzval lens check", icon="BLANK1")
 
 
 def _looks(camera: bpy.types.Camera) -> bool:
@@ -71,9 +60,9 @@ def _facts(info: dict) -> list[tuple[str, str]]:
         ("Focal Length", number("efl_mm", "{:.2f} mm")),
         *([("Zoom", f"{zoom[0]:.1f} to {zoom[1]:.1f} mm")] if zoom else []),
         *([("Focused By", "groups inside")] if info["focuses_inside"] else []),
-        ("F-Number", f"f/{info['f_number']:.2f}" + (", its widest" if info["f_number_was_clamped"] else "")),
-        ("Widest", f"f/{info['widest_f_number']:.2f}"),
-        ("T-Number", "dark" if info["t_number"] is None else f"T/{info['t_number']:.2f}"),
+        ("F-Number, at ∞", f"f/{info['f_number']:.2f}" + (", its widest" if info["f_number_was_clamped"] else "")),
+        ("Widest, at ∞", f"f/{info['widest_f_number']:.2f}"),
+        ("T-Number, at ∞", "dark" if info["t_number"] is None else f"T/{info['t_number']:.2f}"),
         ("Coatings", (", ".join(info["coatings"]) or "none") + (" (assumed)" if info["coating_is_assumed"] else "")),
         ("Film Distance", number("film_distance_mm", "{:.3f} mm")),
         ("Focused At", focus_text(info["focus_scale_mm"])),

@@ -18,6 +18,7 @@ _MARGIN, _MOST = 2.2, 20
 
 
 class PETZVAL_CAMERA_PT_drawing(LensPart, bpy.types.Panel):
+    bl_options = {"DEFAULT_CLOSED"}
     bl_label = "Lens Drawing"
 
     def draw(self, context):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import bpy
@@ -19,6 +20,7 @@ _MOST = 30
 _ICON_SCALE = 5.0
 # Characters under a picture.
 _NAME = 17
+_F_NUMBER = re.compile(r"\b[Ff]/\d+(\.\d+)?")
 
 # Blender does not keep the strings of enum items that are made on demand.
 _items: list[tuple[str, str, str]] = []
@@ -115,6 +117,19 @@ class PETZVAL_PT_lens_gallery(bpy.types.Panel):
             layout.label(text=f"{len(entries) - _MOST} more: search, or choose a kind", icon="INFO")
 
 
+def caption(name: str) -> str:
+    """A lens's name for under its picture, with its f-number."""
+    if len(name) <= _NAME:
+        return name
+    opening = _F_NUMBER.search(name)
+    if opening is None:
+        return f"{name[: _NAME - 1].rstrip(' ,')}…"
+    words = name[: opening.start()].replace(" mm", "").rstrip(" ,")
+    room = _NAME - 1 - len(opening[0])
+    words = words if len(words) <= room else f"{words[: room - 1].rstrip(' ,')}…"
+    return f"{words} {opening[0]}"
+
+
 def _cell(column: bpy.types.UILayout, entry: dict[str, Any]) -> None:
     key = key_of(entry)
     number = thumbnails.icon(key)
@@ -123,9 +138,7 @@ def _cell(column: bpy.types.UILayout, entry: dict[str, Any]) -> None:
         thumbnails.draw(key)
         number = thumbnails.icon(key)
     column.template_icon(number, scale=_ICON_SCALE)
-    name = entry["name"]
-    text = name if len(name) <= _NAME else f"{name[: _NAME - 1].rstrip(' ,')}…"
-    choose = column.operator("petzval.set_lens", text=text, emboss=True)
+    choose = column.operator("petzval.set_lens", text=caption(entry["name"]), emboss=True)
     choose.lens = key
 
 

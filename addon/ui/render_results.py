@@ -5,6 +5,9 @@ from __future__ import annotations
 
 import bpy
 
+from petzval.description import OF_LENS_FILE
+
+from ..queries import lens_info
 from ..render import messages, statistics
 from .camera_parts import lines_of
 from .mixin import PetzvalPanel
@@ -49,10 +52,10 @@ class PETZVAL_RENDER_PT_messages(_RenderPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and bool(messages.all_of(context.scene.name))
+        return super().poll(context) and bool(_messages(context))
 
     def draw(self, context):
-        found = messages.all_of(context.scene.name)
+        found = _messages(context)
         for message in found[:_MOST_MESSAGES]:
             row = self.layout.row()
             column = row.column(align=True)
@@ -63,6 +66,22 @@ class PETZVAL_RENDER_PT_messages(_RenderPanel, bpy.types.Panel):
                 choose.kind, choose.name = message.kind, message.name
         if len(found) > _MOST_MESSAGES:
             self.layout.label(text=f"{len(found) - _MOST_MESSAGES} more", icon="BLANK1")
+
+
+def _messages(context) -> list[messages.Message]:
+    """Those of the scene, and the notes on its camera's lens that no render has told."""
+    found = messages.all_of(context.scene.name)
+    told = {message.text for message in found}
+    return found + [messages.of_text(note) for note in _notes_on_lens(context) if note not in told]
+
+
+def _notes_on_lens(context) -> list[str]:
+    """What of the lens file could not be used, and glasses that are not known for all light."""
+    holder = context.scene.camera
+    if holder is None or holder.type != "CAMERA" or holder.data.petzval.model not in OF_LENS_FILE:
+        return []
+    info = lens_info.for_panel(holder, context.scene)
+    return [*info.get("remarks", []), *info.get("beyond_range", [])]
 
 
 CLASSES = (PETZVAL_RENDER_PT_last, PETZVAL_RENDER_PT_messages)

@@ -46,6 +46,7 @@ class PETZVAL_MT_lens_tools(bpy.types.Menu):
 
 class PETZVAL_CAMERA_PT_tools(LensPart, bpy.types.Panel):
     bl_label = "Lens Tools"
+    bl_order = 1
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):

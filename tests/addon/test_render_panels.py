@@ -23,7 +23,7 @@ def test_a_render_ends_when_its_time_is_up(parts, blender, tmp_path):
     # Reading, planning and writing come on top, and a busy machine takes its time.
     assert 1.0 <= took < 8.0 and 1.0 <= last.stats["seconds"]["render"] < 4.0
     assert not last.stopped and last.was_late() and 1 <= last.stats["samples"] < 1 << 20
-    assert "time was up" in last.lines()[0]
+    assert any("time was up" in line for line in last.lines())
     assert picture[40:60, 60:100, :3].mean() == pytest.approx(0.5, rel=0.1)
 
 

@@ -106,3 +106,45 @@ def test_the_default_output(petzval_cli, cli_scenes, tmp_path):
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "scene.png").exists()
+
+
+@pytest.mark.once
+def test_an_animation_is_rendered_frame_by_frame(petzval_cli, cli_scenes, tmp_path):
+    out, stats = tmp_path / "walk_###.exr", tmp_path / "stats.json"
+    options = ("--camera", "pinhole", "--samples", 1, "--frames", "1-3,2", "-o", out, "--stats", stats)
+    done = petzval_cli("render", cli_scenes / "scene.blend", *options)
+    assert done.returncode == 0, done.stderr
+    assert sorted(one.name for one in tmp_path.iterdir()) == [
+        "stats_0001.json",
+        "stats_0003.json",
+        "walk_001.exr",
+        "walk_003.exr",
+    ]
+    single = tmp_path / "single.exr"
+    done = petzval_cli("render", cli_scenes / "scene.blend", *options[:4], "--frame", 3, "-o", single)
+    assert done.returncode == 0, done.stderr
+    assert (picture(single) == picture(tmp_path / "walk_003.exr")).all()
+    assert (picture(single) != picture(tmp_path / "walk_001.exr")).any()
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("frames", ["3-1", "one", "1-9,0"])
+def test_bad_ranges_of_frames(petzval_cli, cli_scenes, frames):
+    done = petzval_cli("render", cli_scenes / "scene.blend", "--frames", frames)
+    assert done.returncode == 2 and "--frames" in done.stderr
+
+
+@pytest.mark.once
+def test_what_was_done_is_said_in_a_line(cli_render):
+    done, _, stats = cli_render("--lens", "nikkor-z-50-f1.8", "--f-number", 1, "--samples", 1, "--focus-distance", 829)
+    assert done.returncode == 0, done.stderr
+    line = stats["camera"]
+    assert f"Petzval: {line}" in done.stdout.splitlines()
+    assert "Nikkor Z 50 mm F/1.8 S" in line and "(f/1 is wider than it opens)" in line
+    assert "focused at 829 mm" in line and line.endswith(" mm")
+
+
+@pytest.mark.once
+def test_focus_on_an_object_by_its_name(cli_render):
+    done, _, _ = cli_render("--lens", "cooke-triplet-50mm", "--samples", 1, "--focus-object", "Nobody")
+    assert done.returncode == 1 and "no object 'Nobody'" in done.stderr

@@ -151,6 +151,9 @@ def test_the_lens_settings(parts, blender):
     camera = blender.context.scene.camera.data
     own = camera.petzval
     own.model = "LENS"
+    # The normal lens, by a little larger than it is: it frames what Blender's camera of 50 mm does.
+    assert description(parts).lens.focal_length["MILLIMETRES"] == pytest.approx(50.0, abs=0.5)
+    own.focal_mode = "PUBLISHED"
     sent = description(parts)
     assert sent.lens.f_number is None and sent.lens.focal_length == "AS_PUBLISHED"
     assert sent.wavelength_nm is None and sent.lens.blades == 0
@@ -222,9 +225,12 @@ def test_a_shift_that_moves_no_lens_is_said(parts, blender):
     fresh.shift_x = 0.2
     blender.context.scene.camera.data = fresh
     assert fresh.petzval.model == "LENS"
+    # A lens that frames as Blender's camera does is shifted with it.
+    assert not parts.sent()[1] and parts.sent()[2].film.shift_mm[0] == pytest.approx(0.2 * 36.0, rel=1e-2)
+    fresh.petzval.match_viewport, fresh.petzval.focal_mode = False, "PUBLISHED"
     _, warnings, _ = parts.sent()
     assert len(warnings) == 1 and "shift" in warnings[0] and "Camera 'Camera'" in warnings[0]
-    fresh.petzval.shift_x = 5.0
+    fresh.petzval.match_viewport, fresh.petzval.shift_x = True, 5.0
     assert fresh.shift_x == pytest.approx(5.0 / 36.0, rel=1e-3)
     assert not parts.sent()[1]
     fresh.petzval.model = "PINHOLE"

@@ -139,7 +139,7 @@ def test_a_white_world_through_bare_flint_is_yellowish(blender, tmp_path, flint)
     studio = chart.Studio(blender, tmp_path, (6, 4), samples=256)
     studio.lens("cooke-triplet-50mm", (0.2, 0.2), None)
     own, effects = studio.data.petzval, studio.scene.petzval.effects
-    own.lens_file, own.spectrum = str(flint), "VISIBLE"
+    own.lens_file, own.spectrum, own.white_balance = str(flint), "VISIBLE", False
     effects.transmission = "AUTO"
     studio.white_world()
     expected = expected_colour()
@@ -154,6 +154,10 @@ def test_a_white_world_through_bare_flint_is_yellowish(blender, tmp_path, flint)
         found, noise = seen()
         # The observer's fit and its steps are good to about half a per cent of white.
         assert np.all(np.abs(found - level * expected) < 0.008 + 4.0 * noise), (found, level * expected, noise)
+        own.white_balance = True
+        grey, noise = seen()
+        own.white_balance = False
+        assert np.all(np.abs(grey - level * float(LUMINANCE @ expected)) < 0.008 + 4.0 * noise), (grey, noise)
     own.coating, own.exposes_by_f_number = "TRIPLE", True
     found, noise = seen()
     assert float(LUMINANCE @ found) > float(LUMINANCE @ expected) + 0.2

@@ -37,6 +37,7 @@ RECIPES = {
     "gpu": ["GPU_OPTIONS=--quick"],
     "instructions": [],
     "lens-index": [],
+    "other-programs": [],
     "newcomer": [],
     "numerics": [],
     "other-scenes": ["SCENES=tests/scenes", "OTHER_SCENES_OPTIONS=--only demo --samples 9 --size 64x36"],
@@ -44,7 +45,7 @@ RECIPES = {
     "parity": ["PARITY_OPTIONS=--only sun --samples 4 --size 32x24"],
     "price": ["PRICE_OPTIONS=--quick"],
     "speed": ["SPEED_OPTIONS=--quick"],
-    "ui-pictures": [],
+    "ui-pictures": ["UI_SAMPLES=4"],
     "viewport-price": ["VIEWPORT_PRICE_OPTIONS=--divide 16 --repeats 1"],
 }
 

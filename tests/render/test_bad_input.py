@@ -117,12 +117,6 @@ def test_a_missing_lens_file_is_named_with_its_camera(good_before_and_after, tmp
     assert "Camera" in message and "gone.lens" in message
 
 
-def test_no_lens_file_says_where_to_choose_one(good_before_and_after):
-    good_before_and_after.data.petzval.lens_file = ""
-    message = complaint(good_before_and_after)
-    assert "Camera" in message and "choose" in message
-
-
 @pytest.mark.once
 def test_a_stop_wider_than_the_glass_is_a_lens(studio, tmp_path):
     """Its glass then limits the light; brightness is still one for a white world, and wide open is what the file says."""

@@ -23,6 +23,8 @@ LOOK_SECONDS = 0.01
 seen = {}
 progress = []
 drawn_s = {}
+#: Names of the panels that are shown; empty: all.
+shown = set()
 
 
 def part(name):
@@ -49,7 +51,22 @@ def open_panels():
         for cls in module.CLASSES:
             cls.bl_options = set(getattr(cls, "bl_options", ())) - {"DEFAULT_CLOSED"}
             cls.draw = timed(cls.bl_label, cls.draw)
+            if issubclass(cls, bpy.types.Panel):
+                cls.poll = chosen(cls.__name__, getattr(cls, "poll", lambda _: True))
         module.register()
+
+
+def chosen(name, poll):
+    """Shows a panel where it stood, if it is one of `shown` or these are empty."""
+    return classmethod(lambda _, context: (not shown or name in shown) and poll(context))
+
+
+def show_only(*names):
+    """Shows these parts of the lens's panel, so that they need not be scrolled to; none: all panels."""
+    shown.clear()
+    shown.update(f"PETZVAL_CAMERA_PT_{name}" for name in (*names, *(("lens",) if names else ())))
+    for area in areas("PROPERTIES"):
+        area.tag_redraw()
 
 
 def timed(name, draw):
@@ -211,8 +228,11 @@ def focus_panel(own):
     yield 1.0
     seen["autofocus"] = autofocus.for_panel(*asked).answer
     seen["drawn_s"] = drawn_s
+    show_only("focus")
+    yield 0.5
     picture("panel-autofocus")
     own.focus_mode = "CAMERA"
+    show_only("focus", "sharp")
     balls = [one for one in bpy.context.scene.objects if one.type == "MESH" and one.location.z > 0.0]
     own.sharp_object_1, own.sharp_object_2, own.sharp_object_3 = balls[0], balls[2], balls[3]
     balls[2].location.z += 0.5
@@ -229,6 +249,7 @@ def focus_panel(own):
     yield 0.5
     own = bpy.context.scene.camera.data.petzval
     seen["turned_back"] = [own.tilt, own.swing, own.focus_mode]
+    show_only()
     # Back onto the floor for the render.
     own.sharp_object_2.location.z -= 0.5
 
@@ -242,12 +263,14 @@ def lens_pictures():
 
     yield lambda: bool(drawn()), 10.0
     before = drawn()
+    show_only("drawing")
     own = bpy.context.scene.camera.data.petzval
     own.wide_open, own.f_number = False, 11.0
     yield lambda: drawn() != before, 10.0
     yield 0.5
     seen["drawing"] = [drawn()[-1].icon, drawn()[-1].fields]
     picture("panel-drawing")
+    show_only()
     own.wide_open = True
     window, area = bpy.context.window_manager.windows[0], areas("PROPERTIES")[0]
     with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=area.regions[-1]):
@@ -291,8 +314,11 @@ def steps():
     yield 1.0
     for tab in ("RENDER", "DATA"):
         show(tab)
+        show_only(*(("focus", "film", "scale") if tab == "DATA" else ()))
         yield 1.5
         picture(f"panel-{tab.lower()}")
+    show_only()
+    yield 0.5
     seen["properties"] = boxes("PROPERTIES")
     yield from lens_pictures()
     yield from other_tabs()

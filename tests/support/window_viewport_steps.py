@@ -24,6 +24,9 @@ from mathutils import Euler, Vector
 
 FOLDER, ADDON, SCENE = Path(sys.argv[-3]), sys.argv[-2], sys.argv[-1]
 TURNS = 20 if os.environ.get("PETZVAL_TEST_ALL") else 12
+# A test takes few; for pictures that are shown `make ui-pictures` asks for more.
+SAMPLES = int(os.environ.get("PETZVAL_PICTURE_SAMPLES", "4"))
+PIXEL_SIZE = "4" if SAMPLES == 4 else "2"
 seen = {"shown": {}, "seconds": {}}
 views, sessions = [], []
 
@@ -152,7 +155,7 @@ def steps():
     yield 1.0
     scene = bpy.context.scene
     scene.render.engine = "PETZVAL"
-    scene.petzval.preview_samples, scene.petzval.preview_pixel_size = 4, "4"
+    scene.petzval.preview_samples, scene.petzval.preview_pixel_size = SAMPLES, PIXEL_SIZE
     watch_views()
     view().spaces.active.region_3d.view_perspective = "CAMERA"
     with override():

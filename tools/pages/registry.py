@@ -114,6 +114,15 @@ _ALL = (
         "tools/lens_index.py",
     ),
     _page(
+        "other-programs",
+        "other-programs",
+        *_OPTICS,
+        "engine/render/src/reports",
+        "tests/reference/foreign",
+        "tools/other_programs.py",
+        part="Tables",
+    ),
+    _page(
         "coatings",
         "coatings",
         "lenses/*.lens",

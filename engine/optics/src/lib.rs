@@ -16,7 +16,7 @@
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film, an [`entrance_map::EntranceMap`] from the scene.
 //!
 //! A module uses only those that stand before it here: [`first_order`] → [`glass`] → [`coating`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
-//! [`prescription`] → [`formats`] → [`system`] → [`trace`] → [`transmission`] → [`paraxial`] → [`axial_beam`] → [`published`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`drawing`] → [`gaussian`] → [`ghosts`] → [`scatter`] →
+//! [`prescription`] → [`deviation`] → [`formats`] → [`system`] → [`trace`] → [`transmission`] → [`paraxial`] → [`axial_beam`] → [`published`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`drawing`] → [`gaussian`] → [`ghosts`] → [`scatter`] →
 //! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`analysis`] → [`diffraction`] → [`ray_table`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
@@ -65,6 +65,7 @@ pub mod analysis;
 pub mod autofocus;
 pub mod axial_beam;
 pub mod coating;
+pub mod deviation;
 pub mod diaphragm;
 pub mod diffraction;
 pub mod drawing;

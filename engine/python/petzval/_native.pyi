@@ -45,10 +45,12 @@ __all__ = [
     "check_exr",
     "check_replaceable",
     "checkpoint_problem",
+    "coverage_json",
     "distortion_map",
     "effects_json",
     "evaluate_graph",
     "film_bytes_a_pixel",
+    "film_of_lens_mm",
     "framing_json",
     "free_memory_bytes",
     "glass_json",
@@ -228,6 +230,14 @@ def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     entrance_pupil_diameter_mm, lens_name, surfaces, zoom_range_mm (null: no zoom lens), focuses_inside (groups inside of
     the lens focus it, not the film), remarks (what of the lens file could not be used), beyond_range (glasses that are not known for all
     of the light: of wavelength_nm, or all visible)."""
+
+def coverage_json(camera: CameraDescription, width: int, height: int) -> str:
+    """The part of the picture that the lens lights, by exact rays: dark_part (0 to 1), lit_diameter_mm (of the circle on an upright film,
+    no more than the picture's diagonal), complaint (what is dark, why, and what helps; null if the lens lights the picture)."""
+
+def film_of_lens_mm(camera: CameraDescription, width: int, height: int) -> tuple[float, float]:
+    """Width and height in mm of the film for which the lens is made, at its present size: by its file, or if that has none, a film of the
+    picture's shape whose corners see the half field of its design. The description's own film has no part in it."""
 
 def framing_json(camera: CameraDescription, width: int, height: int, by: str) -> str:
     """How the lens, focused as it is, frames what the pinhole of the description's own focal length, sensor width and shift frames:
@@ -452,7 +462,7 @@ class Plan:
         "gaussian" | "pinhole" | "as given", wavelengths, pipeline, round_f_number); look (depths in Blender units, open_part,
         exposure, brightest: towards, irradiance, part, place or null); seconds."""
     def forecast(self, scene: Scene, camera: CameraDescription, settings: SettingsDescription) -> str:
-        """The same with predicted (seconds, samples, threads, camera_part) and each row's predicted_cost, a part of the time
+        """The same with predicted (seconds, after_seconds of them for stray light, samples, threads, camera_part) and each row's predicted_cost, a part of the time
         without the effect: renders a little for that, about 0.1 s."""
 
 def effects_json() -> str:
@@ -529,6 +539,8 @@ class Job:
         """After the end: finds the light that strays in the lens, if the plan has any simulated; `image` then has it. Takes its time."""
     def stop_developing(self) -> None:
         """Ends `develop` in another thread without a result."""
+    def developed(self) -> float:
+        """The part of `develop` that is done, 0 to 1."""
     def stray(self, name: str) -> npt.NDArray[np.float32]:
         """A part of that light, of shape (height, width, 3), already in `image`: GHOSTS, GLARE or DIFFRACTION; black where it was not found."""
     def end_checkpoints(self) -> Checkpoint | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 
 from . import film_formats
 from .effects import EFFECTS, WORDS
@@ -84,6 +85,18 @@ def frame(text: str) -> int:
     return value
 
 
+def frames(text: str) -> list[int]:
+    """ "1-24", "1-240,4" (every fourth), "-10-10", or one number."""
+    found = re.fullmatch(r"(-?\d+)(?:-(-?\d+)(?:,(\d+))?)?", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"must be FIRST-LAST or FIRST-LAST,STEP: {text}")
+    first, last = frame(found[1]), frame(found[2] or found[1])
+    step = count(found[3] or "1")
+    if last < first:
+        raise argparse.ArgumentTypeError(f"ends before it begins: {text}")
+    return list(range(first, last + 1, step))
+
+
 def _split(text: str, separator: str, count: int) -> list[str]:
     parts = text.lower().split(separator)
     if len(parts) != count:
@@ -95,12 +108,14 @@ def size_mm(text: str) -> list[float]:
     return [positive(one) for one in _split(text, "x", 2)]
 
 
-def film(text: str) -> list[float]:
+def film(text: str) -> list[float] | str:
+    if text.lower() == "lens":
+        return "lens"
     known = film_formats.by_name(text)
     if known is not None:
         return [known.width_mm, known.height_mm]
     if "x" not in text.lower():
-        raise argparse.ArgumentTypeError(f"no such film: {text}: give WIDTHxHEIGHT in mm, or one of {FILM_NAMES}")
+        raise argparse.ArgumentTypeError(f"no such film: {text}: give WIDTHxHEIGHT in mm, lens, or one of {FILM_NAMES}")
     return size_mm(text)
 
 
@@ -141,7 +156,7 @@ def effect(text: str) -> tuple[str, str]:
 
 
 for _type, _name in ((number, "number"), (degrees, "number"), (positive, "number"), (part, "number"), (quality, "number"), (distance, "distance"),
-                     (threshold, "number"), (frame, "number"), (natural, "number"), (count, "number"), (size_mm, "size"), (film, "film"),
+                     (threshold, "number"), (frame, "number"), (frames, "range of frames"), (natural, "number"), (count, "number"), (size_mm, "size"), (film, "film"),
                      (pixels, "size"), (pair, "pair"), (triple, "triple"), (effect, "effect"),
                      (wavelengths, "spectrum"), (place, "place"), (point, "point")):  # fmt: skip
     # argparse names the type in its message: "invalid number value: 'x'".

@@ -12,10 +12,11 @@ import argparse
 import contextlib
 import importlib
 import os
+import re
 import shutil
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from . import interrupts
 from .errors import CommandError, complain
@@ -38,7 +39,11 @@ EXIT_INTERRUPTED = 130
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says bad usage in one line."""
+    """Says bad usage in one line, and takes -1e-3 and -1,0,0 for values and not for options."""
+
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        super().__init__(*arguments, **more)
+        self._negative_number_matcher = re.compile(r"-[\d.]")
 
     def error(self, message: str) -> NoReturn:
         complain(f"bad usage: {message}; see {self.prog} --help")

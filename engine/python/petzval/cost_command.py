@@ -84,8 +84,9 @@ def _write(found: dict[str, Any], folder: Path, says: TextIO) -> str:
 def _draw(found: dict[str, Any], folder: Path, says: TextIO) -> bool:
     try:
         import matplotlib  # noqa: F401
-    except ImportError:
-        print(f"petzval: no matplotlib, so no {' and '.join(_PICTURES)}: pip install 'petzval[plots]'", file=says)
+    except ImportError as error:
+        said = f"petzval: no {' and '.join(_PICTURES)}: matplotlib cannot be had ({error}): pip install matplotlib"
+        print(said, file=says)
         return False
     from .cost import plot
 

@@ -145,6 +145,7 @@ class CameraDescription:
     spectrum: str = "VISIBLE"  # VISIBLE | THREE
     scattering: Scattering = Scattering()
     exposes_by_f_number: bool = False  # what the lens takes of the light makes the picture darker
+    white_balance: bool = True  # white is white in the middle of the picture
     precision: str = "AUTO"  # AUTO | F32 | F64: of the numbers in which rays leave through the lens
     exposure: PhysicalExposure | None = None  # None: radiance one is one in the middle of the picture
     orthographic_width: float = 1.0  # of the whole picture, Blender units

@@ -189,9 +189,9 @@ _ROWS = (
     ("surfaces", "surfaces", "", ""),
     ("wavelength_nm", "wavelength", "nm", ""),
     ("efl_mm", "focal length", "mm", "infinite"),
-    ("f_number", "f-number", "", "none"),
-    ("t_number", "T-number, white light", "", "none"),
-    ("f_number_by_area", "f-number, round and as large", "", "none"),
+    ("f_number", "f-number, at infinity", "", "none"),
+    ("t_number", "T-number, at infinity, white light", "", "none"),
+    ("f_number_by_area", "f-number, at infinity, round and as large", "", "none"),
     ("stop_diameter_mm", "diaphragm's diameter", "mm", ""),
     ("stop_area_mm2", "diaphragm's area", "mm2", ""),
     ("bfd_mm", "back focal distance, from the last vertex", "mm", "infinite"),
@@ -209,11 +209,11 @@ _ROWS = (
     ("film_z_mm", "film, z", "mm", ""),
     ("total_track_mm", "length, first vertex to film", "mm", ""),
     ("magnification", "magnification", "", "none"),
-    ("working_f_number", "working f-number", "", "none"),
+    ("working_f_number", "working f-number, as focused", "", "none"),
     ("petzval_radius_mm", "Petzval radius", "mm", "infinite"),
-    ("vignetting_free_field_deg", "field without vignetting", "deg", "none"),
-    ("half_vignetted_field_deg", "field of half the light", "deg", "none"),
-    ("largest_field_deg", "field of the last ray", "deg", "none"),
+    ("vignetting_free_field_deg", "half field without vignetting", "deg", "none"),
+    ("half_vignetted_field_deg", "half field of half the light", "deg", "none"),
+    ("largest_field_deg", "half field of the last ray", "deg", "none"),
 )
 _SUMS = ("spherical", "coma", "astigmatism", "field", "distortion", "axial", "lateral")
 _SYMBOLS = ("S I", "S II", "S III", "S IV", "S V", "C L", "C T")
@@ -255,10 +255,26 @@ def _table(info: dict[str, Any]) -> str:
         lines.append(f"{words:<{words_width}}  {aligned} {unit}".rstrip())
     if info["axial_beam_cut_by_surface"] is not None:
         lines.append(f"surface {info['axial_beam_cut_by_surface']} cuts the beam on the axis: the stop is not filled")
+    if moved := info["misaligned_surfaces"]:
+        lines.append(
+            f"decentred or tilted: {_runs(moved)}; what is of first order here is that of the lens with all its surfaces on the axis"
+        )
     lines.append(_coating_line(info))
     if clear := info["unknown_absorption"]:
         lines.append(f"counted as clear, for their absorption is not known: {', '.join(clear)}")
     return "\n".join([*lines, "", *_sum_lines(info)])
+
+
+def _runs(numbers: list[int]) -> str:
+    """Surfaces by their numbers, neighbours together: "surfaces 2-4, 7"."""
+    runs: list[list[int]] = []
+    for surface in numbers:
+        if runs and surface == runs[-1][-1] + 1:
+            runs[-1].append(surface)
+        else:
+            runs.append([surface])
+    said = ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
+    return f"surface{'s' if len(numbers) > 1 else ''} {said}"
 
 
 def _coating_line(info: dict[str, Any]) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from . import lens_library
 
-_HEADINGS = ("lens", "mm", "F", "field", "film", "")
+_HEADINGS = ("lens", "mm", "f/ at infinity", "full field °", "film mm", "")
 
 
 def add_parser(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

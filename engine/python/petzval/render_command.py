@@ -63,13 +63,19 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         metavar="S",
         help="seconds; default: 8, and the writing",
     )
+    p.add_argument(
+        "--frames",
+        type=types.frames,
+        metavar="FIRST-LAST[,STEP]",
+        help="an animation, a picture a frame; their numbers stand in the names of --output and --stats for ####, else at the end",
+    )
     p.add_argument("-o", "--output", metavar="OUT.exr|png", help="default: SCENE.png where you are")
     p.add_argument("--stats", metavar="STATS.json", help="write what was done, and what it took")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Renders; the exit status."""
-    options = _checked(arguments)
+    options = options_of(arguments)
     if arguments.blender:
         return scene_options.in_blender(arguments.blender, options)
     interrupts.listen()
@@ -80,8 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
     return interrupts.INTERRUPTED
 
 
-def _checked(a: argparse.Namespace) -> dict[str, Any]:
-    """The options as plain data."""
+def options_of(a: argparse.Namespace) -> dict[str, Any]:
+    """The options as plain data, checked, as `render_in_blender.render` takes them."""
     options = scene_options.checked(a)
     output = Path(a.output) if a.output else Path(f"{Path(a.scene).stem}.png")
     if output.suffix.lower() not in _SUFFIXES:
@@ -90,8 +96,24 @@ def _checked(a: argparse.Namespace) -> dict[str, Any]:
         if getattr(a, name) and output.suffix.lower() != ".exr":
             raise CommandError(f"--{name} needs an EXR: {output}: end its name in .exr")
     scene_options.check_name(output)
-    checkpoint = None if a.checkpoint == "off" else Path(a.checkpoint or f"{output}.checkpoint")
+    if a.frames and a.frame is not None:
+        a.usage_error("--frame is one of --frames: leave out the one or the other")
+    takes = [_take(a, options, output, frame) for frame in a.frames or [None]]
+    return options | {"takes": takes}
+
+
+def _take(a: argparse.Namespace, options: dict[str, Any], output: Path, frame: int | None) -> dict[str, Any]:
+    """One picture: its frame, if it is one of several, and the files that are written, checked."""
+    if frame is not None:
+        output = numbered(output, frame)
+    checkpoint: Path | None = None
+    if a.checkpoint != "off":
+        checkpoint = Path(a.checkpoint) if a.checkpoint else Path(f"{output}.checkpoint")
+        if frame is not None and a.checkpoint:
+            checkpoint = numbered(checkpoint, frame)
     stats = Path(a.stats) if a.stats else None
+    if stats is not None and frame is not None:
+        stats = numbered(stats, frame)
     written = {"--output": output, "--stats": stats, "--checkpoint": checkpoint}
     scene_options.check_apart(
         written, {"the scene": a.scene, "--lens": options["lens"], "--aperture-mask": a.aperture_mask}
@@ -100,11 +122,21 @@ def _checked(a: argparse.Namespace) -> dict[str, Any]:
         raise CommandError(f"--checkpoint {checkpoint}: {problem}")
     for file in filter(None, written.values()):
         scene_options.check_writable(file)
-    return options | {
+    return {
+        "frame": a.frame if frame is None else frame,
         "output": str(output.absolute()),
         "stats": str(stats.absolute()) if stats else None,
         "checkpoint": str(checkpoint.absolute()) if checkpoint else "",
     }
+
+
+def numbered(file: Path, frame: int) -> Path:
+    """A file's name with the number of a frame for the last #### in it, as many digits as there are; without any, at its end."""
+    stem = file.stem if "#" in file.stem else f"{file.stem}_####"
+    end = stem.rindex("#") + 1
+    begin = len(stem[:end].rstrip("#"))
+    digits = f"{'-' if frame < 0 else ''}{abs(frame):0{end - begin}d}"
+    return file.with_name(f"{stem[:begin]}{digits}{stem[end:]}{file.suffix}")
 
 
 def _checkpoint_problem(file: Path) -> str | None:

@@ -118,20 +118,35 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
         return f"cannot open {options['scene']}: {_one_line(error)}: is it a .blend of this Blender or older", False
     scene = bpy.context.scene
     scene.render.engine = addon.engine.ENGINE
-    found: dict[str, Any] = {}
-    wrong = _apply(scene, options, addon, found)
-    if wrong:
-        return wrong, False
     watch = addon.render.loop.WATCH
     watch.study = study = _study(options.get("study"), scene, watch)
-    watch.checkpoint, watch.checkpoint_every_s = options["checkpoint"] or "", options["checkpoint_every"]
-    watch.written_checkpoints.clear()
+    watch.checkpoint_every_s = options["checkpoint_every"]
     if voice.isatty() and (study is None or study.is_long):
         watch.on_progress = ProgressBar(voice)
     interrupts.ask(watch.stop.set)
     if study is not None:
-        problem = _take(scene, watch, writes=False)
+        watch.checkpoint = ""
+        problem = _apply(scene, options, addon, {}) or _take(scene, watch, writes=False)
         return problem or _save(study, options["answer"], watch.stop.is_set()), watch.stop.is_set()
+    problem = None
+    for take in options["takes"]:
+        problem = _picture(scene, _Options(options | take), addon, voice)
+        if problem or watch.stop.is_set():
+            break
+    return problem, watch.stop.is_set()
+
+
+def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> str | None:
+    """Renders one picture, with all that is written beside it; the error, if any."""
+    watch = addon.render.loop.WATCH
+    found: dict[str, Any] = {}
+    # For each frame: what is animated is set anew by it.
+    wrong = _apply(scene, options, addon, found)
+    if wrong:
+        return wrong
+    watch.checkpoint = options["checkpoint"] or ""
+    watch.written_checkpoints.clear()
+    addon.render.statistics.forget()
     problem = _render_into(options["output"], scene, addon, options, voice)
     last = addon.render.statistics.last(scene.name)
     if problem is None and options["stats"] and last is not None:
@@ -140,7 +155,7 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
         except OSError as failed:
             problem = f"cannot write {options['stats']}: {failed.strerror or failed}: name another file"
     _end_checkpoints(watch, problem is None and not watch.stop.is_set(), voice)
-    return problem, watch.stop.is_set()
+    return problem
 
 
 def _take(scene: Any, watch: Any, *, writes: bool) -> str | None:
@@ -285,11 +300,31 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
         _apply_camera(scene, scene.camera.data, o, addon)
     except RuntimeError as error:  # only the mask is a file that is read here
         return f"cannot read {o['aperture_mask']}: {_one_line(error)}: give --aperture-mask a picture"
+    if o["focus_object"]:
+        wrong = _apply_focus_object(scene, o)
+        if wrong:
+            return wrong
     from petzval.description import OF_LENS_FILE
 
     if o["autofocus"] and scene.camera.data.petzval.model not in OF_LENS_FILE:
         return f"camera '{scene.camera.name}': only a lens can focus by itself: name one with --lens"
     return _apply_sharp(scene, o["sharp"], addon, found) if o["sharp"] else None
+
+
+def _apply_focus_object(scene: Any, o: dict[str, Any]) -> str | None:
+    """Focuses on the origin of an object; the error, if any."""
+    import difflib
+
+    name, data = o["focus_object"], scene.camera.data
+    chosen = scene.objects.get(name)
+    if chosen is None:
+        near = difflib.get_close_matches(name, scene.objects.keys(), n=3, cutoff=0.4)
+        said = f"; there is {', '.join(near)}" if near else ""
+        return f"no object '{name}' in scene '{scene.name}' of {o['scene']}: change --focus-object{said}"
+    if chosen == scene.camera:
+        return f"'{name}' is the camera itself: change --focus-object"
+    data.petzval.focus_mode, data.dof.focus_object = "CAMERA", chosen
+    return None
 
 
 def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict[str, Any]) -> str | None:
@@ -364,6 +399,8 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
         own.coating = o["coating"].upper().replace("-", "_")
     if o["expose_by"]:
         own.exposes_by_f_number = o["expose_by"] == "f-number"
+    if o["white_balance"]:
+        own.white_balance = o["white_balance"] == "on"
     if o["scale"]:
         own.scale_from_scene = False
         own.scale_locked = False
@@ -381,7 +418,9 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
         data.dof.focus_object = None
         # Blender's distance is in units of the scene.
         data.dof.focus_distance = o["focus_distance"] / addon.export.camera.scale(own, scene)[2]
-    if o["film"]:
+    if o["film"] == "lens":
+        own.film_mode = "LENS"
+    elif o["film"]:
         own.film_mode = "SIZE"
         own.film_width, own.film_height = o["film"]
     if o["shutter"] or o["iso"]:
@@ -395,7 +434,7 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
             shape = addon.export.camera.resolution(scene.render)
         own.film_mode = "SIZE"
         own.film_width, own.film_height = with_diagonal(*shape, o["film_diagonal"])
-    if own.model not in OF_LENS_FILE and (o["film"] or o["film_diagonal"] is not None):
+    if own.model not in OF_LENS_FILE and (isinstance(o["film"], list) or o["film_diagonal"] is not None):
         # A camera without a lens has Blender's sensor, which is as high as the picture's shape says.
         data.sensor_fit, data.sensor_width, data.sensor_height = "HORIZONTAL", own.film_width, own.film_height
     if isinstance(o["spectrum"], float):

@@ -9,7 +9,6 @@ import contextlib
 import json
 import math
 import os
-import re
 import select
 import signal
 import subprocess
@@ -75,11 +74,22 @@ def add(p: argparse.ArgumentParser) -> None:
         "--coating", choices=("as-file", "none", "mgf2", "double", "triple"), help="wherever the lens's glass meets air"
     )
     p.add_argument(
+        "--white-balance",
+        choices=("on", "off"),
+        help="off: the colour of glass and coatings is seen in the middle, too",
+    )
+    p.add_argument(
         "--expose-by", choices=("t-number", "f-number"), help="f-number: what the lens takes makes the picture darker"
     )
-    p.add_argument("--film", type=types.film, metavar="NAME|WxH", help=f"mm, or one of {types.FILM_NAMES}")
+    p.add_argument(
+        "--film",
+        type=types.film,
+        metavar="NAME|WxH|lens",
+        help=f"mm; lens: the film for which the lens is made; or one of {types.FILM_NAMES}",
+    )
     p.add_argument("--film-diagonal", type=types.positive, metavar="MM", help="the film scaled to it, its shape kept")
     p.add_argument("--focus-distance", type=types.distance, metavar="MM|inf", help="from the anchor")
+    p.add_argument("--focus-object", metavar="NAME", help="an object of the scene whose origin is to be sharp")
     p.add_argument(
         "--anchor",
         choices=("entrance-pupil", "front-vertex", "film"),
@@ -101,8 +111,6 @@ def add(p: argparse.ArgumentParser) -> None:
         metavar="X,Y,Z",
         help="turn the film so that three points of the world are sharp",
     )
-    # Coordinates may begin with a minus: what looks so is no option here.
-    p._negative_number_matcher = re.compile(r"-[\d.]")
     p.add_argument("--shift", type=types.pair, metavar="X,Y", help="the lens right and up against the film, mm")
     p.add_argument(
         "--scale", type=types.triple, metavar="X,Y,Z", help="millimetres for one Blender unit along each axis"
@@ -151,9 +159,16 @@ def checked(a: argparse.Namespace) -> dict[str, Any]:
         a.usage_error("--aperture-mask stands instead of --blades: leave out the one or the other")
     if a.aperture_mask and not Path(a.aperture_mask).is_file():
         raise CommandError(f"no such picture: {a.aperture_mask}: change --aperture-mask")
-    ways = {"--focus-distance": a.focus_distance, "--autofocus": a.autofocus, "--sharp": a.sharp}
+    ways = {
+        "--focus-distance": a.focus_distance,
+        "--focus-object": a.focus_object,
+        "--autofocus": a.autofocus,
+        "--sharp": a.sharp,
+    }
     if len(asked := [name for name, value in ways.items() if value is not None]) > 1:
-        a.usage_error(f"{' and '.join(asked)} say different things of the focus: leave out all but one")
+        a.usage_error(
+            f"{', '.join(asked[:-1])} and {asked[-1]} say different things of the focus: leave out all but one"
+        )
     if a.sharp and (a.tilt is not None or a.swing is not None):
         a.usage_error("--sharp finds tilt and swing: leave out --tilt and --swing")
     given = {name: value for name, value in vars(a).items() if name not in _NO_OPTIONS}

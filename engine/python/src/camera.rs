@@ -18,6 +18,28 @@ impl From<Matrix4> for DMat4 {
     }
 }
 
+/// The part of the picture that the lens lights.
+#[pyfunction]
+pub(crate) fn coverage_json(
+    py: Python<'_>,
+    camera: Described<CameraDescription>,
+    width: u32,
+    height: u32,
+) -> Result<String, Error> {
+    json(&without_gil(py, || camera.0.coverage([width, height]))??)
+}
+
+/// Width and height of the film for which the lens is made.
+#[pyfunction]
+pub(crate) fn film_of_lens_mm(
+    py: Python<'_>,
+    camera: Described<CameraDescription>,
+    width: u32,
+    height: u32,
+) -> Result<[f64; 2], Error> {
+    Ok(without_gil(py, || camera.0.film_of_lens_mm([width, height]))??)
+}
+
 /// Data of the camera for the panel and the viewport.
 #[pyfunction]
 pub(crate) fn camera_info_json(

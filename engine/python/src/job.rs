@@ -228,6 +228,10 @@ impl Job {
         self.job.stop_developing();
     }
 
+    fn developed(&self) -> f64 {
+        self.job.developed()
+    }
+
     fn stray<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let pass = StrayPass::ALL.into_iter().find(|pass| pass.name() == name);
         let pass = pass.ok_or_else(|| invalid(format!("no light strays by the name of '{name}'")))?;

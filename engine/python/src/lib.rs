@@ -61,6 +61,8 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(files::checkpoint_problem, m)?)?;
     m.add_function(wrap_pyfunction!(pictures::check_exr, m)?)?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
+    m.add_function(wrap_pyfunction!(camera::coverage_json, m)?)?;
+    m.add_function(wrap_pyfunction!(camera::film_of_lens_mm, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::autofocus_by_json, m)?)?;
     m.add_function(wrap_pyfunction!(focusing::sharp_points_json, m)?)?;

@@ -7,6 +7,7 @@ mod adaptive;
 pub mod catcher;
 pub mod checkpoint;
 mod develop;
+mod error;
 pub mod forecast;
 mod parts;
 mod report;
@@ -34,7 +35,7 @@ use glam::Vec2;
 pub use report::RenderReport;
 pub use settings::{MIN_SAMPLES, Settings, SettingsError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError, RwLock};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -115,6 +116,8 @@ struct Shared {
     keeper: Option<Keeper>,
     strayed: Mutex<Option<Arc<StrayLight>>>,
     stop_developing: AtomicBool,
+    /// The bits of the part of the stray light that is found.
+    developed: AtomicU64,
     running: Mutex<usize>,
     ended: Condvar,
     started: Instant,
@@ -361,6 +364,7 @@ impl Shared {
             keeper: None,
             strayed: Mutex::default(),
             stop_developing: AtomicBool::new(false),
+            developed: AtomicU64::new(0),
         };
         shared.keeper = beside.checkpoints.map(|checkpoints| Keeper::new(checkpoints, &mut shared));
         Ok(shared)

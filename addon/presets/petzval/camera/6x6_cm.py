@@ -19,6 +19,7 @@ petzval.glare_cleanliness = 300.0
 petzval.glare_veil = 0.01
 petzval.coating = "AS_FILE"
 petzval.exposes_by_f_number = False
+petzval.white_balance = True
 petzval.spectrum = "VISIBLE"
 petzval.wavelength = 587.5618
 petzval.precision = "AUTO"

@@ -59,11 +59,15 @@ impl Analysis<'_> {
         // The middle ray of a small angle is the paraxial one through the pupil, exact to the square of the angle.
         const SMALL_DEG: f64 = 1e-3;
         let line = &self.lines[self.main];
-        let field = self.field(SMALL_DEG);
-        let at = line.probe.aim(&field, DVec2::ZERO, DVec2::ZERO).unwrap_or(DVec2::ZERO);
-        let out = line.probe.tracer.from_scene(line.probe.origin.ray(&field, at)).ok();
-        let landing = out.and_then(|out| self.film.frame().meet(&out)).map_or(DVec2::ZERO, DVec2::from);
-        self.turned(landing).y / SMALL_DEG.to_radians().tan()
+        let landing = |angle_deg: f64| {
+            let field = self.field(angle_deg);
+            let at = line.probe.aim(&field, DVec2::ZERO, DVec2::ZERO).unwrap_or(DVec2::ZERO);
+            let out = line.probe.tracer.from_scene(line.probe.origin.ray(&field, at)).ok();
+            out.and_then(|out| self.film.frame().meet(&out)).map_or(DVec2::ZERO, DVec2::from)
+        };
+        // The axis lands beside the middle where an element is out of place.
+        let [above, below] = [SMALL_DEG, -SMALL_DEG].map(landing);
+        self.turned(0.5 * (above - below)).y / SMALL_DEG.to_radians().tan()
     }
 
     /// The place at which the rays on both sides of the middle one along an axis of the field's plane are nearest to it, along z from the

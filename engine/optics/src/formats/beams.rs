@@ -10,6 +10,17 @@ use crate::vector::Vector;
 
 use super::draft_row::DraftRow;
 
+/// A file's statement of the width of the beam on the axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum StatedBeam {
+    /// Diameter of the entrance pupil, mm.
+    EntrancePupil(f64),
+    /// Focal length over the diameter of the entrance pupil.
+    FNumber(f64),
+    /// Sine of the angle to the axis at which its rim leaves the object.
+    ObjectNa(f64),
+}
+
 /// Rays of one beam. Heights are good to about one in a hundred of the beam.
 const RAYS: usize = 200;
 /// Half width of the fan of rays before the lens, in half widths of the beam at first order.

@@ -6,9 +6,11 @@ use crate::first_order::{Matrix, ParaxialSurface, between_vertices, front_of};
 use crate::glass::Medium;
 use crate::prescription::moving::{MovingParts, Part, Position};
 use crate::prescription::{Metadata, NextMedium, Place, Prescription, SurfaceRow};
-use crate::surface::{Conic, LAST_POWER, Pose, Shape};
+use crate::surface::{Conic, LAST_POWER, Shape};
+use glam::DAffine3;
 
-use super::beams::{self, FieldBeam};
+use super::beams::{self, FieldBeam, StatedBeam};
+use super::configurations::Configurations;
 use super::draft_row::DraftRow;
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::{Reading, Remarks};
@@ -21,18 +23,7 @@ const ROOM: f64 = 1.02;
 /// Beams of more fields tell nothing new.
 const MOST_FIELDS: usize = 50;
 /// Objects farther away are at infinity, mm: programs write 1e10 and more.
-const INFINITELY_FAR_MM: f64 = 1e8;
-
-/// A file's statement of the width of the beam on the axis.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum StatedBeam {
-    /// Diameter of the entrance pupil, mm.
-    EntrancePupil(f64),
-    /// Focal length over the diameter of the entrance pupil.
-    FNumber(f64),
-    /// Sine of the angle to the axis at which its rim leaves the object.
-    ObjectNa(f64),
-}
+pub(super) const INFINITELY_FAR_MM: f64 = 1e8;
 
 /// A point of the field, in the y-z plane.
 #[derive(Clone, Copy, Debug)]
@@ -64,11 +55,15 @@ pub(super) struct Draft<'a> {
     /// The wavelength for which beam and fields are meant.
     pub(super) wavelength_nm: f64,
     pub(super) film_radius_mm: Option<f64>,
+    /// The change of coordinates from the place that the last row leaves to the film, mm.
+    pub(super) film_frame: DAffine3,
     pub(super) metadata: Metadata,
     /// Coating of surfaces where glass meets air.
     pub(super) coating: Option<Coating>,
     /// Surfaces with gaps that move, and where they are.
     pub(super) moving: Option<(Vec<Part>, Vec<Position>, Vec<Place>)>,
+    /// Configurations, of which moving parts are made.
+    pub(super) configurations: Option<Configurations>,
     pub(super) remarks: Remarks,
 }
 
@@ -85,9 +80,11 @@ impl<'a> Draft<'a> {
             object_mm: f64::INFINITY,
             wavelength_nm: crate::glass::line_nm::D,
             film_radius_mm: None,
+            film_frame: DAffine3::IDENTITY,
             metadata: Metadata::default(),
             coating: None,
             moving: None,
+            configurations: None,
             remarks: Remarks::default(),
         }
     }
@@ -110,6 +107,8 @@ impl<'a> Draft<'a> {
             row.curvature /= mm;
             row.thickness_mm *= mm;
             row.obstruction_mm *= mm;
+            row.before.translation *= mm;
+            row.after.translation *= mm;
             row.semi_diameter_mm = row.semi_diameter_mm.map(|semi| semi * mm);
             row.radius_x_mm = row.radius_x_mm.map(|radius| radius * mm);
             for (power, a) in &mut row.terms {
@@ -117,6 +116,7 @@ impl<'a> Draft<'a> {
             }
         }
         self.object_mm *= mm;
+        self.film_frame.translation *= mm;
         self.film_radius_mm = self.film_radius_mm.map(|radius| radius * mm);
         if self.field_kind != FieldKind::Degrees {
             self.fields.iter_mut().for_each(|field| field.y *= mm);
@@ -124,17 +124,25 @@ impl<'a> Draft<'a> {
         if let Some(StatedBeam::EntrancePupil(diameter)) = &mut self.beam {
             *diameter *= mm;
         }
+        if let Some(configurations) = &mut self.configurations {
+            configurations.scale(mm);
+        }
     }
 
-    /// Puts the film where the image is at first order.
-    pub(super) fn film_at_focus(&mut self, place: Place) {
+    /// The distance of the image at first order from the last surface, mm; `None` without one.
+    pub(super) fn image_distance_mm(&self) -> Option<f64> {
         let thin = self.thin();
         let matrix = between_vertices(&thin);
         let ray = if self.object_mm.abs() > INFINITELY_FAR_MM { (1.0, 0.0) } else { (self.object_mm, 1.0) };
         let [height, slope] = matrix.apply(ray.0, ray.1);
         let index = thin.last().map_or(1.0, |s| s.to);
-        let distance = -height * index / slope;
-        if let (Some(last), true) = (self.rows.last_mut(), distance.is_finite()) {
+        Some(-height * index / slope).filter(|mm| mm.is_finite())
+    }
+
+    /// Puts the film where the image is at first order.
+    pub(super) fn film_at_focus(&mut self, place: Place) {
+        let distance = self.image_distance_mm();
+        if let (Some(last), Some(distance)) = (self.rows.last_mut(), distance) {
             last.thickness_mm = distance;
             self.remarks.say(place, format!("the film is put where the image is at first order, at {distance}"));
         }
@@ -167,10 +175,15 @@ impl<'a> Draft<'a> {
         if self.object_mm.abs() > INFINITELY_FAR_MM {
             self.object_mm = f64::INFINITY;
         }
+        self.unfold()?;
+        if self.rows.is_empty() {
+            return self.fail(start, Problem::Unsupported("there is no surface but mirrors that fold".to_owned()));
+        }
         self.drop_inert();
         let stop = self.stop.unwrap_or(0);
         self.open_stop(stop);
-        self.open_rims(stop);
+        let widest_mm = self.configure(stop);
+        self.open_rims(stop, &widest_mm);
         self.note_design();
 
         let surfaces = self.surfaces()?;
@@ -201,7 +214,7 @@ impl<'a> Draft<'a> {
             let base = Conic { curvature: row.curvature, conic: row.conic };
             let surface = SurfaceRow {
                 shape: Shape::from_numbers(base, &row.terms, row.radius_x_mm),
-                pose: Pose::identity(),
+                pose: row.pose,
                 thickness_mm: row.thickness_mm,
                 behind: row.behind.clone(),
                 semi_diameter_mm: row.semi_diameter_mm.unwrap_or(0.0),
@@ -232,7 +245,7 @@ impl<'a> Draft<'a> {
 
     /// Takes out planes between one medium and the same that neither are the stop nor have a rim: marks of the design program.
     fn drop_inert(&mut self) {
-        if self.moving.as_ref().is_some_and(|(parts, ..)| !parts.is_empty()) {
+        if self.configurations.is_some() || self.moving.as_ref().is_some_and(|(parts, ..)| !parts.is_empty()) {
             return;
         }
         let mut before = Medium::air();
@@ -260,7 +273,7 @@ impl<'a> Draft<'a> {
     }
 
     /// The surfaces as Gaussian optics sees them.
-    fn thin(&self) -> Vec<ParaxialSurface> {
+    pub(super) fn thin(&self) -> Vec<ParaxialSurface> {
         let (mut sign, mut medium) = (1.0, 1.0);
         let one = |row: &DraftRow| {
             let from = sign * medium;
@@ -277,7 +290,7 @@ impl<'a> Draft<'a> {
     }
 
     /// Sets the stop's width, by the beam that the file wants.
-    fn open_stop(&mut self, stop: usize) {
+    pub(super) fn open_stop(&mut self, stop: usize) {
         let thin = self.thin();
         let front = front_of(&thin, stop);
         let semi = match self.beam {
@@ -294,18 +307,21 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Sets the widths of the other surfaces, where the file does not state them: those of the beams of its fields.
-    fn open_rims(&mut self, stop: usize) {
+    /// Sets the widths of the other surfaces, where the file does not state them: those of the beams of its fields. Widths that nobody
+    /// has fixed are at least those of the beams in other configurations.
+    fn open_rims(&mut self, stop: usize, widest_mm: &[f64]) {
         let good = |x: f64| x.is_finite() && x > 0.0;
         let given = |row: &DraftRow| row.semi_diameter_mm.filter(|x| good(*x));
         let guessed = self.rows.iter().filter(|row| given(row).is_none()).count();
-        let computed = if guessed > 0 { self.beams(stop) } else { vec![0.0; self.rows.len()] };
+        let mut computed = if guessed > 0 { self.beams(stop) } else { vec![0.0; self.rows.len()] };
+        computed.iter_mut().zip(widest_mm).for_each(|(computed, widest)| *computed = computed.max(*widest));
         let largest = self.rows.iter().filter_map(given).fold(0.0, f64::max);
         let spare = if largest > 0.0 { largest } else { 1.0 };
         for (i, row) in self.rows.iter_mut().enumerate() {
             let base = Conic { curvature: row.curvature, conic: row.conic };
             let reach = Shape::from_numbers(base, &[], row.radius_x_mm).reach_mm();
-            let known = given(row);
+            let known =
+                given(row).map(|semi| if i == stop || row.is_width_fixed { semi } else { semi.max(widest_mm[i]) });
             let semi = known.unwrap_or(if good(computed[i]) { ROOM * computed[i] } else { spare });
             if semi > reach && known.is_some() {
                 let (wanted, has) = (2.0 * semi, 2.0 * reach);
@@ -324,7 +340,7 @@ impl<'a> Draft<'a> {
     }
 
     /// Distances from the axis that the beams of the fields reach on the surfaces.
-    fn beams(&self, stop: usize) -> Vec<f64> {
+    pub(super) fn beams(&self, stop: usize) -> Vec<f64> {
         let thin = self.thin();
         let front = front_of(&thin, stop);
         let stop_semi = self.rows[stop].semi_diameter_mm.unwrap_or(0.0);

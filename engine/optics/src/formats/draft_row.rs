@@ -1,7 +1,10 @@
 //! A surface of a lens while it is read.
 
+use glam::DAffine3;
+
 use crate::glass::Medium;
 use crate::prescription::{NextMedium, Place};
+use crate::surface::Pose;
 
 /// A surface as the file states it. Lengths in mm, curvature in 1/mm.
 #[derive(Clone, Debug)]
@@ -18,7 +21,15 @@ pub(super) struct DraftRow {
     pub(super) semi_diameter_mm: Option<f64>,
     /// True if the file means that the rim stops light, not only that the beam is so wide.
     pub(super) has_rim: bool,
+    /// True if the width is the designer's: else it may be that of the beams in one configuration.
+    pub(super) is_width_fixed: bool,
     pub(super) obstruction_mm: f64,
+    /// The change of coordinates from the place that the row before leaves to this surface, mm.
+    pub(super) before: DAffine3,
+    /// The change of coordinates behind this surface, before its thickness.
+    pub(super) after: DAffine3,
+    /// The pose beside the axis, once the frames are unfolded.
+    pub(super) pose: Pose,
 }
 
 impl DraftRow {
@@ -34,7 +45,11 @@ impl DraftRow {
             behind: NextMedium::Medium(Medium::air()),
             semi_diameter_mm: None,
             has_rim: false,
+            is_width_fixed: false,
             obstruction_mm: 0.0,
+            before: DAffine3::IDENTITY,
+            after: DAffine3::IDENTITY,
+            pose: Pose::identity(),
         }
     }
 }

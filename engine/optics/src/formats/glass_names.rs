@@ -35,11 +35,14 @@ const CATALOGUES: [(&str, &[&str]); 12] = [
 ];
 
 /// Materials that the programs call otherwise than our catalogues.
-const ALIASES: [(&str, &str); 12] = [
+const ALIASES: [(&str, &str); 14] = [
     ("silica", "fused-silica"),
     ("f_silica", "fused-silica"),
     ("fused silica", "fused-silica"),
     ("quartz_fused", "fused-silica"),
+    // Corning's fused silica HPFS 7980, in its catalogue and in makers' files.
+    ("c79-80", "fused-silica"),
+    ("uvfs", "fused-silica"),
     ("calfluor", "caf2"),
     ("fluorite", "caf2"),
     ("fluorspar", "caf2"),
@@ -49,6 +52,11 @@ const ALIASES: [(&str, &str); 12] = [
     ("polystyr", "polystyrene"),
     ("ps", "polystyrene"),
 ];
+
+/// Glasses of which no curve is published, by nd and Vd: name, and where they stand.
+const BY_NUMBERS: [(&str, f64, f64, &str); 1] = [("B270", 1.5230, 58.57, "SCHOTT, B 270 i")];
+/// Glasses that are made no more, and those that took their place with the same glass code.
+const SUCCESSORS: [(&str, &str); 1] = [("KZFS4 OF SCHOTT", "schott:KZFSN4")];
 
 /// The catalogues in which the names of a file are looked up.
 pub(super) struct Glasses<'a> {
@@ -95,10 +103,13 @@ impl<'a> Glasses<'a> {
                 self.define(medium);
             }
         }
-        for (name, token) in std::mem::take(&mut header.new_aliases) {
-            if let Ok(medium) = self.catalogue.medium(&token) {
-                self.own.insert(name.to_lowercase(), medium);
-                self.renamed.insert(name.to_lowercase());
+        for (name, token, place) in std::mem::take(&mut header.new_aliases) {
+            match self.catalogue.medium(&token) {
+                Ok(medium) => {
+                    self.own.insert(name.to_lowercase(), medium);
+                    self.renamed.insert(name.to_lowercase());
+                }
+                Err(error) => header.undefined.push((name.to_lowercase(), place, error.into())),
             }
         }
     }
@@ -184,7 +195,10 @@ impl<'a> Glasses<'a> {
                 return Ok(medium);
             }
         }
-        let medium = self.catalogue.medium(alias).map_err(|error| self.moulded(name, error))?;
+        let medium = match self.catalogue.medium(alias) {
+            Ok(medium) => medium,
+            Err(error) => return self.stand_in(name, place, remarks).ok_or(error),
+        };
         let has = self.catalogue.makers_of(alias);
         if !self.listed.is_empty() {
             let list = self.listed.join(", ");
@@ -199,13 +213,29 @@ impl<'a> Glasses<'a> {
         Ok(medium)
     }
 
-    /// Glass that was pressed has another index than its catalogue says; what it is without that is a proposal.
-    fn moulded(&self, name: &str, error: GlassError) -> GlassError {
-        let bare = name.to_uppercase().strip_suffix("_MOLD").map(str::to_owned);
-        match bare.filter(|bare| !self.catalogue.makers_of(bare).is_empty()) {
-            Some(bare) => GlassError::Unknown { name: name.to_owned(), near: vec![bare] },
-            None => error,
+    /// The glass that comes nearest to one of which the catalogues have no curve, with a remark: pressed glass by what it was before, others
+    /// by nd and Vd.
+    fn stand_in(&self, name: &str, place: Place, remarks: &mut Remarks) -> Option<Medium> {
+        let upper = name.to_uppercase();
+        if let Some((_, nd, abbe, source)) = BY_NUMBERS.iter().find(|(known, ..)| *known == upper) {
+            let text =
+                format!("of '{name}' only nd {nd} and Vd {abbe} are known ({source}); the curve between is estimated");
+            remarks.once(&format!("glass {name}"), place, text);
+            return self.by_numbers(*nd, *abbe).ok();
         }
+        if let Some((_, successor)) = SUCCESSORS.iter().find(|(known, _)| *known == upper) {
+            let text = format!("'{name}' is made no more; {successor} of the same glass code is taken");
+            remarks.once(&format!("glass {name}"), place, text);
+            return self.catalogue.medium(successor).ok();
+        }
+        let of_cdgm = upper.strip_suffix('M').filter(|bare| bare.starts_with("D-"));
+        let bare = upper.strip_suffix("_MOLD").or(of_cdgm)?;
+        let medium = self.catalogue.medium(bare).ok()?;
+        let text = format!(
+            "'{name}' is pressed glass; {bare} is taken, whose index is higher by some thousandths before pressing"
+        );
+        remarks.once(&format!("glass {name}"), place, text);
+        Some(medium)
     }
 
     /// The glass of a name in which hyphens may be missing, with its maker or without.
@@ -226,6 +256,9 @@ impl<'a> Glasses<'a> {
             if let Some(key) = makers(wanted).into_iter().flatten().find_map(of_maker) {
                 return self.catalogue.medium(key);
             }
+            if let Some(medium) = self.stand_in(&format!("{name} of {wanted}"), place, remarks) {
+                return Ok(medium);
+            }
             // Makers rename a glass when lead leaves it: N-BK7 is no BK7, and nobody else's either.
             if makers(wanted).is_some() {
                 let near = self.catalogue.medium(alias).err();
@@ -235,7 +268,9 @@ impl<'a> Glasses<'a> {
                 }));
             }
         }
-        let Some(first) = found.first() else { return self.catalogue.medium(alias) };
+        let Some(first) = found.first() else {
+            return self.catalogue.medium(alias).or_else(|error| self.stand_in(name, place, remarks).ok_or(error));
+        };
         let has: Vec<&str> = found.iter().filter_map(|key| key.split(':').next()).collect();
         self.of_several(name, &has, place, remarks);
         self.catalogue.medium(first)

@@ -31,8 +31,11 @@ pub(crate) struct Header {
     pub(crate) glasses: Vec<Medium>,
     /// Numbers of the glasses that were added or changed since `Glasses::define_new`.
     pub(crate) changed_glasses: Vec<usize>,
-    /// Names that the file has for glasses of the catalogues, since then: name, token.
-    pub(crate) new_aliases: Vec<(String, String)>,
+    /// Names that the file has for glasses of the catalogues, since then: name, token, and where the line stands.
+    pub(crate) new_aliases: Vec<(String, String, Place)>,
+    /// Lines about a glass that define none: the name in small letters, where the line stands, and what is wrong. One that no surface asks
+    /// for is a remark.
+    pub(super) undefined: Vec<(String, Place, Problem)>,
     alias_count: usize,
     /// Files of glasses beside this one, and where they are named.
     pub(crate) catalogues: Vec<(String, Place)>,
@@ -93,10 +96,14 @@ impl Header {
                 if self.alias_count > MOST_GLASSES {
                     return Err(too_many_glasses());
                 }
-                self.new_aliases.push((name.trim().to_owned(), token.trim().to_owned()));
+                self.new_aliases.push((name.trim().to_owned(), token.trim().to_owned(), place));
             }
-            // A remark about the glasses is none of these.
-            "glass" if !is_formula(value) => {}
+            // A remark about the glasses is none of these, but it may be meant as one.
+            "glass" if !is_formula(value) => {
+                if let Some(name) = value.split_whitespace().next() {
+                    self.undefined.push((name.to_lowercase(), place, Problem::GlassLine(value.to_owned())));
+                }
+            }
             "glass" if self.glasses.len() >= MOST_GLASSES => return Err(too_many_glasses()),
             "glass" => {
                 self.changed_glasses.push(self.glasses.len());
@@ -124,7 +131,7 @@ impl Header {
         let bad = || Problem::TransmittanceLine(value.to_owned());
         let mut words = value.split_whitespace();
         let name = words.next().ok_or_else(bad)?;
-        let number = self.glasses.iter().position(|glass| glass.name() == name).ok_or_else(bad)?;
+        let number = self.glass_called(name).ok_or_else(bad)?;
         let point = |word: &str| {
             let (nm, rest) = word.split_once(':')?;
             let (part, mm) = rest.split_once('@')?;
@@ -137,13 +144,18 @@ impl Header {
         Ok(())
     }
 
+    /// The number of a glass that was defined before, in any case of letters, as surfaces name it.
+    fn glass_called(&self, name: &str) -> Option<usize> {
+        self.glasses.iter().position(|glass| glass.name().eq_ignore_ascii_case(name))
+    }
+
     /// Reads `NAME from=1.59 z1=0.05 r2=-0.002 z1r2=0.001`: the gradient of a glass that was defined before, by coefficients of powers of z
     /// and r, and the place of z = 0.
     fn gradient(&mut self, value: &str) -> Result<(), Problem> {
         let bad = |found: &str| Problem::GradientLine(found.to_owned());
         let mut words = value.split_whitespace();
         let name = words.next().ok_or_else(|| bad(value))?;
-        let number = self.glasses.iter().position(|glass| glass.name() == name).ok_or_else(|| bad(name))?;
+        let number = self.glass_called(name).ok_or_else(|| bad(name))?;
         let (mut terms, mut from_mm) = (Vec::new(), 0.0);
         for word in words {
             let (key, number) = word.split_once('=').ok_or_else(|| bad(word))?;
@@ -160,6 +172,15 @@ impl Header {
         Ok(())
     }
 
+    /// The line that was to define this glass and does not, and what is wrong with it.
+    pub(super) fn undefined(&self, name: &str) -> Option<(Place, Problem)> {
+        let name = name.to_lowercase();
+        self.undefined
+            .iter()
+            .find(|(undefined, ..)| *undefined == name)
+            .map(|(_, place, problem)| (*place, problem.clone()))
+    }
+
     /// Applies the lines to a lens that is read from another program's file.
     pub(crate) fn apply(self, draft: &mut Draft<'_>) -> Result<(), LensFileError> {
         draft.name = self.name.or(draft.name.take());
@@ -173,7 +194,7 @@ impl Header {
 
 /// True if the second word names a formula.
 fn is_formula(value: &str) -> bool {
-    value.split_whitespace().nth(1).is_some_and(|word| Dispersion::WORDS.contains(&word))
+    value.split_whitespace().nth(1).is_some_and(|word| Dispersion::WORDS.contains(&word.to_lowercase().as_str()))
 }
 
 /// True if this is the name of a glass catalogue's file.
@@ -200,7 +221,7 @@ fn glass(value: &str) -> Option<Medium> {
     let end = |text: &str| if text == "inf" { Some(f64::INFINITY) } else { finite(text) };
     let range_nm = [end(from)?, end(to)?];
     let numbers: Option<Vec<f64>> = words.map(finite).collect();
-    let dispersion = Dispersion::from_words(formula, &numbers?)?;
+    let dispersion = Dispersion::from_words(&formula.to_lowercase(), &numbers?)?;
     let medium = Medium::new(name, dispersion, range_nm, "the lens file");
     let is_glass = |nm: f64| (0.5..=6.0).contains(&medium.index(nm));
     let ends = range_nm.map(|nm| nm.clamp(200.0, 20_000.0));

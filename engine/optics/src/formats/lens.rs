@@ -254,15 +254,7 @@ impl<'a> LensReader<'a> {
         if words.is_empty() {
             return Ok(());
         }
-        if self.rows.len() >= MOST_SURFACES {
-            let problem = Problem::Unsupported(format!("a lens has no more than {MOST_SURFACES} surfaces"));
-            return self.fail(line, words[0].column, problem);
-        }
-        let expected = COLUMNS.len() + self.extra.len();
-        if words.len() != expected {
-            let column = words.get(expected).unwrap_or(&words[0]).column;
-            return self.fail(line, column, Problem::ColumnCount { found: words.len(), expected });
-        }
+        self.check_words(line, &words)?;
         let number = |i: usize| {
             let what = COLUMNS.get(i).copied().unwrap_or_else(|| &self.extra[i - COLUMNS.len()]);
             finite(words[i].text).ok_or_else(|| at(self.file, line, words[i].column, not_a_number(what, words[i].text)))
@@ -310,6 +302,23 @@ impl<'a> LensReader<'a> {
         Ok(())
     }
 
+    /// Checks that a line is a row of as many columns as the heading has.
+    fn check_words(&self, line: usize, words: &[Token<'_>]) -> Result<(), LensFileError> {
+        if self.rows.len() >= MOST_SURFACES {
+            let problem = Problem::Unsupported(format!("a lens has no more than {MOST_SURFACES} surfaces"));
+            return self.fail(line, words[0].column, problem);
+        }
+        let expected = COLUMNS.len() + self.extra.len();
+        if words[0].text.eq_ignore_ascii_case(COLUMNS[0]) || words[0].text.ends_with(':') {
+            return self.fail(line, words[0].column, Problem::HeaderWithoutMark);
+        }
+        if words.len() != expected {
+            let column = words.get(expected).unwrap_or(&words[0]).column;
+            return self.fail(line, column, Problem::ColumnCount { found: words.len(), expected });
+        }
+        Ok(())
+    }
+
     /// The curvature that a radius of curvature states, or `1/C` itself: not every curvature is one over a number.
     fn curvature(&self, line: usize, word: &Token<'_>) -> Result<f64, LensFileError> {
         let curvature = word
@@ -327,7 +336,11 @@ impl<'a> LensReader<'a> {
             return Ok(NextMedium::Medium(medium.clone()));
         }
         let medium = self.glasses.catalogue().medium(word.text);
-        medium.map(NextMedium::Medium).map_err(|error| at(self.file, line, word.column, error.into()))
+        medium.map(NextMedium::Medium).map_err(|error| match self.header.undefined(word.text) {
+            // What is wrong is the line that was to define it.
+            Some((place, problem)) => at(self.file, place.line, place.column, problem),
+            None => at(self.file, line, word.column, error.into()),
+        })
     }
 
     fn coating(&self, line: usize, word: &Token<'_>) -> Result<Option<Coating>, LensFileError> {

@@ -6,8 +6,11 @@ pub mod agf;
 mod beams;
 pub mod bench;
 mod columns;
+mod configurations;
 mod draft;
 mod draft_row;
+mod forbes;
+mod frames;
 mod glass_names;
 mod header;
 pub mod lens;
@@ -20,6 +23,7 @@ pub mod seq;
 pub mod table;
 mod text;
 pub mod zmx;
+mod zoom_positions;
 
 use std::path::{Path, PathBuf};
 

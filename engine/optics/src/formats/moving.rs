@@ -33,6 +33,11 @@ impl MovingLines {
         Ok(())
     }
 
+    /// True if the file has no such line.
+    pub(super) fn is_empty(&self) -> bool {
+        self.parts.is_none() && self.positions.is_empty()
+    }
+
     /// The moving parts and positions, as they stand in the file, if there are any.
     pub(super) fn parts(self) -> Option<(Vec<Part>, Vec<Position>, Vec<Place>)> {
         let (parts, _) = self.parts?;

@@ -7,7 +7,8 @@
 use crate::glass::{Catalogue, GlassError, Medium, line_nm};
 use crate::prescription::{NextMedium, Place};
 
-use super::draft::{Draft, FieldKind, FieldPoint, MOST_SURFACES, StatedBeam};
+use super::beams::StatedBeam;
+use super::draft::{Draft, FieldKind, FieldPoint, MOST_SURFACES};
 use super::draft_row::DraftRow;
 use super::glass_names::Glasses;
 use super::problem::{LensFileError, Problem, at};

@@ -123,13 +123,16 @@ pub enum Problem {
     #[error(transparent)]
     Moving(#[from] MovingError),
     /// Not a finite number.
-    #[error("{what} '{found}' is not a finite number; write one, as in 12.5")]
+    #[error("{what} '{found}' is not a finite number; write {}", number_for(found))]
     NotANumber {
         /// The name of the value.
         what: String,
         /// The text in the file that is no such number.
         found: String,
     },
+    /// A line of the header has no `#`.
+    #[error("this is no surface but a line of the header; write # before it")]
+    HeaderWithoutMark,
     /// The glass is unknown.
     #[error(transparent)]
     Glass(#[from] GlassError),
@@ -150,6 +153,19 @@ pub enum Problem {
     /// The numbers make no lens.
     #[error(transparent)]
     Prescription(#[from] PrescriptionError),
+}
+
+/// What to write for a word that is no number.
+fn number_for(found: &str) -> String {
+    let with_point = found.replace(',', ".");
+    let word = found.trim_start_matches(['+', '-']).to_lowercase();
+    if found.matches(',').count() == 1 && with_point.parse::<f64>().is_ok_and(f64::is_finite) {
+        format!("{with_point}, with a point")
+    } else if word.starts_with("inf") || word == "plano" || word == "plane" || word == "flat" {
+        "0 for the radius of a plane, and another distance in mm".to_owned()
+    } else {
+        "one, as in 12.5".to_owned()
+    }
 }
 
 /// A problem, and where it is: one line, `FILE:LINE:COLUMN: what is wrong; what to do`.

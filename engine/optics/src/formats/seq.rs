@@ -5,18 +5,26 @@
 //! another. Glasses are NAME_MAKER without hyphens, a private catalogue's names in quotes, or numbers: `517.642` is nd 1.517 and Vd 64.2.
 //! (Commands as in files that CODE V saved.)
 
+mod zoom;
+
 use std::collections::HashMap;
 
-use crate::glass::{Catalogue, GlassError, Medium};
+use glam::{DAffine3, DVec3};
+
+use crate::glass::{Catalogue, Dispersion, GlassError, Medium};
 use crate::prescription::{NextMedium, Place};
 
-use super::draft::{Draft, FieldKind, FieldPoint, MOST_SURFACES, StatedBeam};
+use super::beams::StatedBeam;
+use super::draft::{Draft, FieldKind, FieldPoint, MOST_SURFACES};
 use super::draft_row::DraftRow;
+use super::frames;
 use super::glass_names::Glasses;
 use super::problem::{LensFileError, Problem};
 use super::remarks::Reading;
 use super::text::{finite, not_a_number};
 
+/// An object that is this far away is at infinity, as CODE V writes it.
+const ENDLESS_MM: f64 = 1e13;
 /// Commands that say nothing of how light goes: weights, variables, derivatives, drawing, numbers for optimization.
 const SILENT: [&str; 51] = [
     "LEN", "GO", "WTW", "INI", "XAN", "WTF", "CCY", "THC", "GLC", "KC", "AC", "BC", "CC", "DC", "EC", "FC", "GC", "HC",
@@ -24,10 +32,14 @@ const SILENT: [&str; 51] = [
     "BDC", "CDC", "XDC", "YDC", "ZDC", "TEM", "PRE", "CNT", "WTA", "CRV", "LBL", "DDA", "DDM", "AFC", "PFR", "FFO",
     "RFO",
 ];
-/// Commands that turn or move a surface, or make another surface of it.
-const OTHER_SHAPES: [&str; 28] = [
-    "XDE", "YDE", "ZDE", "ADE", "BDE", "CDE", "DAR", "BEN", "REV", "RET", "GLB", "XOD", "YOD", "ZOD", "CYL", "YTO",
-    "XTO", "AAS", "SPS", "DIF", "HOE", "GRT", "FRE", "THI1", "MOD", "SCO", "UDS", "QBF",
+/// Commands that move the frame of a surface, in the order of [`Frame::numbers`], and that say what becomes of the frame behind it.
+const MOVES: [&str; 6] = ["XDE", "YDE", "ZDE", "ADE", "BDE", "CDE"];
+const FRAMES: [(&str, FrameKind); 3] =
+    [("DAR", FrameKind::Return), ("BEN", FrameKind::Bend), ("REV", FrameKind::Reverse)];
+/// Commands that move a surface in a way that is not read, or make another surface of it.
+const OTHER_SHAPES: [&str; 19] = [
+    "RET", "GLB", "XOD", "YOD", "ZOD", "CYL", "YTO", "XTO", "AAS", "SPS", "DIF", "HOE", "GRT", "FRE", "THI1", "MOD",
+    "SCO", "UDS", "QBF",
 ];
 
 /// Reads the text of a file.
@@ -40,6 +52,42 @@ pub fn parse(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, L
         reader.command(&command)?;
     }
     reader.finish()
+}
+
+/// What becomes of the frame of a decentred surface behind it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum FrameKind {
+    /// It stays decentred and tilted.
+    #[default]
+    Stay,
+    /// It returns to what it was before the surface.
+    Return,
+    /// It is tilted once more, as the axis is by a mirror.
+    Bend,
+    /// The surface stands undecentred, and behind it everything is taken back.
+    Reverse,
+}
+
+/// How a surface or the film is decentred and tilted: x, y and z in the file's units, alpha, beta and gamma in degrees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Frame {
+    numbers: [f64; 6],
+    kind: FrameKind,
+}
+
+impl Frame {
+    /// The changes of coordinates before and behind the surface.
+    fn changes(&self) -> [DAffine3; 2] {
+        let [x, y, z, alpha, beta, gamma] = self.numbers;
+        let change = frames::change(DVec3::new(x, y, z), [alpha, beta, gamma]);
+        let bend = frames::change(DVec3::ZERO, [alpha, beta, gamma]);
+        match self.kind {
+            FrameKind::Stay => [change, DAffine3::IDENTITY],
+            FrameKind::Return => [change, change.inverse()],
+            FrameKind::Bend => [change, bend],
+            FrameKind::Reverse => [DAffine3::IDENTITY, change.inverse()],
+        }
+    }
 }
 
 /// A word, in quotes or not.
@@ -109,6 +157,9 @@ struct SeqReader<'a> {
     /// The surface that commands are about: `None` before any, 0 the object.
     current: Option<usize>,
     has_film: bool,
+    /// How surfaces are decentred, by their index; that of the film last.
+    frames: HashMap<usize, Frame>,
+    film_frame: Frame,
     /// Distance from the film's place to where it is meant to be.
     defocus_mm: f64,
     wavelengths_nm: Vec<f64>,
@@ -118,6 +169,7 @@ struct SeqReader<'a> {
     /// While a private catalogue is read: its wavelengths in nm.
     private: Option<Vec<f64>>,
     private_glasses: HashMap<String, Medium>,
+    zoom: zoom::ZoomLines,
     ended: bool,
 }
 
@@ -130,6 +182,8 @@ impl<'a> SeqReader<'a> {
             mm_per_unit: 1.0,
             current: None,
             has_film: false,
+            frames: HashMap::new(),
+            film_frame: Frame::default(),
             defocus_mm: 0.0,
             wavelengths_nm: Vec::new(),
             reference: 1,
@@ -137,6 +191,7 @@ impl<'a> SeqReader<'a> {
             cut: [Vec::new(), Vec::new()],
             private: None,
             private_glasses: HashMap::new(),
+            zoom: zoom::ZoomLines::default(),
             ended: false,
         }
     }
@@ -151,6 +206,8 @@ impl<'a> SeqReader<'a> {
         };
         // Fortran's exponents.
         let value = finite(&word.text).or_else(|| finite(&word.text.replace(['d', 'D'], "e")));
+        // A distance to the object, as some programs write it.
+        let value = value.or_else(|| word.text.eq_ignore_ascii_case("inf").then_some(ENDLESS_MM));
         value.map_or_else(|| self.fail(word, not_a_number(what, &word.text)), Ok)
     }
 
@@ -165,6 +222,8 @@ impl<'a> SeqReader<'a> {
         }
         match key.as_str() {
             "RDM" => self.by_radius = words.get(1).is_none_or(|word| !word.upper().starts_with('N')),
+            // The title of a zoom position is no name of the lens.
+            "TIT" | "TITLE" if words.len() > 2 && zoom::position_of(&words[1]).is_some() => {}
             "TIT" | "TITLE" => self.draft.name = words.get(1).map(|word| word.text.clone()),
             "DIM" => {
                 self.mm_per_unit = match words.get(1).map(SeqWord::upper).as_deref() {
@@ -194,10 +253,7 @@ impl<'a> SeqReader<'a> {
             "VUY" => self.cut[1] = self.numbers(words, "VUY")?,
             "VLY" => self.cut[0] = self.numbers(words, "VLY")?,
             "PRV" => self.private = Some(Vec::new()),
-            "ZOO" => {
-                let what = "zoom positions are left out; the lens is read in its first";
-                self.draft.remarks.once("ZOO", words[0].place, what);
-            }
+            "ZOO" => self.zoom_line(words)?,
             "GO" => self.ended = true,
             "SO" | "SI" | "S" => self.surface(&key, words)?,
             // S3 as a command begins with the surface's number.
@@ -220,6 +276,7 @@ impl<'a> SeqReader<'a> {
         match key {
             "END" => self.private = None,
             "PWL" => self.private = Some(self.numbers(words, "wavelength")?),
+            _ if words.get(1).is_some_and(|word| word.upper() == "LAU") => self.laurent(words)?,
             _ => {
                 let indices = self.numbers(words, "index")?;
                 let wavelengths = self.private.clone().unwrap_or_default();
@@ -239,6 +296,23 @@ impl<'a> SeqReader<'a> {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// A private glass by Laurent's series, the wavelength in µm: n² = A + B λ² + C λ⁻² + D λ⁻⁴ + E λ⁻⁶ + F λ⁻⁸.
+    fn laurent(&mut self, words: &[SeqWord]) -> Result<(), LensFileError> {
+        const POWERS: [f64; 6] = [0.0, 2.0, -2.0, -4.0, -6.0, -8.0];
+        let numbers =
+            (2..words.len()).map(|i| self.number(words, i, "coefficient")).collect::<Result<Vec<f64>, _>>()?;
+        let terms = numbers.iter().zip(POWERS).skip(1).map(|(a, power)| [*a, power]).collect();
+        let a = numbers.first().copied().unwrap_or(0.0);
+        let medium =
+            Medium::new(&words[0].text, Dispersion::Polynomial { a, terms }, [0.0, f64::INFINITY], "the lens file");
+        if numbers.len() > POWERS.len() || !(0.5..=6.0).contains(&medium.index(self.draft.wavelength_nm)) {
+            let what = format!("the coefficients of the private glass '{}' make no curve", words[0].text);
+            return self.fail(&words[0], Problem::Unsupported(what));
+        }
+        self.private_glasses.insert(words[0].upper(), medium);
         Ok(())
     }
 
@@ -319,11 +393,12 @@ impl<'a> SeqReader<'a> {
             }
             _ => words.to_vec(),
         };
+        if MOVES.contains(&key) || FRAMES.iter().any(|(name, _)| *name == key) {
+            let index = at_surface.and_then(|number| number.checked_sub(1)).filter(|i| *i < self.draft.rows.len());
+            return self.moved(key, &words, index, film);
+        }
         if OTHER_SHAPES.contains(&key) {
-            let moves = key != "DAR"
-                && key != "REV"
-                && key != "RET"
-                && words.iter().skip(1).all(|word| finite(&word.text) == Some(0.0));
+            let moves = key != "RET" && words.iter().skip(1).all(|word| finite(&word.text) == Some(0.0));
             if film || (moves && words.len() > 1) {
                 let what = format!("'{key}' of the film is left out");
                 if film {
@@ -345,6 +420,17 @@ impl<'a> SeqReader<'a> {
             "STO" | "STOP" => self.draft.stop = Some(index),
             "K" => self.draft.rows[index].conic = value(self)?,
             "CON" | "ASP" | "SPH" => {}
+            "THI" if words.get(1).and_then(zoom::position_of).is_some() => {
+                self.zoom_value(index + 1, zoom::position_of(&words[1]), self.number(&words, 2, key)?);
+            }
+            // A solve, such as THI HMY 0: what it gave stands in the surface.
+            "THI" | "CUY"
+                if words.get(1).is_some_and(|word| !word.quoted && word.text.starts_with(char::is_alphabetic)) =>
+            {
+                let what =
+                    format!("'{key} {}' is left out; the surface keeps the numbers that the file has", words[1].text);
+                self.draft.remarks.once("solve", place, what);
+            }
             "THI" => self.draft.rows[index].thickness_mm = value(self)?,
             "CUY" => self.draft.rows[index].curvature = value(self)?,
             "GLA" => {
@@ -368,6 +454,27 @@ impl<'a> SeqReader<'a> {
                 }
                 None => self.draft.remarks.once(key, place, format!("'{key}' is not understood and left out")),
             },
+        }
+        Ok(())
+    }
+
+    /// A command about the frame of a surface, or of the film.
+    fn moved(&mut self, key: &str, words: &[SeqWord], index: Option<usize>, film: bool) -> Result<(), LensFileError> {
+        let number = MOVES.iter().position(|name| *name == key);
+        let value = number.map(|_| self.number(words, 1, key)).transpose()?;
+        let frame = match index {
+            Some(index) => self.frames.entry(index).or_default(),
+            None if film => &mut self.film_frame,
+            None => {
+                let what = format!("'{key}' is about the object and left out");
+                self.draft.remarks.once(key, words[0].place, what);
+                return Ok(());
+            }
+        };
+        if let (Some(number), Some(value)) = (number, value) {
+            frame.numbers[number] = value;
+        } else if let Some((_, kind)) = FRAMES.iter().find(|(name, _)| *name == key) {
+            frame.kind = *kind;
         }
         Ok(())
     }
@@ -408,9 +515,15 @@ impl<'a> SeqReader<'a> {
                 .draft
                 .fail(place, Problem::Unsupported("there is no film; end the surfaces with SI".to_owned()));
         }
+        self.configure();
         if let Some(last) = self.draft.rows.last_mut() {
             last.thickness_mm += self.defocus_mm;
         }
+        for (index, frame) in &self.frames {
+            let row = &mut self.draft.rows[*index];
+            [row.before, row.after] = frame.changes();
+        }
+        self.draft.film_frame = self.film_frame.changes()[0];
         if let Some(&nm) = self.wavelengths_nm.get(self.reference - 1).filter(|nm| (100.0..=20_000.0).contains(*nm)) {
             self.draft.wavelength_nm = nm;
         }
@@ -429,6 +542,10 @@ impl<'a> SeqReader<'a> {
 
 /// nd and Vd of `517.642`, `517642`, or `516800.641673`.
 fn fictitious(name: &str) -> Option<(f64, f64)> {
+    // As optiland writes a glass by its numbers.
+    if let Some((nd, abbe)) = name.split_once(':') {
+        return Some((finite(nd)?, finite(abbe)?)).filter(|(nd, abbe)| *nd > 0.5 && *abbe > 0.0);
+    }
     if !name.chars().all(|c| c.is_ascii_digit() || c == '.') {
         return None;
     }

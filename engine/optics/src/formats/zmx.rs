@@ -14,14 +14,16 @@ use std::path::PathBuf;
 use crate::glass::Catalogue;
 use crate::prescription::Place;
 
-use super::draft::{Draft, FieldKind, FieldPoint, StatedBeam};
+use super::beams::StatedBeam;
+use super::configurations::{self, Configurations};
+use super::draft::{Draft, FieldKind, FieldPoint};
 use super::glass_names::Glasses;
 use super::header::{self, Header};
 use super::problem::{LensFileError, Problem, at};
 use super::remarks::Reading;
 use super::text::{Token, finite, not_a_number, tokens};
 
-use surface::SurfaceLines;
+use surface::{SurfaceLines, ThicknessSolve};
 
 pub use write::write;
 
@@ -32,6 +34,17 @@ const SILENT: [&str; 44] = [
     "FCOM", "DBDT", "PZUP", "RCMF", "OEMA", "WFNO", "MAZH", "HCLR", "XTRA", "VDSX", "VCXD", "FWGD", "APOD", "SSGX",
     "GRPX", "MFOB",
 ];
+
+/// Operands by which configurations may differ (OpticStudio's manual, multi-configuration operands), and of these the ones that are no
+/// matter of the lens itself: titles, weights, fields and wavelengths.
+const CONFIGURED: [&str; 44] = [
+    "THIC", "APER", "CRVT", "CONN", "COTN", "GLSS", "GCRS", "PRAM", "PAR1", "PAR2", "PAR3", "SDIA", "STPS", "IGNR",
+    "IGNM", "TEMP", "PRES", "MIND", "MABB", "MDPG", "APMN", "APMX", "APDX", "APDY", "APTP", "SATP", "TELE", "HOLD",
+    "MOFF", "LTTL", "MCOM", "FLWT", "WLWT", "CWGT", "SDRW", "CHZN", "FLTP", "XFIE", "YFIE", "WAVE", "PRWV", "FVAN",
+    "FVCX", "FVCY",
+];
+const CONFIGURED_SILENT: [&str; 14] =
+    ["MOFF", "LTTL", "MCOM", "FLWT", "WLWT", "CWGT", "SDRW", "CHZN", "FLTP", "XFIE", "YFIE", "WAVE", "PRWV", "HOLD"];
 
 /// Reads the text of a file. `folder` is where catalogues beside it are sought.
 pub fn parse(text: &str, file: &str, catalogue: &Catalogue, folder: Option<PathBuf>) -> Result<Reading, LensFileError> {
@@ -58,6 +71,18 @@ struct ZmxReader<'a> {
     compressed: Vec<f64>,
     decentred: Vec<f64>,
     header: Header,
+    /// Number of configurations, the active one counted from 1, and the place that says so.
+    configurations: Option<(usize, usize, Place)>,
+    /// Gaps by configuration: surface, configuration from 0, length in the file's units.
+    gaps: Vec<(usize, usize, f64)>,
+    /// By surface: how its thickness follows from others.
+    solves: Vec<Option<ThicknessSolve>>,
+    /// By surface: its thickness, in the file's units.
+    thicknesses: Vec<f64>,
+    /// True if the film stands at the image of first order in each configuration.
+    image_follows: bool,
+    /// The width of the beam by configuration, as the file measures that.
+    beams: Vec<(usize, f64)>,
     /// True behind the surfaces, from the first line that stands to the left: other parts of the file.
     after_surfaces: bool,
 }
@@ -76,6 +101,12 @@ impl<'a> ZmxReader<'a> {
             compressed: Vec::new(),
             decentred: Vec::new(),
             header: Header::default(),
+            configurations: None,
+            gaps: Vec::new(),
+            solves: Vec::new(),
+            thicknesses: Vec::new(),
+            image_follows: false,
+            beams: Vec::new(),
             after_surfaces: false,
         }
     }
@@ -109,8 +140,8 @@ impl<'a> ZmxReader<'a> {
         }
         if !text.starts_with([' ', '\t']) && (self.after_surfaces || !surface::knows(key.text)) {
             self.after_surfaces = true;
-            if key.text != "BLNK" {
-                let what = "merit function, tolerances and configurations are no part of a lens and left out";
+            if key.text != "BLNK" && !self.configuration_line(line, key, rest)? {
+                let what = "merit function and tolerances are no part of a lens and left out";
                 self.draft.remarks.once("after the surfaces", place, what);
             }
             return Ok(());
@@ -214,7 +245,9 @@ impl<'a> ZmxReader<'a> {
                 self.wavelengths_um.extend(all.into_iter().enumerate().map(|(i, um)| (i + 1, um)));
             }
             "PWAV" => self.primary = self.number(line, rest, 0, "PWAV")? as usize,
-            "MNUM" => self.configurations(line, rest, place)?,
+            "MNUM" => {
+                self.configuration_line(line, key, rest)?;
+            }
             known if SILENT.contains(&known) => {}
             other => {
                 self.draft.remarks.once(other, place, format!("'{other}' is not understood and left out"));
@@ -223,15 +256,106 @@ impl<'a> ZmxReader<'a> {
         Ok(())
     }
 
-    fn configurations(&mut self, line: usize, rest: &[Token<'_>], place: Place) -> Result<(), LensFileError> {
-        let count = self.number(line, rest, 0, "MNUM")?;
-        if count > 1.0 {
-            self.draft.remarks.say(
-                place,
-                format!("the file has {count} configurations; the lens is read as it stands in the surfaces"),
-            );
+    /// Tells the draft of the configurations. `rows` has the row of each `SURF`, if it is one.
+    fn configure(&mut self, rows: &[Option<usize>]) {
+        // What our own header says of moving gaps says all of them.
+        let Some((count, active, place)) = self.configurations.filter(|_| self.header.moving.is_empty()) else {
+            return;
+        };
+        let scale = self.mm_per_unit;
+        self.solve_gaps(count);
+        let mut configurations = Configurations::new(count, active - 1, place);
+        for &(surface, configuration, value) in &self.gaps {
+            match rows.get(surface).copied().flatten() {
+                _ if surface == 0 => configurations.object(configuration, value * scale),
+                Some(row) if value.is_finite() => configurations.gap(row, configuration, value * scale),
+                _ => {
+                    let what = format!("the thickness of surface {surface} changes by configuration and is left out");
+                    self.draft.remarks.once(&format!("THIC {surface}"), place, what);
+                }
+            }
         }
-        Ok(())
+        for &(configuration, value) in &self.beams {
+            let beam = match self.draft.beam {
+                Some(StatedBeam::EntrancePupil(_)) => StatedBeam::EntrancePupil(value * scale),
+                Some(StatedBeam::FNumber(_)) => StatedBeam::FNumber(value),
+                Some(StatedBeam::ObjectNa(_)) => StatedBeam::ObjectNa(value),
+                None => continue,
+            };
+            configurations.beam(configuration, beam);
+        }
+        configurations.image_follows = self.image_follows;
+        self.draft.configurations = Some(configurations);
+    }
+
+    /// Adds the gaps that follow from others in each configuration.
+    fn solve_gaps(&mut self, count: usize) {
+        for (j, solve) in std::mem::take(&mut self.solves).into_iter().enumerate() {
+            let (first, total, is_all) = match solve {
+                Some(ThicknessSolve::Compensator { surface, total }) => (surface, total, false),
+                Some(ThicknessSolve::Position { surface, total }) => (surface, total, true),
+                Some(ThicknessSolve::Image) if j + 2 == self.thicknesses.len() => {
+                    self.image_follows = true;
+                    continue;
+                }
+                _ => continue,
+            };
+            if first == 0 || first >= j {
+                continue;
+            }
+            for configuration in 0..count {
+                let gap = |surface: usize| {
+                    let stated = self.gaps.iter().rev().find(|gap| (gap.0, gap.1) == (surface, configuration));
+                    stated.map_or(self.thicknesses[surface], |gap| gap.2)
+                };
+                let others: f64 = if is_all { (first..j).map(gap).sum() } else { gap(first) };
+                self.gaps.push((j, configuration, total - others));
+            }
+        }
+    }
+
+    /// A line of the editor of configurations: `MNUM` has their number and the active one, every other operand, surface, configuration and
+    /// value. False for lines of other parts of the file.
+    fn configuration_line(&mut self, line: usize, key: &Token<'_>, rest: &[Token<'_>]) -> Result<bool, LensFileError> {
+        let place = Place { line, column: key.column };
+        if key.text == "MNUM" {
+            let count = self.number(line, rest, 0, "MNUM")?;
+            let active = if rest.len() > 1 { self.number(line, rest, 1, "MNUM")? } else { 1.0 };
+            if count > configurations::MOST as f64 {
+                let what =
+                    format!("the file has {count} configurations; the lens is read as it stands in the surfaces");
+                self.draft.remarks.say(place, what);
+            } else if count > 1.0 {
+                self.configurations = Some((count as usize, active.clamp(1.0, count) as usize, place));
+            }
+            return Ok(true);
+        }
+        let Some((count, ..)) = self.configurations.filter(|_| CONFIGURED.contains(&key.text)) else {
+            return Ok(CONFIGURED.contains(&key.text));
+        };
+        if CONFIGURED_SILENT.contains(&key.text) {
+            return Ok(true);
+        }
+        let configuration = self.number(line, rest, 1, key.text)?;
+        if !(1.0..=count as f64).contains(&configuration) {
+            let expected = format!("a configuration from 1 to {count}");
+            return self.draft.fail(place, Problem::Malformed { found: configuration.to_string(), expected });
+        }
+        let configuration = configuration as usize - 1;
+        match key.text {
+            "THIC" => {
+                let surface = self.number(line, rest, 0, "THIC")?.clamp(0.0, 1e6) as usize;
+                let is_endless = rest.get(2).is_some_and(|word| word.text.eq_ignore_ascii_case("INFINITY"));
+                let value = if is_endless { f64::INFINITY } else { self.number(line, rest, 2, "THIC")? };
+                self.gaps.push((surface, configuration, value));
+            }
+            "APER" => self.beams.push((configuration, self.number(line, rest, 2, "APER")?)),
+            other => {
+                let what = format!("'{other}' changes by configuration; it is kept as it stands in the surfaces");
+                self.draft.remarks.once(other, place, what);
+            }
+        }
+        Ok(true)
     }
 
     fn finish(mut self) -> Result<Reading, LensFileError> {
@@ -248,7 +372,8 @@ impl<'a> ZmxReader<'a> {
                 FieldPoint { y: self.fields[i] * scale, cut: [shrunk + moved, shrunk - moved] }
             })
             .collect();
-        self.surfaces()?;
+        let rows = self.surfaces()?;
+        self.configure(&rows);
         self.header.clone().apply(&mut self.draft)?;
         self.draft.finish()
     }

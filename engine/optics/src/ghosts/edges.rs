@@ -8,8 +8,6 @@ use glam::DVec2;
 /// Parts of a cell along each side, and points.
 const PARTS: usize = 3;
 const POINTS: usize = PARTS + 1;
-/// Number of halvings of a side: from a part to a hundredth of a cell.
-const HALVINGS: usize = 5;
 /// Sides of a cell's parts: those along x, then those along y.
 const SIDES: usize = 2 * PARTS * POINTS;
 /// In place of a crossing's number: the edge does not cross this side.
@@ -52,9 +50,14 @@ fn ends(side: usize) -> [usize; 2] {
 }
 
 impl Edges {
-    /// Finds the edges in cells at these corners, all of one size. `trace` returns the points on the film of rays through points of the
+    /// Finds the edges in cells at these corners, all of one size, by so many halvings of a part's side. `trace` returns the points on the film of rays through points of the
     /// disc.
-    pub(super) fn find(cells: &[DVec2], size: DVec2, mut trace: impl FnMut(&[DVec2]) -> Vec<Option<DVec2>>) -> Self {
+    pub(super) fn find(
+        cells: &[DVec2],
+        size: DVec2,
+        halvings: usize,
+        mut trace: impl FnMut(&[DVec2]) -> Vec<Option<DVec2>>,
+    ) -> Self {
         let part = size / PARTS as f64;
         let of_cell = |corner: &DVec2| {
             let corner = *corner;
@@ -79,7 +82,7 @@ impl Edges {
                 crossed.push(Crossed { inside, outside });
             }
         }
-        for _ in 0..HALVINGS {
+        for _ in 0..halvings {
             let middles: Vec<DVec2> = crossed.iter().map(|side| 0.5 * (side.inside.at + side.outside)).collect();
             for ((side, at), film) in crossed.iter_mut().zip(&middles).zip(trace(&middles)) {
                 match film {
@@ -127,7 +130,7 @@ mod tests {
         let cells: Vec<DVec2> = (0..144).map(|i| DVec2::new((i % 12) as f64, (i / 12) as f64) / 6.0 - 1.0).collect();
         let size = DVec2::splat(1.0 / 6.0);
         let inside = |at: &DVec2| (at.length() <= 0.9).then_some(*at * 10.0);
-        let edges = Edges::find(&cells, size, |points| points.iter().map(inside).collect());
+        let edges = Edges::find(&cells, size, 5, |points| points.iter().map(inside).collect());
         let (mut on_disc, mut on_film) = (0.0, 0.0);
         edges.polygons(&mut |polygon| {
             let area = |point: fn(&PassedRay) -> DVec2| {

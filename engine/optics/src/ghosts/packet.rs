@@ -18,11 +18,18 @@ use crate::trace::{Bundle, ReflectedTracer, Tracer, Travel};
 const SEARCH: [usize; 2] = [24, 256];
 /// Rays of the search on the narrowest part that is to be found.
 const ON_PART: f64 = 6.0;
-/// Points along a side at which the power is known; and where these are too few, by places between them (parts of the window) at
-/// which it may be off by so much.
-const POWER_SIDE: usize = 7;
+/// Margin about a known window, parts of its width, within which the window of a beam like it is looked for.
+const NEAR: f64 = 0.2;
+/// Points along a side at which the power is known, and by how much it may be off at places between them (parts of the window) for these
+/// to be enough. Rays with the power of each surface take most of a ghost's time.
+const POWER_SIDES: [(usize, f64); 3] = [(4, 0.01), (7, 0.03), (13, 0.05)];
+/// Points along a side of a weak ghost: as few as a parabola needs.
+const COARSE_POWER_SIDE: usize = 3;
+/// Points along a side where those are too few.
 const FINE_POWER_SIDE: usize = 33;
-const SMOOTH: f64 = 0.03;
+/// Halvings by which the edge of a ghost is found: to a hundredth of a cell, and coarsely to a tenth.
+const HALVINGS: usize = 5;
+const COARSE_HALVINGS: usize = 2;
 const PROBES: [DVec2; 6] = [
     DVec2::new(0.25, 0.25),
     DVec2::new(0.72, 0.28),
@@ -31,6 +38,17 @@ const PROBES: [DVec2; 6] = [
     DVec2::new(0.5, 0.42),
     DVec2::new(0.58, 0.09),
 ];
+
+/// The rays by which a ghost is traced.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid<'a> {
+    /// The part of the beam that is traced.
+    pub window: &'a Window,
+    /// Number of cells along each side of the window.
+    pub side: usize,
+    /// True for a weak ghost: its edge and its power are found by few rays.
+    pub is_coarse: bool,
+}
 
 /// A piece of a ghost on the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +70,16 @@ pub struct Window {
     pub film: [DVec2; 2],
     /// The light that gets to the film's plane were nothing lost by reflection, mm² as in [`Piece::light_mm2`].
     pub open_mm2: f64,
+}
+
+impl Window {
+    /// The window with a margin of that part of its width on each side, within the beam's disc.
+    #[must_use]
+    pub fn widened(&self, part: f64) -> Self {
+        let margin = part * (self.high - self.low);
+        let (low, high) = ((self.low - margin).max(DVec2::NEG_ONE), (self.high + margin).min(DVec2::ONE));
+        Self { low, high, ..*self }
+    }
 }
 
 /// One path at one wavelength, ready for beams.
@@ -98,6 +126,24 @@ impl GhostTracer {
         Some(again.unwrap_or(found))
     }
 
+    /// The window of a beam whose window is about a known one: at a near wavelength, or from a place close by. As [`Self::window`], at a
+    /// fraction of its cost.
+    pub fn window_near(
+        &self,
+        beam: &Beam,
+        film: &FilmFrame,
+        (known, part): (&Window, f64),
+        bundle: &mut Bundle<f32>,
+    ) -> Option<Window> {
+        let Window { low, high, .. } = known.widened(NEAR);
+        let is_inside = |found: &Window| {
+            let low_is_in = found.low.cmpgt(low) | found.low.cmple(DVec2::NEG_ONE);
+            (low_is_in & (found.high.cmplt(high) | found.high.cmpge(DVec2::ONE))).all()
+        };
+        let near = self.search(beam, film, [low, high], SEARCH[0], bundle).filter(is_inside);
+        near.or_else(|| self.window(beam, film, part, bundle))
+    }
+
     fn search(
         &self,
         beam: &Beam,
@@ -128,16 +174,16 @@ impl GhostTracer {
         Some(Window { low: (w.low - step).max(low), high: (w.high + step).min(high), ..w })
     }
 
-    /// Calls `each` with the pieces of a ghost, of `side` cells along each side of the window.
+    /// Calls `each` with the pieces of a ghost.
     pub fn pieces(
         &self,
         system: &System,
         (beam, film): (&Beam, &FilmFrame),
-        (window, side): (&Window, usize),
+        Grid { window, side, is_coarse }: Grid<'_>,
         bundle: &mut Bundle<f32>,
         each: &mut impl FnMut(Piece),
     ) {
-        let power = self.power(system, beam, window);
+        let power = self.power(system, beam, window, is_coarse);
         let step = (window.high - window.low) / side as f64;
         let place = |x: f64, y: f64| window.low + step * DVec2::new(x, y);
         let row = side + 1;
@@ -158,7 +204,9 @@ impl GhostTracer {
                 on_edge.push([x as f64, y as f64]);
             }
         }
-        let edges = Edges::find(&on_edge.iter().map(|at| place(at[0], at[1])).collect::<Vec<_>>(), step, |points| {
+        let on_edge: Vec<DVec2> = on_edge.iter().map(|at| place(at[0], at[1])).collect();
+        let halvings = if is_coarse { COARSE_HALVINGS } else { HALVINGS };
+        let edges = Edges::find(&on_edge, step, halvings, |points| {
             trace(&self.single, beam, film, points.iter().copied(), bundle)
         });
         edges.polygons(&mut |polygon| {
@@ -173,16 +221,25 @@ impl GhostTracer {
     }
 
     /// The part of the power that gets along the path, over a window.
-    fn power(&self, system: &System, beam: &Beam, window: &Window) -> Power {
+    fn power(&self, system: &System, beam: &Beam, window: &Window, is_coarse: bool) -> Power {
         let exact = |at: DVec2| power::along(system, &self.open, beam.ray(at)).map(|found| found.1);
-        let even = Power::new(window, POWER_SIDE, exact);
-        // Where light begins to be reflected as a whole nothing is smooth.
+        if is_coarse {
+            return Power::new(window, COARSE_POWER_SIDE, exact);
+        }
         let size = window.high - window.low;
-        let is_smooth = PROBES.iter().all(|probe| {
-            let at = window.low + size * *probe;
-            exact(at).is_none_or(|power| (even.at(at) - power).abs() <= SMOOTH * power.max(even.mean()))
-        });
-        if is_smooth { even } else { Power::new(window, FINE_POWER_SIDE, exact) }
+        let probes = PROBES.map(|probe| window.low + size * probe);
+        let known = probes.map(exact);
+        for (side, tolerance) in POWER_SIDES {
+            let even = Power::new(window, side, exact);
+            let is_near = |(at, power): (&DVec2, &Option<f64>)| {
+                power.is_none_or(|power| (even.at(*at) - power).abs() <= tolerance * power.max(even.mean()))
+            };
+            if probes.iter().zip(&known).all(is_near) {
+                return even;
+            }
+        }
+        // Where light begins to be reflected as a whole nothing is smooth.
+        Power::new(window, FINE_POWER_SIDE, exact)
     }
 }
 

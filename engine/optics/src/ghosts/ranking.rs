@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::beam::Beam;
-use super::packet::GhostTracer;
+use super::packet::{GhostTracer, Grid};
 use crate::focus::FilmFrame;
 use crate::system::System;
 use crate::trace::Tracer;
@@ -60,13 +60,19 @@ pub fn ranked(
         let mut bundle = path.bundle();
         let window = path.window(beam, film, part, &mut bundle)?;
         let (mut light, mut on_film, mut moment, mut square) = (0.0, 0.0, DVec2::ZERO, 0.0);
-        path.pieces(system, (beam, film), (&window, SIDE), &mut bundle, &mut |piece| {
-            let middle = piece.corners.iter().sum::<DVec2>() / 3.0;
-            light += piece.light_mm2;
-            on_film += piece.light_mm2 * part_on_film(&piece.corners, &is_film);
-            moment += middle * piece.light_mm2;
-            square += middle.length_squared() * piece.light_mm2;
-        });
+        path.pieces(
+            system,
+            (beam, film),
+            Grid { window: &window, side: SIDE, is_coarse: false },
+            &mut bundle,
+            &mut |piece| {
+                let middle = piece.corners.iter().sum::<DVec2>() / 3.0;
+                light += piece.light_mm2;
+                on_film += piece.light_mm2 * part_on_film(&piece.corners, &is_film);
+                moment += middle * piece.light_mm2;
+                square += middle.length_squared() * piece.light_mm2;
+            },
+        );
         if !(light > 0.0) {
             return None;
         }

@@ -311,8 +311,12 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
                 dy: &mut dy[block.clone()],
                 dz: &mut dz[block],
             };
-            let mut lost = Losses { fates: &mut fates[first..], surface: 0 };
+            let left = (fates.len() - first).min(BLOCK);
+            let mut lost = Losses { fates: &mut fates[first..], left, surface: 0 };
             for (i, step) in self.way.steps.iter().enumerate() {
+                if lost.left == 0 {
+                    break;
+                }
                 lost.surface = self.way.surface(i);
                 let gradients = self.way.gradients(i);
                 match &self.lines {
@@ -336,6 +340,8 @@ impl<R: Real> LaneKernel<R> for Trace<'_, R> {
 pub(super) struct Losses<'a> {
     /// Fates of the rays of a block.
     pub(super) fates: &'a mut [RayStatus],
+    /// Number of the block's rays that are not lost.
+    pub(super) left: usize,
     /// The surface that the rays are at.
     pub(super) surface: usize,
 }
@@ -346,6 +352,7 @@ impl Losses<'_> {
         // The last register may be wider than what is left of the rays.
         if let Some(fate) = self.fates.get_mut(place).filter(|fate| fate.is_through()) {
             *fate = Lost { surface: self.surface, reason }.into();
+            self.left -= 1;
         }
     }
 }

@@ -86,7 +86,7 @@ impl LaneKernel<f64> for Packet<'_> {
         let [mut x, mut y, mut z, mut dx, mut dy, mut dz] = [p.x, p.y, p.z, d.x, d.y, d.z].map(|n| [n; LINES]);
         let mut block = RayLanes { x: &mut x, y: &mut y, z: &mut z, dx: &mut dx, dy: &mut dy, dz: &mut dz };
         let mut fates = [RayStatus::THROUGH; LINES];
-        let mut lost = Losses { fates: &mut fates, surface: 0 };
+        let mut lost = Losses { left: fates.len(), fates: &mut fates, surface: 0 };
         for (i, (step, table)) in way.steps.iter().zip(tables.iter()).enumerate() {
             lost.surface = i;
             let interfaces = table.each_ref().map(|numbers| &numbers[self.first..self.first + LINES]);

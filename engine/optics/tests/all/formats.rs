@@ -2,6 +2,8 @@
 //! is wrong or missing is said in one line.
 
 mod catalogues;
+mod configurations;
+mod frames;
 mod kinds;
 mod other_packages;
 mod there_and_back;

@@ -9,6 +9,7 @@ from typing import Any
 from ..argument_types import natural
 from .page import DARK, lengths, line_colours, line_names
 from .report import LensReport
+from .table import Table
 
 #: From this half field on a picture by the tangent is none that anybody wants: distortion is that from heights by the angle.
 _FISHEYE_DEG = 60.0
@@ -74,6 +75,33 @@ def _colour(found: dict[str, Any], lit: list[dict[str, Any]], axes: Any) -> None
     axes.legend(loc="best", fontsize=8)
 
 
+def _table(found: dict[str, Any]) -> Table:
+    headings = ["field °", "height mm", "from f tan θ %", "from f θ %", "sagittal focus mm", "tangential focus mm"]
+    wavelengths, main = found["wavelengths_nm"], found["main_wavelength"]
+    others = [i for i in range(len(wavelengths)) if i != main]
+    headings += [f"{wavelengths[i]:.4g} nm from {wavelengths[main]:.4g} nm, mm" for i in others]
+
+    def percent(field: dict[str, Any], key: str) -> float | None:
+        if field[key] is None:
+            return None
+        return 100.0 * (field["height_mm"] / field[key] - 1.0) if field[key] else 0.0
+
+    rows = [
+        [
+            field["angle_deg"],
+            field["height_mm"],
+            percent(field, "straight_height_mm"),
+            percent(field, "even_height_mm"),
+            field["sagittal_focus_mm"],
+            field["tangential_focus_mm"],
+            *(field["colour_mm"][i] for i in others),
+        ]
+        for field in found["fields"]
+        if not field["is_dark"]
+    ]
+    return Table(headings, rows)
+
+
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--count", type=natural, default=41, metavar="N", help="of the fields; default: 41")
 
@@ -86,6 +114,7 @@ REPORT = LensReport(
     place=50,
     size_in=size_in,
     draw=draw,
+    table=_table,
     title=lambda _found: "rays through the middle of the stop",
     is_over_the_field=True,
     options={"count": 41},

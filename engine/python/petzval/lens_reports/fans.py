@@ -11,6 +11,7 @@ from typing import Any
 from ..argument_types import natural
 from .page import DARK, degrees, lengths, line_colours, line_names
 from .report import LensReport
+from .table import Table, per_line
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
@@ -49,6 +50,21 @@ def draw(found: dict[str, Any], figure: Any, key: str = "error_mm") -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8)
 
 
+def _table(found: dict[str, Any], key: str = "error_mm") -> Table:
+    """The largest of each fan."""
+    unit = "mm" if key == "error_mm" else "waves"
+    headings = ["field °", "fan", *per_line(found["wavelengths_nm"], f"largest, {unit}, at")]
+    rows = []
+    for field in found["fields"]:
+        for kind in ("tangential", "sagittal"):
+            if field["is_dark"]:
+                rows.append([field["angle_deg"], kind, *["dark"] * len(found["wavelengths_nm"])])
+                continue
+            largest = [max(line[key], key=abs) if line[key] else None for line in field[kind]]
+            rows.append([field["angle_deg"], kind, *largest])
+    return Table(headings, rows)
+
+
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rays", type=natural, default=201, metavar="N", help="of a fan; default: 201")
     parser.add_argument("--path", action="store_true", help="how long they take instead, in wavelengths")
@@ -58,7 +74,12 @@ def _drawn_as(arguments: argparse.Namespace, report: LensReport) -> LensReport:
     if not arguments.path:
         return report
     paths = "optical path beyond the middle ray's"
-    return replace(report, draw=partial(draw, key="path_waves"), title=lambda _found: paths)
+    return replace(
+        report,
+        draw=partial(draw, key="path_waves"),
+        table=partial(_table, key="path_waves"),
+        title=lambda _found: paths,
+    )
 
 
 REPORT = LensReport(
@@ -69,6 +90,7 @@ REPORT = LensReport(
     place=20,
     size_in=size_in,
     draw=draw,
+    table=_table,
     title=lambda _found: "ray fans: where rays land, from the middle one",
     options={"rays": 201},
     add_options=_add_options,

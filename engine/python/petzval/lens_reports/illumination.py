@@ -10,6 +10,7 @@ from typing import Any
 from ..argument_types import natural, number
 from .page import PALE, field_colour
 from .report import LensReport
+from .table import Table
 
 
 def size_in(found: list[dict[str, Any]]) -> tuple[float, float]:
@@ -48,6 +49,17 @@ def draw(found: list[dict[str, Any]], figure: Any) -> None:
     axes.legend(loc="lower left", fontsize=8)
 
 
+def _table(found: list[dict[str, Any]]) -> Table:
+    headings = ["field °", "height mm", *(f"F/{setting['f_number']:.3g} %" for setting in found)]
+    by_angle = [{field["angle_deg"]: field for field in setting["fields"]} for setting in found]
+    rows = []
+    for angle in sorted({angle for fields in by_angle for angle in fields}):
+        height = next(fields[angle]["height_mm"] for fields in by_angle if angle in fields)
+        relative = [fields[angle]["relative"] if angle in fields else 0.0 for fields in by_angle]
+        rows.append([angle, height, *(None if part is None else 100.0 * part for part in relative)])
+    return Table(headings, rows)
+
+
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--count", type=natural, default=31, metavar="N", help="of the fields; default: 31")
     parser.add_argument(
@@ -63,6 +75,7 @@ REPORT = LensReport(
     place=60,
     size_in=size_in,
     draw=draw,
+    table=_table,
     title=lambda _found: "light on the film, of a scene as bright everywhere",
     is_over_the_field=True,
     options={"count": 31},

@@ -9,6 +9,7 @@ from typing import Any
 from ..argument_types import natural, number
 from .page import PALE, degrees, field_colour
 from .report import LensReport, together
+from .table import Table
 
 _DASHES = (4, 2)
 #: From coarse to fine lines.
@@ -72,6 +73,22 @@ def _legend(axes: Any) -> None:
     )
 
 
+def _table(found: dict[str, Any]) -> Table:
+    """Contrast at the frequencies that the picture has over the height."""
+    frequencies = found["height_frequencies_per_mm"]
+    headings = ["height mm"]
+    headings += [f"{kind} {one:.4g}/mm" for one in frequencies[1:] for kind in ("sagittal", "tangential")]
+    rows = []
+    for field in found["heights"]:
+        if field["is_dark"]:
+            continue
+        contrasts = [
+            field[kind]["contrast"][i] for i in range(1, len(frequencies)) for kind in ("sagittal", "tangential")
+        ]
+        rows.append([abs(field["height_mm"]), *(f"{contrast:.3f}" for contrast in contrasts)])
+    return Table(headings, rows)
+
+
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--frequency", type=number, default=100.0, metavar="N", help="the highest, line pairs/mm; default: 100"
@@ -92,6 +109,7 @@ REPORT = LensReport(
     place=30,
     size_in=size_in,
     draw=draw,
+    table=_table,
     title=lambda found: f"modulation transfer with diffraction, {together(found)}",
     options={"highest_per_mm": 100.0, "steps": 40, "heights": 13, "height_step_per_mm": 10.0},
     add_options=_add_options,

@@ -36,8 +36,10 @@ def check(out: Path) -> None:
     if out.suffix.lower() != ".json":
         try:
             import matplotlib  # noqa: F401
-        except ImportError:
-            raise CommandError(f"cannot draw {out}: there is no matplotlib: pip install 'petzval[plots]'") from None
+        except ImportError as error:
+            raise CommandError(
+                f"cannot draw {out}: matplotlib cannot be had ({error}): pip install matplotlib"
+            ) from None
 
 
 def save(found: Any, out: Path, style: dict[str, Any], make: Callable[[Any], Any]) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from .page import DARK, degrees, field_colour, lengths
 from .report import LensReport, together
+from .table import Table
 
 #: Decades that the dark picture shows.
 _DECADES = 4.0
@@ -88,6 +89,26 @@ def _pictures(
     dark.set_xlabel(f"sagittal, {unit}")
 
 
+#: Parts of the light whose radius the table has.
+_WITHIN = (0.5, 0.8, 0.9)
+
+
+def _table(found: dict[str, Any]) -> Table:
+    headings = ["field °", "height mm", "Strehl", *(f"{100 * part:.0f} % within mm" for part in _WITHIN)]
+    rows = []
+    for field in found["fields"]:
+        if field["is_dark"]:
+            rows.append([field["angle_deg"], "dark", *[None] * (len(headings) - 2)])
+        elif "values" not in field:
+            said = f"over {field['spread_times']:.0f} λN: too far for waves, petzval lens spots says all"
+            rows.append([field["angle_deg"], field.get("height_mm"), said, *[None] * len(_WITHIN)])
+        else:
+            curve = list(zip(field["radii_mm"], field["encircled"], strict=True))
+            within = [next((radius for radius, light in curve if light >= part), None) for part in _WITHIN]
+            rows.append([field["angle_deg"], field["height_mm"], field["strehl"][found["main_wavelength"]], *within])
+    return Table(headings, rows)
+
+
 REPORT = LensReport(
     name="psf",
     label="Point Spread",
@@ -96,5 +117,6 @@ REPORT = LensReport(
     place=40,
     size_in=size_in,
     draw=draw,
+    table=_table,
     title=lambda found: f"point spread with diffraction, {together(found)}",
 )

@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from .table import Table
+
 #: The report that the engine found; of a report of several settings a list of such.
 Found = Any
 #: The fields that a report shows where none are asked for.
@@ -36,6 +38,8 @@ class LensReport:
     draw: Callable[[Found, Any], None]
     #: The words above the picture.
     title: Callable[[Found], str]
+    #: The report's main numbers; `petzval lens NAME` prints them where no picture is asked for.
+    table: Callable[[Found], Table]
     #: True where curves go over the field, false where a few fields are shown.
     is_over_the_field: bool = False
     #: The engine's options where none are given, as in Blender.

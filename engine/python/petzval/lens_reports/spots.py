@@ -10,6 +10,7 @@ from typing import Any
 from ..argument_types import natural, number
 from .page import DARK, degrees, lengths, line_colours, line_names
 from .report import LensReport
+from .table import Table, per_line
 
 #: Inches of a spot.
 _SIDE_IN = 2.6
@@ -95,6 +96,19 @@ def _round_up(value: float) -> float:
     return next(step * power for step in (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0) if step * power >= value * (1 - 1e-12))
 
 
+def _table(found: dict[str, Any]) -> Table:
+    headings = ["film mm", "field °", "RMS mm", "largest mm", *per_line(found["wavelengths_nm"], "RMS mm at")]
+    count = len(found["wavelengths_nm"])
+    rows = []
+    for place in found["defocus"]:
+        for field in place["fields"]:
+            lit = not field["is_dark"]
+            numbers = [field["rms_mm"], field["largest_mm"]] if lit else ["dark", None]
+            lines = [line["rms_mm"] for line in field["lines"]] if lit else [None] * count
+            rows.append([place["defocus_mm"], field["angle_deg"], *numbers, *lines])
+    return Table(headings, rows)
+
+
 def _add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rays", type=natural, default=41, metavar="N", help="over the width of a beam; default: 41")
     parser.add_argument(
@@ -110,6 +124,7 @@ REPORT = LensReport(
     place=10,
     size_in=size_in,
     draw=draw,
+    table=_table,
     title=lambda _found: "spot diagrams, about the middle of their light",
     options={"rays": 41, "defocus_mm": [0.0]},
     add_options=_add_options,

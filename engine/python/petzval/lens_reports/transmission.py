@@ -9,6 +9,7 @@ from typing import Any
 from ..argument_types import number
 from .page import degrees, field_colour
 from .report import LensReport
+from .table import Table
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
@@ -35,6 +36,27 @@ def draw(found: dict[str, Any], figure: Any) -> None:
     through.set_ylim(0.0, 100.0)
     most = max((100.0 * max(coating["reflected"]) for coating in found["coatings"]), default=1.0)
     back.set_ylim(0.0, 1.1 * most)
+
+
+#: Wavelengths of the table: of a picture's curve there are too many for a terminal.
+_IN_TABLE = 9
+
+
+def _table(found: dict[str, Any]) -> Table:
+    spectrum = found["spectrum_nm"]
+    step = max((len(spectrum) - 1) // (_IN_TABLE - 1), 1)
+    fields = [field for field in found["fields"] if field["parts"]]
+    headings = ["nm", *(f"{field['angle_deg']:.4g}° %" for field in fields)]
+    headings += [f"{coating['name']} reflects %" for coating in found["coatings"]]
+    rows = [
+        [
+            f"{spectrum[i]:g}",
+            *(100.0 * field["parts"][i] for field in fields),
+            *(100.0 * coating["reflected"][i] for coating in found["coatings"]),
+        ]
+        for i in range(0, len(spectrum), step)
+    ]
+    return Table(headings, rows)
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
@@ -78,6 +100,7 @@ REPORT = LensReport(
     place=70,
     size_in=size_in,
     draw=draw,
+    table=_table,
     title=_title,
     options={"spectrum_nm": _spectrum_nm(380.0, 780.0, 5.0)},
     add_options=_add_options,

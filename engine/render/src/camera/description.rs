@@ -181,6 +181,8 @@ pub struct CameraDescription {
     /// True if the losses of `transmission` make the picture darker; else it is exposed by the T-number, its middle as bright as if nothing
     /// were lost.
     pub exposes_by_f_number: bool,
+    /// True if white is white in the middle of the picture, whatever colour glass and coatings have.
+    pub white_balance: bool,
     /// Precision of the numbers in which rays are traced from the film through the lens.
     pub precision: Precision,
     /// Exposure by physical settings; `None`: a uniform world of radiance one makes the middle of the film one, whatever the f-number.
@@ -217,6 +219,7 @@ impl Default for CameraDescription {
             scattering: Scattering::default(),
             transmission: false,
             exposes_by_f_number: false,
+            white_balance: true,
             precision: Precision::default(),
             exposure: None,
             orthographic_width: 1.0,

@@ -32,6 +32,8 @@ use petzval_optics::autofocus::{AutofocusError, SharpPlaneError};
 use petzval_optics::axial_beam;
 use petzval_optics::focus::FocusError;
 use petzval_optics::formats::lens::LensFileError;
+use petzval_optics::glass::line_nm;
+use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::unobstructed_part;
 use petzval_optics::system::{System, SystemError};
 use std::sync::Arc;
@@ -156,6 +158,11 @@ impl Camera {
         }
     }
 
+    /// True if a sample depends on its wavelength or is carried back to the film: if not, [`Request`] needs no numbers for that.
+    pub fn has_wavelengths(&self) -> bool {
+        !matches!(self, Self::Pinhole(_) | Self::Thin(_) | Self::Orthographic(_))
+    }
+
     /// Memory for batches, where there are any.
     pub fn batch(&self) -> Option<LensBatch> {
         match self {
@@ -170,6 +177,7 @@ impl Camera {
         match (self, batch) {
             (Self::Lens(lens), Some(batch)) => lens.sample_batch(requests, batch, rays),
             (Self::Adapted(lens), Some(batch)) => lens.sample_batch(requests, batch, rays),
+            (Self::Pinhole(pinhole), _) => rays.extend(requests.iter().map(|r| Some(pinhole.ray(r.place)))),
             _ => rays.extend(requests.iter().map(|r| self.sample(r.place, r.u_lens, r.u_wavelength))),
         }
     }
@@ -219,11 +227,20 @@ pub fn lens_info(d: &CameraDescription, width: u32, height: u32) -> Result<LensI
 }
 
 /// The T-number of a lens before a film at `film_z_mm`, lens space: the f-number of one that loses nothing, has nothing in its middle,
-/// and is as bright in the film's middle, for white light. `None`: that is dark, or the lens has no focal length.
+/// and is as bright in the film's middle, for white light. As f-numbers are, it is that of the lens at infinity, whatever its groups are
+/// focused on. `None`: that is dark, or the lens has no focal length.
 pub fn t_number(system: &System, wavelength_nm: f64, film_z_mm: f64) -> Option<f64> {
     let clear = unobstructed_part(&system.at_wavelength(wavelength_nm), system, film_z_mm);
     let part = clear * lens::transmission::luminous(system, wavelength_nm, film_z_mm)?;
-    axial_beam::f_number(system, wavelength_nm).map(|n| n / part.sqrt()).filter(|n| n.is_finite())
+    let at_infinity = f_number_at_infinity(system, axial_beam::f_number(system, wavelength_nm)?);
+    Some(at_infinity / part.sqrt()).filter(|n| n.is_finite())
+}
+
+/// An f-number of the lens as its groups stand, counted at infinity, as f-numbers are called: groups that focus change focal length and
+/// pupil.
+pub(crate) fn f_number_at_infinity(system: &System, f_number: f64) -> f64 {
+    let now = Paraxial::new(system, line_nm::D).f_number;
+    f_number * now.map_or(1.0, |now| system.f_number() / now)
 }
 
 #[cfg(test)]

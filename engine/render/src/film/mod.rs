@@ -189,8 +189,10 @@ impl TileAccumulator {
     /// Adds alpha to a pixel of the tile.
     #[inline]
     pub fn add_alpha(&mut self, x: u32, y: u32, alpha: f32) {
+        // All four numbers, as radiance is added: a processor waits where four are read of which one was just written.
         if let Some(i) = self.rect.index(x, y) {
-            self.sums[i][3] += f64::from(alpha);
+            let sum = &mut self.sums[i];
+            *sum = (DVec4::from_array(*sum) + DVec4::new(0.0, 0.0, 0.0, f64::from(alpha))).to_array();
         }
     }
 }

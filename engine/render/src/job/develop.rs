@@ -3,7 +3,7 @@
 use super::{Job, Shared, lock};
 use crate::Rgb;
 use crate::camera::CameraError;
-use crate::stray::{Picture, Straight, StrayLight, StrayPass, Strays};
+use crate::stray::{Picture, Straight, StrayLight, StrayPass, Strays, Watch};
 use rayon::ThreadPoolBuilder;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -13,21 +13,31 @@ impl Job {
     /// end. [`Self::stop_developing`] ends it without a result.
     pub fn develop(&self, strays: &Strays) {
         let shared: &Shared = &self.shared;
+        let stopped = || shared.stop_developing.load(Ordering::Relaxed);
+        let tell = |part: f64| shared.developed.store(part.to_bits(), Ordering::Relaxed);
+        let watch = Watch { stopped: &stopped, tell: &tell };
+        if let Some(found) = self.with_picture(|straight| strays.find(straight, &watch)) {
+            *lock(&shared.strayed) = Some(Arc::new(found));
+        }
+    }
+
+    /// [`Strays::expected_times`] of the whole picture, by this small one.
+    pub(super) fn expected_times(&self, strays: &Strays, of_this: &Strays) -> Vec<(StrayPass, f64)> {
+        self.with_picture(|straight| strays.expected_times(of_this, straight))
+    }
+
+    /// Gives the picture as it is now to a function that runs on as many threads as the render had.
+    fn with_picture<T: Send>(&self, find: impl FnOnce(&Straight<'_>) -> T + Send) -> T {
+        let shared: &Shared = &self.shared;
         let (width, height) = shared.film.size();
         let light = shared.film.picture().into_iter().map(|[r, g, b, _]| Rgb::new(r, g, b)).collect();
         let picture = Picture { width, height, light };
         let (exposure, gains) = shared.film.scales();
-        let camera = self.camera();
-        let straight = Straight { stage: &shared.stage, camera, picture: &picture, exposure, gains };
-        let stopped = || shared.stop_developing.load(Ordering::Relaxed);
-        let find = || strays.find(&straight, &stopped);
-        // As many threads as the render had; where there can be no more, this one does.
-        let found = match ThreadPoolBuilder::new().num_threads(self.threads.len()).build() {
-            Ok(pool) => pool.install(find),
-            Err(_) => find(),
-        };
-        if let Some(found) = found {
-            *lock(&shared.strayed) = Some(Arc::new(found));
+        let straight = Straight { stage: &shared.stage, camera: self.camera(), picture: &picture, exposure, gains };
+        // Where there can be no more threads, this one does.
+        match ThreadPoolBuilder::new().num_threads(self.threads.len()).build() {
+            Ok(pool) => pool.install(|| find(&straight)),
+            Err(_) => find(&straight),
         }
     }
 
@@ -42,6 +52,11 @@ impl Job {
             self.develop(&stray_light);
         }
         Ok(())
+    }
+
+    /// The part of [`Self::develop`] that is done, 0 to 1.
+    pub fn developed(&self) -> f64 {
+        f64::from_bits(self.shared.developed.load(Ordering::Relaxed))
     }
 
     /// Ends [`Self::develop`] without a result.

@@ -1,9 +1,13 @@
 //! A forecast of a render's time, from rendering a little of it: tiles all over the picture, on as many threads.
 
-use super::{OutputOptions, Settings, SettingsError, Shared};
-use crate::camera::Camera;
+use super::error::RequestError;
+use super::{Job, OutputOptions, Settings, SettingsError, Shared};
+use crate::camera::clip::Clip;
+use crate::camera::{Camera, CameraDescription};
 use crate::integrator::PreparedScene;
 use crate::pipeline::{Counts, Pipeline, render_tile};
+use crate::plan::{Effect, Plan};
+use crate::stray::StrayPass;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -103,6 +107,46 @@ impl Forecast {
             pipeline: shared.pipeline,
         })
     }
+}
+
+/// Pixels of the picture by which the time of stray light is forecast, and samples of each.
+const SMALL_PX: f64 = 16_000.0;
+const SMALL_SAMPLES: u32 = 4;
+
+/// The forecast wall time of each effect that the plan computes once the samples are there, s: a small picture is rendered, its bright places
+/// are the sources of ghosts, and some of these are traced.
+///
+/// # Errors
+/// [`RequestError`].
+pub fn stray_light(
+    plan: &Plan,
+    stage: Arc<PreparedScene>,
+    d: &CameraDescription,
+    settings: Settings,
+) -> Result<Vec<(Effect, f64)>, RequestError> {
+    let size = [settings.width, settings.height];
+    let Some(strays) = plan.strays(d, size)? else { return Ok(Vec::new()) };
+    let pixels = f64::from(size[0]) * f64::from(size[1]);
+    let scale = (SMALL_PX / pixels).sqrt().min(1.0);
+    let [width, height] = size.map(|side| ((f64::from(side) * scale).round() as u32).max(1));
+    let applied = plan.applied(d);
+    let camera = Camera::new(&applied, width, height)?;
+    let output = OutputOptions { clip: Clip::new(&applied, &camera), ..OutputOptions::default() };
+    let samples = settings.samples.min(SMALL_SAMPLES);
+    let small = Settings { width, height, samples, noise_threshold: 0.0, window: None, with_data: false, ..settings };
+    let of_small = plan.strays(d, [width, height])?.unwrap_or_default();
+    let job = Job::start_with(stage, vec![camera], small, output)?;
+    job.wait(Duration::MAX);
+    let times = job.expected_times(&strays, &of_small);
+    let effect = |(pass, seconds): (StrayPass, f64)| {
+        let effect = match pass {
+            StrayPass::Ghosts => Effect::Ghosts,
+            StrayPass::Glare => Effect::Glare,
+            StrayPass::Diffraction => Effect::Diffraction,
+        };
+        (effect, seconds)
+    };
+    Ok(times.into_iter().map(effect).collect())
 }
 
 impl Shared {

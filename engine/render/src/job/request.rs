@@ -1,8 +1,9 @@
 //! A render as it is asked for: descriptions, settings, a plan and outputs become the arguments of a [`Job`].
 
 use super::checkpoint::Checkpoints;
-use super::forecast::Forecast;
-use super::{Job, OutputOptions, Settings, SettingsError, catcher};
+pub use super::error::RequestError;
+use super::forecast::{self, Forecast};
+use super::{Job, OutputOptions, Settings, catcher};
 use crate::camera::clip::Clip;
 use crate::camera::tools::imaging::Imaging;
 use crate::camera::tools::shade;
@@ -46,17 +47,6 @@ pub struct JobRequest {
     pub catches: bool,
     /// The file in which the render is kept while it goes on.
     pub checkpoints: Option<Checkpoints>,
-}
-
-/// An error by which a render does not start.
-#[derive(Debug, thiserror::Error)]
-pub enum RequestError {
-    /// A camera makes no picture.
-    #[error(transparent)]
-    Camera(#[from] CameraError),
-    /// A setting is out of range.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
 }
 
 impl Job {
@@ -138,12 +128,14 @@ impl Settings {
         stage: Arc<PreparedScene>,
         d: &CameraDescription,
     ) -> Result<PlanReport, RequestError> {
-        let (d, samples) = (plan.applied(d), self.samples);
+        let (applied, samples) = (plan.applied(d), self.samples);
         let settings = Self { pipeline: plan.pipeline(), ..self };
-        let camera = Camera::new(&d, settings.width, settings.height)?;
-        let output = OutputOptions { clip: Clip::new(&d, &camera), ..OutputOptions::default() };
-        let Forecast { seconds, threads, camera_part, .. } = Forecast::new(stage, vec![camera], settings, output)?;
-        Ok(plan.report_with(Predicted { seconds, samples, threads, camera_part }))
+        let camera = Camera::new(&applied, settings.width, settings.height)?;
+        let output = OutputOptions { clip: Clip::new(&applied, &camera), ..OutputOptions::default() };
+        let made = Forecast::new(stage.clone(), vec![camera], settings.clone(), output)?;
+        let Forecast { seconds, threads, camera_part, .. } = made;
+        let measured = forecast::stray_light(plan, stage, d, settings)?;
+        Ok(plan.report_with(Predicted { seconds, after_seconds: 0.0, samples, threads, camera_part }, &measured))
     }
 }
 

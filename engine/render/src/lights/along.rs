@@ -43,6 +43,9 @@ impl Lights {
         to: Option<&LightSampleContext>,
         mut found: impl FnMut(LightHit),
     ) {
+        if !self.met.is_found_by(way) {
+            return;
+        }
         let Line { from, towards, t_max } = line;
         self.met.along(from, towards, t_max, |place| {
             let index = place as usize;

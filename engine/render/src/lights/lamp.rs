@@ -18,7 +18,7 @@ use crate::nodes::lamp::{LampPoint, even_radiance, radiance};
 use crate::scene::Scene;
 use crate::scene::graph::Graph;
 use crate::scene::lamp::{Lamp, LampKind};
-use crate::scene::visibility::LightSets;
+use crate::scene::visibility::{LightSets, Rays};
 use crate::{Rgb, luminance};
 use area::AreaLamp;
 use ball::Ball;
@@ -120,6 +120,11 @@ impl PreparedLamp {
     /// True if light paths leave the lamp: not from one without shadows, for where its rays should end is undefined.
     pub(super) fn emits_rays(&self) -> bool {
         self.frame.cast_shadow
+    }
+
+    /// The kinds of ray that may find it.
+    pub(super) fn reaches(&self) -> Rays {
+        self.frame.reaches
     }
 
     /// True if a ray of a path in this state may find it. How many bounces it had is not asked, as in Cycles.

@@ -2,6 +2,9 @@
 //! a node, tried at once in the lanes of a register.
 
 use super::lamp::PreparedLamp;
+use crate::nodes::PathState;
+use crate::scene::visibility::Rays;
+use arrayvec::ArrayVec;
 use glam::Vec3A;
 use wide::f32x8;
 
@@ -24,9 +27,11 @@ struct Node {
 }
 
 /// The tree over lamps that have extent and stand within the scene.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct LampTree {
     nodes: Vec<Node>,
+    /// The kinds of ray that any of the lamps reaches.
+    reaches: Rays,
 }
 
 struct Item {
@@ -45,8 +50,10 @@ impl LampTree {
             let margin = Vec3A::splat(1e-5 * size);
             Item { min: bounds.min - margin, max: bounds.max + margin, emitter }
         };
-        let mut items: Vec<Item> = lamps.filter(|(_, lamp)| !lamp.is_point_like()).map(item).collect();
-        let mut tree = Self::default();
+        let mut reaches = Rays::NONE;
+        let lamps = lamps.filter(|(_, lamp)| !lamp.is_point_like());
+        let mut items: Vec<Item> = lamps.inspect(|(_, lamp)| reaches = reaches.and(lamp.reaches())).map(item).collect();
+        let mut tree = Self { nodes: Vec::new(), reaches };
         if !items.is_empty() {
             tree.add(&mut items);
         }
@@ -89,6 +96,12 @@ impl LampTree {
         here as u32
     }
 
+    /// True if a ray of a path in this state may find any of the lamps: as in most scenes none shows to the camera.
+    #[inline]
+    pub(super) fn is_found_by(&self, way: PathState) -> bool {
+        self.reaches.all_of(way.finds())
+    }
+
     /// Calls `tried` for each emitter that the ray may hit before `t_max`.
     #[inline]
     pub(super) fn along(&self, from: Vec3A, d: Vec3A, t_max: f32, mut tried: impl FnMut(u32)) {
@@ -98,11 +111,10 @@ impl LampTree {
         let inverse = d.recip().to_array().map(f32x8::splat);
         let from = from.to_array().map(f32x8::splat);
         let t_max = f32x8::splat(t_max);
-        let mut stack = [0u32; STACK];
-        let mut depth = 1;
-        while depth > 0 {
-            depth -= 1;
-            let node = &self.nodes[stack[depth] as usize];
+        let mut stack = ArrayVec::<u32, STACK>::new();
+        stack.push(0);
+        while let Some(number) = stack.pop() {
+            let node = &self.nodes[number as usize];
             let (mut enter, mut leave) = (f32x8::splat(0.0), t_max);
             for axis in 0..3 {
                 let a = (node.min[axis] - from[axis]) * inverse[axis];
@@ -113,8 +125,7 @@ impl LampTree {
             let met = enter.simd_le(leave).to_bitmask() & node.used;
             let mut nodes = met & !node.lamps;
             while nodes != 0 {
-                stack[depth] = node.inside[nodes.trailing_zeros() as usize];
-                depth += 1;
+                stack.push(node.inside[nodes.trailing_zeros() as usize]);
                 nodes &= nodes - 1;
             }
             let mut lamps = met & node.lamps;

@@ -140,14 +140,19 @@ impl Sky {
         mut found: impl FnMut(usize, Rgb, f32),
     ) {
         if scene.world.visible.all_of(way.finds()) {
-            let (mut radiance, pdf) = self.image_along(scene, d);
-            if let Some(graph) = &scene.world.graph
-                && (way.is_camera() || self.tells_bounces_apart)
-            {
+            let graph = scene.world.graph.as_ref().filter(|_| way.is_camera() || self.tells_bounces_apart);
+            let (mut radiance, mut pdf) = (Rgb::ZERO, 0.0);
+            if to.is_some() {
+                (radiance, pdf) = self.image_along(scene, d);
+                pdf *= self.chance(to, 0);
+            } else if graph.is_none() {
+                radiance = scene.world.radiance(d, &scene.textures);
+            }
+            if let Some(graph) = graph {
                 // Blender counts what shines from infinity as one scattering farther.
                 radiance = nodes::world::radiance(graph, scene, d, way.at_depth(u32::from(way.depth) + 1));
             }
-            found(0, radiance, pdf * self.chance(to, 0));
+            found(0, radiance, pdf);
         }
         for (i, &sun) in self.suns.iter().enumerate() {
             let lamp = &lamps[sun as usize];

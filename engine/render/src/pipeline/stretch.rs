@@ -3,10 +3,11 @@
 use super::{Counts, RenderContext, Sample};
 use crate::Rgb;
 use crate::accel::Ray;
+use crate::camera::Camera;
 use crate::camera::lens::real_lens::packet::Request;
 use crate::film::TileAccumulator;
 use crate::integrator::path::{AovBuffers, AovSink, NoAovs, Wavefront};
-use crate::sampler::PathSampler;
+use crate::sampler::{KeptScramble, PathSampler};
 use crate::scene::motion::moment;
 use std::time::Instant;
 
@@ -153,13 +154,16 @@ impl SampleBatch {
         self.times.clear();
         let mut at = [0; 2];
         let mut points = shot.pattern.pixel(0, 0);
+        let mut scrambles = [KeptScramble::default(); 2];
+        let has_wavelengths = shot.cameras.iter().any(Camera::has_wavelengths);
         for (pixel, index) in samples {
             if pixel != at {
                 (at, points) = (pixel, shot.pattern.pixel(pixel[0], pixel[1]));
             }
             let mut sampler = points.sampler(index);
-            let [u0, u1, u2, u3] = sampler.next_4d();
-            let [u_wavelength, u_column, u_row, u_beyond] = sampler.next_4d();
+            let [u0, u1, u2, u3] = sampler.next_4d_kept(&mut scrambles[0]);
+            let [u_wavelength, u_column, u_row, u_beyond] =
+                if has_wavelengths { sampler.next_4d_kept(&mut scrambles[1]) } else { sampler.skipped_4d() };
             let place = shot.raster.place(pixel[0], pixel[1], [u0, u1]);
             let (u_place, u_lens, u_pixels) = ([u0, u1], [u2, u3], [u_column, u_row]);
             self.requests.push(Request { pixel, place, u_lens, u_wavelength, u_pixels, u_place, u_beyond });

@@ -100,8 +100,10 @@ pub struct SourceReport {
 /// The forecast of a render in a report.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Predicted {
-    /// Wall time of the samples, s.
+    /// Wall time of the samples and of the stray light, s.
     pub seconds: f64,
+    /// Wall time of the stray light alone, once the samples are there, s.
+    pub after_seconds: f64,
     /// Samples a pixel.
     pub samples: u32,
     /// Number of threads that the time holds for.
@@ -185,14 +187,24 @@ impl Plan {
         }
     }
 
-    /// The report with a forecast of the samples' time, to which the work once a picture is added.
-    pub fn report_with(&self, samples: Predicted) -> PlanReport {
+    /// The report with a forecast of the samples' time, to which the work once a picture is added: the wall times of some effects that
+    /// were measured, s, and of the others by their price.
+    pub fn report_with(&self, samples: Predicted, measured: &[(Effect, f64)]) -> PlanReport {
+        let mut plan = self.clone();
+        for &(effect, seconds) in measured {
+            plan.decisions[effect as usize].picture_s = seconds * samples.threads as f64;
+        }
+        plan.report_by_price(samples)
+    }
+
+    fn report_by_price(&self, samples: Predicted) -> PlanReport {
         let Predicted { seconds, threads, camera_part, .. } = samples;
         let mut report = self.report();
         for (row, effect) in report.effects.iter_mut().zip(Effect::ALL) {
             row.predicted_cost = Some(self.cost(effect, camera_part, seconds, threads));
         }
-        report.predicted = Some(Predicted { seconds: seconds + self.seconds_after(threads), ..samples });
+        let after_seconds = self.seconds_after(threads);
+        report.predicted = Some(Predicted { seconds: seconds + after_seconds, after_seconds, ..samples });
         report
     }
 }

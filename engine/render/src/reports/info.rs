@@ -1,10 +1,10 @@
 //! First-order data, aberrations and vignetting of a lens.
 
 use super::{ReportError, check_wavelength};
-use crate::camera::t_number;
+use crate::camera::{f_number_at_infinity, t_number};
 use petzval_optics::focus::focused;
 use petzval_optics::paraxial::{Paraxial, Pupil};
-use petzval_optics::prescription::Prescription;
+use petzval_optics::prescription::{Prescription, SurfaceRow};
 use petzval_optics::seidel::Seidel;
 use petzval_optics::surface::Section;
 use petzval_optics::system::{LensSettings, System};
@@ -26,7 +26,7 @@ pub struct LensFacts {
     image_focal_plane_mm: Option<f64>,
     entrance_pupil: Pupil,
     exit_pupil: Pupil,
-    /// F-number by the circle that holds the opening.
+    /// F-number at infinity, by the circle that holds the opening.
     f_number: Option<f64>,
     t_number: Option<f64>,
     coatings: Vec<String>,
@@ -60,6 +60,8 @@ pub struct LensFacts {
     /// The section across, where it differs.
     section_x: Option<SectionX>,
     surfaces: usize,
+    /// The surfaces that do not stand on the axis, or are tilted.
+    misaligned_surfaces: Vec<usize>,
 }
 
 /// First-order data in the x-z plane.
@@ -87,6 +89,7 @@ pub fn info(
     let p = Paraxial::new(&system, wavelength_nm);
     let seidel = Seidel::new(&system, wavelength_nm, focus.object_plane_mm);
     let fields = Vignetting::new(&system, wavelength_nm, &focus);
+    let f_number = p.f_number.map(|now| f_number_at_infinity(&system, now)).filter(|n| n.is_finite());
     let total = seidel.as_ref().map(Seidel::total);
     let by_surface = seidel.as_ref().map(|sums| &sums.by_surface);
     let across = Paraxial::in_section(&system, Section::X, wavelength_nm);
@@ -109,7 +112,7 @@ pub fn info(
         image_focal_plane_mm: p.image_focal_plane_mm,
         entrance_pupil: p.entrance_pupil,
         exit_pupil: p.exit_pupil,
-        f_number: p.f_number,
+        f_number,
         t_number: t_number(&system, wavelength_nm, focus.film_z_mm),
         coatings: system.coatings(),
         coating_is_assumed: settings.coating.is_none() && lens.assumes_coatings(),
@@ -117,7 +120,7 @@ pub fn info(
         working_f_number: focus.working_f_number,
         stop_diameter_mm: p.stop_diameter_mm,
         stop_area_mm2: system.diaphragm().area_mm2(),
-        f_number_by_area: p.f_number.map(|n| n * rounded(&system)),
+        f_number_by_area: f_number.map(|n| n * rounded(&system)),
         focus_distance_mm: focus_distance_mm.filter(|d| *d != f64::INFINITY),
         object_plane_mm: focus.object_plane_mm,
         magnification: focus.magnification,
@@ -136,7 +139,13 @@ pub fn info(
         axial_beam_cut_by_surface: fields.axial_beam_cut_by,
         section_x,
         surfaces: p.surfaces,
+        misaligned_surfaces: misaligned(&lens.surfaces),
     })
+}
+
+/// The numbers of the surfaces that do not stand on the axis, or are tilted.
+fn misaligned(surfaces: &[SurfaceRow]) -> Vec<usize> {
+    surfaces.iter().enumerate().filter(|(_, row)| !row.pose.is_identity()).map(|(i, _)| i).collect()
 }
 
 /// The reason why there are no Seidel sums; `None`: there are.

@@ -13,6 +13,7 @@ mod mtf;
 mod psf;
 mod spots;
 pub mod summary;
+mod tolerance;
 mod transmission;
 
 use petzval_optics::analysis::Analysis;
@@ -31,7 +32,7 @@ const MOST: usize = 2000;
 const SOME_FIELDS: [f64; 3] = [0.0, 0.7, 1.0];
 
 /// All reports by name.
-pub const REPORTS: [(&str, Run); 7] = [
+pub const REPORTS: [(&str, Run); 8] = [
     entry::<spots::Spots>(),
     entry::<fans::FanOptions>(),
     entry::<mtf::MtfOptions>(),
@@ -39,6 +40,7 @@ pub const REPORTS: [(&str, Run); 7] = [
     entry::<distortion::DistortionOptions>(),
     entry::<illumination::IlluminationOptions>(),
     entry::<transmission::TransmissionOptions>(),
+    entry::<tolerance::ToleranceOptions>(),
 ];
 
 /// A report on a lens, with options as JSON; its result is JSON.
@@ -142,12 +144,26 @@ fn run<R: LensReport>(
     let fields_deg = settings.fields_deg(&analysis, &asked.parts());
     let head = settings.head(&system, &analysis);
     let coating_is_assumed = lens_settings.coating.is_none() && lens.assumes_coatings();
-    let found = asked.find(ReportedLens { system: &system, analysis, fields_deg, main_nm, coating_is_assumed })?;
+    let subject = ReportedLens {
+        lens,
+        lens_settings,
+        settings,
+        system: &system,
+        analysis,
+        fields_deg,
+        main_nm,
+        coating_is_assumed,
+    };
+    let found = asked.find(subject)?;
     Ok(serde_json::to_string(&WrittenReport { head, found })?)
 }
 
 /// The subject of a report: a lens that is set, focused and looked at.
 struct ReportedLens<'a> {
+    /// The lens as it was read.
+    lens: &'a Prescription,
+    lens_settings: &'a LensSettings,
+    settings: &'a ReportSettings,
     system: &'a System,
     analysis: Analysis<'a>,
     fields_deg: Vec<f64>,

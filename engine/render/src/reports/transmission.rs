@@ -56,7 +56,7 @@ impl LensReport for TransmissionOptions {
     }
 
     fn find(&self, subject: ReportedLens<'_>) -> Result<Transmitted, ReportError> {
-        let ReportedLens { system, analysis, fields_deg, main_nm, coating_is_assumed } = subject;
+        let ReportedLens { system, analysis, fields_deg, main_nm, coating_is_assumed, .. } = subject;
         let fields = analysis.transmission(&fields_deg, &self.spectrum_nm).into_iter();
         Ok(Transmitted {
             spectrum_nm: self.spectrum_nm.clone(),

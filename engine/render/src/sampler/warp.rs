@@ -202,10 +202,13 @@ impl PixelFilter {
     /// Offset from the pixel's centre in pixels.
     #[inline]
     pub fn sample(&self, u: f32) -> f32 {
-        let x = u * (self.inverse.len() - 1) as f32;
-        let i = (x as usize).min(self.inverse.len() - 2);
+        // By way of 32 bits, which a processor converts to in one step.
+        let steps = self.inverse.len() - 1;
+        let x = u * steps as u32 as f32;
+        let i = (x as i32).clamp(0, steps as i32 - 1);
         let part = x - i as f32;
-        self.inverse[i] * (1.0 - part) + self.inverse[i + 1] * part
+        let [here, next] = [0, 1].map(|step| self.inverse[i as usize + step]);
+        here * (1.0 - part) + next * part
     }
 }
 

@@ -125,7 +125,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Checks a description. The second value is a warning about triangles left out.
+    /// Checks a description. The second value is a warning about triangles left out; those without area, which nothing can hit, are left
+    /// out without one, as in Cycles.
     ///
     /// # Errors
     /// [`SceneError::BadMesh`].
@@ -133,18 +134,21 @@ impl Mesh {
         d.check()?;
         let n = d.triangles.len();
         let shapes = || d.poses.iter().flat_map(|poses| &poses.positions);
-        let whole = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|i| d.positions[i as usize]);
-            [a, b, c].iter().all(within_reach)
-                && has_area(a, b, c)
+        let is_near = |t: &[u32; 3]| {
+            t.iter().all(|&i| within_reach(&d.positions[i as usize]))
                 && shapes().all(|shape| t.iter().all(|&i| within_reach(&shape[i as usize])))
         };
-        let keep: Vec<bool> = d.triangles.iter().map(whole).collect();
-        let dropped = keep.iter().filter(|&&k| !k).count();
-        let warning = (dropped > 0).then(|| {
+        let mut far = 0;
+        let mut is_kept = |t: &[u32; 3]| {
+            let near = is_near(t);
+            far += usize::from(!near);
+            let [a, b, c] = t.map(|i| d.positions[i as usize]);
+            near && has_area(a, b, c)
+        };
+        let keep: Vec<bool> = d.triangles.iter().map(&mut is_kept).collect();
+        let warning = (far > 0).then(|| {
             format!(
-                "mesh '{}': {dropped} of {n} triangles have no area, or a vertex that is not finite or \
-                 farther than 1e12 units; left out",
+                "mesh '{}': {far} of {n} triangles have a vertex that is not finite or farther than 1e12 units; left out",
                 d.name
             )
         });
@@ -168,7 +172,7 @@ impl Mesh {
             is_special: d.poses.is_some(),
             poses: d.poses.map(Box::new),
         };
-        if dropped > 0 {
+        if keep.contains(&false) {
             mesh.keep_only(&keep);
         }
         mesh.mend();
@@ -302,8 +306,13 @@ mod tests {
         let (mesh, warning) = Mesh::new(d).unwrap();
         assert_eq!(mesh.triangles.len(), 2);
         assert_eq!(mesh.material_slots, Some(vec![0, 1]));
-        assert!(warning.unwrap().contains("4 of 6"));
+        // Those without area are silent.
+        assert!(warning.unwrap().contains("2 of 6"));
         assert!(Mesh::new(quad()).unwrap().1.is_none());
+        let mut flat = quad();
+        flat.triangles.push([0, 0, 1]);
+        let (mesh, warning) = Mesh::new(flat).unwrap();
+        assert_eq!((mesh.triangles.len(), warning), (2, None));
     }
 
     #[test]

@@ -11,7 +11,7 @@
 
 mod table;
 
-use super::spread::{Spreading, Transfer, Zone};
+use super::spread::{Spreading, Transfer, Zone, transform_growth};
 use crate::Rgb;
 use crate::camera::tools::survey::Survey;
 use crate::camera::{CameraDescription, CameraError};
@@ -19,6 +19,7 @@ use crate::spectrum::FilmSpectrum;
 use glam::{Mat3, Vec2};
 use petzval_optics::diffraction::outline::Outline;
 use petzval_optics::diffraction::overlap::{Shifts, loss_per_shift};
+use std::time::Instant;
 use table::TransferTable;
 
 /// Pupils whose breadths, over their areas, differ by less than this part from that of the middle are taken for the same.
@@ -90,6 +91,21 @@ impl Diffraction {
             spreading.add(&Zone { columns, rows, transfer: &table });
         }
         spreading.finish()
+    }
+}
+
+impl Diffraction {
+    /// Wall time of [`Self::change`], s, by a small picture of the same view, `picture`, whose diffraction is `small`.
+    pub fn expected_seconds(&self, small: &Self, picture: &[Rgb]) -> f64 {
+        let Some(pupil) = small.pupils.first() else { return 0.0 };
+        let start = Instant::now();
+        small.change(picture);
+        let all_s = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        TransferTable::new(pupil, &small.spectrum, small.pixel, small.size);
+        let tables_s = (start.elapsed().as_secs_f64() * small.pupils.len() as f64).min(all_s);
+        let work = |of: &Self| of.pupils.len() as f64 * TransferTable::work(of.pixel, of.size);
+        tables_s * work(self) / work(small) + (all_s - tables_s) * transform_growth(small.size, self.size)
     }
 }
 

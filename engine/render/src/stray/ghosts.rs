@@ -8,26 +8,37 @@ mod choose;
 mod raster;
 
 use super::sources::Source;
-use super::{Picture, Reflections};
+use super::{Picture, Reflections, Watch};
 use crate::camera::tools::straying::StrayLens;
-use choose::{Candidate, LINES_NM, candidates, keep};
+use choose::{Candidate, LINES_NM, candidates, keep, measure_spread};
 use petzval_optics::ghosts::beam::Beam;
-use petzval_optics::ghosts::packet::GhostTracer;
+use petzval_optics::ghosts::packet::{GhostTracer, Grid};
 use raster::{Triangle, lay};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::HashMap;
+use std::time::Instant;
 
 /// A cell of a grid is about so many pixels wide, if it needs no more of them than [`MOST_CELLS`].
 const CELL_PX: f64 = 24.0;
 const LEAST_CELLS: usize = 12;
 const MOST_CELLS: usize = 48;
+/// The same of ghosts that are simulated coarsely.
+const COARSE_PX: f64 = 48.0;
+const LEAST_COARSE_CELLS: usize = 8;
+/// Margin about the window at 550 nm, parts of its width, within which a ghost is traced coarsely at other wavelengths.
+const COARSE_MARGIN: f64 = 0.1;
 /// Images of a ghost in two neighbouring bands of the spectrum lie at most so far apart, if it needs no more than [`MOST_BANDS`].
 const BAND_PX: f64 = 2.0;
 const LEAST_BANDS: usize = 6;
 const MOST_BANDS: usize = 24;
+const COARSE_BAND_PX: f64 = 4.0;
+const LEAST_COARSE_BANDS: usize = 3;
+const MOST_COARSE_BANDS: usize = 8;
 /// Ghosts of a source that blurs them less are those of its middle.
 const BLUR_PX: f64 = 1.5;
+/// The part of the progress in which ghosts are looked for.
+const LOOKING: f64 = 0.3;
 /// Number of ghosts that are traced before their pieces are laid: memory.
 const AT_ONCE: usize = 16;
 
@@ -40,33 +51,42 @@ pub struct GhostReport {
     pub found: usize,
     /// Ghosts that were simulated.
     pub simulated: usize,
-    /// Bound of the light that the others could add to a pixel, in the picture's units.
+    /// Bound of the light that the others could add to a pixel, in the picture's units: nearly everywhere, for places where several are
+    /// brightest at once may have more.
     pub left_out: f32,
+    /// The largest such bound that may be left out.
+    pub tolerance: f32,
 }
 
 /// The light of all ghosts of so many reflections, as it is added to the picture. What is left out stays below `tolerance`, in the
-/// picture's units. `None` where `stopped` said so.
+/// picture's units. `None` where `watch` stopped it.
 pub fn ghosts(
     lens: &StrayLens,
     sources: &[Source],
     reflections: Reflections,
     tolerance: f32,
-    stopped: &(dyn Fn() -> bool + Sync),
+    watch: &Watch<'_>,
 ) -> Option<(Picture, GhostReport)> {
     let size = lens.size_px();
     let mut picture = Picture { width: size.x as u32, height: size.y as u32, light: Vec::new() };
     picture.light.resize(picture.width as usize * picture.height as usize, crate::Rgb::ZERO);
     let beams: Vec<Option<Beam>> = sources.iter().map(|one| Beam::new(lens.system(), one.place)).collect();
     let turns = turns(lens, reflections);
-    let found = candidates(lens, &turns, sources, &beams, stopped)?;
-    let mut report = GhostReport { sources: sources.len(), found: found.len(), ..GhostReport::default() };
-    let (kept, left_out) = keep(found, size, tolerance);
+    let tell = |part: f64| (watch.tell)(LOOKING * part);
+    let found = candidates(lens, &turns, sources, &beams, &Watch { tell: &tell, ..*watch })?;
+    let mut report = GhostReport { sources: sources.len(), found: found.len(), tolerance, ..GhostReport::default() };
+    let (mut kept, left_out) = keep(found, size, tolerance);
+    measure_spread(lens, &turns, sources, &beams, &mut kept);
     (report.simulated, report.left_out) = (kept.len(), left_out);
     let paths = Paths::new(lens, &turns, &kept);
+    let all: f64 = kept.iter().map(work).sum();
+    let mut done = 0.0;
     for some in kept.chunks(AT_ONCE) {
-        if stopped() {
+        if watch.is_stopped() {
             return None;
         }
+        (watch.tell)(LOOKING + (1.0 - LOOKING) * done / all);
+        done += some.iter().map(work).sum::<f64>();
         let triangles = |one: &Candidate| triangles(lens, &sources[one.source], one, &paths);
         let found: Vec<Vec<Triangle>> = some.par_iter().map(triangles).collect();
         lay(&found, &mut picture);
@@ -87,9 +107,7 @@ struct Paths {
 
 impl Paths {
     fn new(lens: &StrayLens, turns: &[Vec<usize>], kept: &[Candidate]) -> Self {
-        let mut asked: Vec<(usize, usize)> = kept.iter().map(|one| (bands(one), one.path)).collect();
-        asked.sort_unstable();
-        asked.dedup();
+        let asked = Self::asked(kept);
         let traced = |&(count, number): &(usize, usize)| {
             let bands = lens.bands(count);
             let path = |nm| GhostTracer::new(&lens.system().at_wavelength(nm), &turns[number]);
@@ -97,13 +115,36 @@ impl Paths {
         };
         Self { tracers: asked.par_iter().map(traced).collect() }
     }
+
+    /// The numbers of bands and paths that these ghosts need, each pair once.
+    fn asked(kept: &[Candidate]) -> Vec<(usize, usize)> {
+        let mut asked: Vec<(usize, usize)> = kept.iter().map(|one| (bands(one), one.path)).collect();
+        asked.sort_unstable();
+        asked.dedup();
+        asked
+    }
+}
+
+/// Number of cells along each side of a ghost's grid.
+fn side(one: &Candidate) -> usize {
+    let (cell_px, least) = if one.is_coarse { (COARSE_PX, LEAST_COARSE_CELLS) } else { (CELL_PX, LEAST_CELLS) };
+    (((one.bounds[1] - one.bounds[0]).max_element() / cell_px) as usize).clamp(least, MOST_CELLS)
+}
+
+/// Number of rays of a ghost, about: what its simulation costs.
+fn work(one: &Candidate) -> f64 {
+    bands(one) as f64 * (side(one) as f64).powi(2)
 }
 
 /// Number of bands into which a ghost is divided.
 fn bands(one: &Candidate) -> usize {
     // Each band comes from another place of the source.
     let for_blur = if one.blur_px > BLUR_PX { 2.0 * one.blur_px } else { 0.0 };
-    ((one.spread_px / BAND_PX).max(for_blur).ceil() as usize).clamp(LEAST_BANDS, MOST_BANDS)
+    let (band_px, least, most) = match one.is_coarse {
+        true => (COARSE_BAND_PX, LEAST_COARSE_BANDS, MOST_COARSE_BANDS),
+        false => (BAND_PX, LEAST_BANDS, MOST_BANDS),
+    };
+    ((one.spread_px / band_px).max(for_blur).ceil() as usize).clamp(least, most)
 }
 
 /// A place in a disc of this radius for each of so many bands: neighbours in the spectrum lie far apart, and all lie evenly.
@@ -120,7 +161,7 @@ fn within(band: usize, count: usize, radius: f64) -> [f64; 2] {
 fn triangles(lens: &StrayLens, source: &Source, one: &Candidate, paths: &Paths) -> Vec<Triangle> {
     let mut found = Vec::new();
     let count = bands(one);
-    let side = (((one.bounds[1] - one.bounds[0]).max_element() / CELL_PX) as usize).clamp(LEAST_CELLS, MOST_CELLS);
+    let side = side(one);
     let picture = [glam::DVec2::ZERO, lens.size_px()];
     for (i, (tracer, band)) in paths.tracers[&(count, one.path)].iter().zip(lens.bands(count)).enumerate() {
         let mut bundle = tracer.bundle();
@@ -129,20 +170,74 @@ fn triangles(lens: &StrayLens, source: &Source, one: &Candidate, paths: &Paths) 
             false => source.place,
         };
         let Some(beam) = &Beam::new(lens.system(), place) else { continue };
-        let Some(window) = tracer.window(beam, lens.film(), lens.pupil_part(), &mut bundle) else { continue };
+        let known = (&one.window, lens.pupil_part());
+        let window = match one.is_coarse {
+            true => Some(one.window.widened(COARSE_MARGIN)),
+            false => tracer.window_near(beam, lens.film(), known, &mut bundle),
+        };
+        let Some(window) = window else { continue };
         // For light of one square millimetre: what it is where it lies on one square pixel.
         let colour = band.response * source.irradiance * (lens.gain() * lens.px2_per_mm2()) as f32;
-        tracer.pieces(lens.system(), (beam, lens.film()), (&window, side), &mut bundle, &mut |piece| {
-            let corners = piece.corners.map(|corner| lens.pixel(corner));
-            let low = corners[0].min(corners[1]).min(corners[2]);
-            let high = corners[0].max(corners[1]).max(corners[2]);
-            if high.cmpge(picture[0]).all() && low.cmple(picture[1]).all() {
-                let light = colour * piece.light_mm2 as f32;
-                found.push(Triangle { corners: corners.map(|corner| corner.as_vec2()), light });
-            }
-        });
+        tracer.pieces(
+            lens.system(),
+            (beam, lens.film()),
+            Grid { window: &window, side, is_coarse: one.is_coarse },
+            &mut bundle,
+            &mut |piece| {
+                let corners = piece.corners.map(|corner| lens.pixel(corner));
+                let low = corners[0].min(corners[1]).min(corners[2]);
+                let high = corners[0].max(corners[1]).max(corners[2]);
+                if high.cmpge(picture[0]).all() && low.cmple(picture[1]).all() {
+                    let light = colour * piece.light_mm2 as f32;
+                    found.push(Triangle { corners: corners.map(|corner| corner.as_vec2()), light });
+                }
+            },
+        );
     }
     found
+}
+
+/// Most pairs of a source and a path that a forecast looks at.
+const FORECAST_LOOKS: usize = 640;
+/// Most ghosts that a forecast traces.
+const FORECAST_GHOSTS: usize = 3 * AT_ONCE;
+
+/// Wall time that [`ghosts`] will take with the same arguments, s: some of the paths are looked at, and some of their ghosts traced.
+pub fn expected_seconds(lens: &StrayLens, sources: &[Source], reflections: Reflections, tolerance: f32) -> f64 {
+    let beams: Vec<Option<Beam>> = sources.iter().map(|one| Beam::new(lens.system(), one.place)).collect();
+    let all = turns(lens, reflections);
+    // Neighbours in the list turn at the same surface: steps over them meet every surface.
+    let step = (all.len() * sources.len()).div_ceil(FORECAST_LOOKS).max(1);
+    let some: Vec<Vec<usize>> = all.iter().skip(step / 2).step_by(step).cloned().collect();
+    let part = some.len() as f64 / all.len().max(1) as f64;
+    if some.is_empty() {
+        return 0.0;
+    }
+    let start = Instant::now();
+    let found = candidates(lens, &some, sources, &beams, &Watch::NONE).unwrap_or_default();
+    let looking_s = start.elapsed().as_secs_f64();
+    // A part of the ghosts has that part of their light.
+    let (mut kept, _) = keep(found, lens.size_px(), tolerance * part as f32);
+    let start = Instant::now();
+    measure_spread(lens, &some, sources, &beams, &mut kept);
+    let measuring_s = start.elapsed().as_secs_f64();
+    let traced: Vec<Candidate> = kept.iter().step_by(kept.len().div_ceil(FORECAST_GHOSTS).max(1)).copied().collect();
+    let start = Instant::now();
+    let paths = Paths::new(lens, &some, &traced);
+    let preparing_s =
+        start.elapsed().as_secs_f64() * Paths::asked(&kept).len() as f64 / paths.tracers.len().max(1) as f64;
+    let size = lens.size_px();
+    let mut picture = Picture { width: size.x as u32, height: size.y as u32, light: Vec::new() };
+    picture.light.resize(picture.width as usize * picture.height as usize, crate::Rgb::ZERO);
+    let start = Instant::now();
+    for some in traced.chunks(AT_ONCE) {
+        let found: Vec<Vec<Triangle>> =
+            some.par_iter().map(|one| triangles(lens, &sources[one.source], one, &paths)).collect();
+        lay(&found, &mut picture);
+    }
+    let sum = |ghosts: &[Candidate]| ghosts.iter().map(work).sum::<f64>();
+    let tracing_s = start.elapsed().as_secs_f64() * sum(&kept) / sum(&traced).max(1.0);
+    (looking_s + measuring_s + preparing_s + tracing_s) / part
 }
 
 /// The results of a look at some of the sources.
@@ -163,7 +258,7 @@ pub struct Glimpse {
 pub fn glimpse(lens: &StrayLens, sources: &[Source], reflections: Reflections, tolerance: f32) -> Glimpse {
     let beams: Vec<Option<Beam>> = sources.iter().map(|one| Beam::new(lens.system(), one.place)).collect();
     let two = turns(lens, Reflections::Two);
-    let found = candidates(lens, &two, sources, &beams, &|| false).unwrap_or_default();
+    let found = candidates(lens, &two, sources, &beams, &Watch::NONE).unwrap_or_default();
     let brightest = found.iter().map(|one| one.value).fold(0.0, f32::max);
     let (kept, _) = keep(found, lens.size_px(), tolerance);
     let paths = turns(lens, reflections).len();
@@ -192,7 +287,7 @@ mod tests {
         let towards = DVec3::new(0.0, angle.sin(), -angle.cos());
         let place = lens.source(towards, f64::INFINITY);
         let source = Source { place, irradiance: crate::Rgb::ONE, radius_rad: 0.0, towards, pixel: None };
-        let (picture, report) = ghosts(&lens, &[source], Reflections::Two, 1e-9, &|| false).unwrap();
+        let (picture, report) = ghosts(&lens, &[source], Reflections::Two, 1e-9, &Watch::NONE).unwrap();
         let found: f64 = picture.light.iter().map(|l| f64::from(luminance(*l))).sum();
         let system = lens.system();
         let beam = Beam::new(system, place).unwrap();

@@ -25,6 +25,7 @@ use crate::spectrum::FilmSpectrum;
 use crate::{Rgb, luminance};
 use petzval_optics::scatter::Scatterer;
 use std::f64::consts::{PI, TAU};
+use std::time::Instant;
 
 /// Harvey and Shack's shape: the shoulder at 550 nm, and the slope.
 const SHOULDER: f64 = 0.01;
@@ -90,6 +91,13 @@ impl Glare {
     /// All light that does not arrive where it should, as a part, in green.
     pub fn part(&self) -> f64 {
         self.colours[1].part + self.scattering.veiling_index
+    }
+
+    /// Wall time of [`Self::change`], s, by a small picture of the same view, `picture`, whose glare is `small`.
+    pub fn expected_seconds(&self, small: &Self, picture: &[Rgb], front_light: Option<f64>) -> f64 {
+        let start = Instant::now();
+        small.change(picture, front_light);
+        start.elapsed().as_secs_f64() * spread::transform_growth(small.size, self.size)
     }
 
     /// The change of a picture by glare, rows from below. `front_light` is the irradiance on the lens's front over that of a world as

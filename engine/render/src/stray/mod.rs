@@ -19,6 +19,25 @@ use diffraction::Diffraction;
 use glare::Glare;
 use std::time::Instant;
 
+/// The outside of a long computation: who may stop it, and is told how far it is.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    /// True once the computation is to end without a result.
+    pub stopped: &'a (dyn Fn() -> bool + Sync),
+    /// Takes the part that is done, 0 to 1.
+    pub tell: &'a (dyn Fn(f64) + Sync),
+}
+
+impl Watch<'_> {
+    /// Nobody watches.
+    pub const NONE: Watch<'static> = Watch { stopped: &|| false, tell: &|_| {} };
+
+    /// True once the computation is to end without a result.
+    pub fn is_stopped(&self) -> bool {
+        (self.stopped)()
+    }
+}
+
 /// A picture as the film has it: linear, rows from below.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -162,9 +181,38 @@ impl Straight<'_> {
     }
 }
 
+/// The part of the progress that glare and diffraction have each, where there are ghosts: their time does not grow with the sources.
+const OTHERS: f64 = 0.05;
+
 impl Strays {
-    /// Finds the stray light; `None` where `stopped` said so.
-    pub fn find(&self, straight: &Straight<'_>, stopped: &(dyn Fn() -> bool + Sync)) -> Option<StrayLight> {
+    /// The sources of ghosts, the irradiance of those that are left out, and the light that may be left out, in the picture's units.
+    fn sources(straight: &Straight<'_>, Ghosts { lens, tolerance, .. }: &Ghosts) -> (Vec<sources::Source>, f32, f32) {
+        let least = tolerance / (lens.brightest_ghost() as f32).max(f32::MIN_POSITIVE);
+        let (sources, dropped) = sources::all(straight, lens, least);
+        (sources, dropped, tolerance * lens.brightness() as f32)
+    }
+
+    /// Wall time that each kind will take of the whole picture, s, by a small one of the same view, `small`, whose stray light has the
+    /// settings `of_small`.
+    pub fn expected_times(&self, of_small: &Self, small: &Straight<'_>) -> Vec<(StrayPass, f64)> {
+        let mut times = Vec::new();
+        if let Some(settings) = &self.ghosts {
+            let (sources, _, tolerance) = Self::sources(small, settings);
+            let seconds = ghosts::expected_seconds(&settings.lens, &sources, settings.reflections, tolerance);
+            times.push((StrayPass::Ghosts, seconds));
+        }
+        let light = &small.picture.light;
+        if let (Some(glare), Some(of_small)) = (&self.glare, &of_small.glare) {
+            times.push((StrayPass::Glare, glare.expected_seconds(of_small, light, self.front_light)));
+        }
+        if let (Some(diffraction), Some(of_small)) = (&self.diffraction, &of_small.diffraction) {
+            times.push((StrayPass::Diffraction, diffraction.expected_seconds(of_small, light)));
+        }
+        times
+    }
+
+    /// Finds the stray light; `None` where `watch` stopped it.
+    pub fn find(&self, straight: &Straight<'_>, watch: &Watch<'_>) -> Option<StrayLight> {
         let mut found = StrayLight::default();
         let mut start = Instant::now();
         let mut keep = |pass: StrayPass, light: Vec<Rgb>| {
@@ -172,24 +220,30 @@ impl Strays {
             found.parts.push(StrayPart { pass, light, seconds });
         };
         let mut ghost_report = None;
-        if let Some(Ghosts { lens, tolerance, reflections }) = &self.ghosts {
-            let least = tolerance / (lens.brightest_ghost() as f32).max(f32::MIN_POSITIVE);
-            let (sources, dropped) = sources::all(straight, lens, least);
-            let tolerance = tolerance * lens.brightness() as f32;
-            let (mut ghosts, report) = ghosts::ghosts(lens, &sources, *reflections, tolerance, stopped)?;
+        if let Some(settings) = &self.ghosts {
+            let Ghosts { lens, reflections, .. } = settings;
+            let (sources, dropped, tolerance) = Self::sources(straight, settings);
+            let others = u8::from(self.glare.is_some()) + u8::from(self.diffraction.is_some());
+            let part = 1.0 - OTHERS * f64::from(others);
+            let tell = |done: f64| (watch.tell)(part * done);
+            let own = Watch { tell: &tell, ..*watch };
+            let (mut ghosts, report) = ghosts::ghosts(lens, &sources, *reflections, tolerance, &own)?;
             ghosts.light.iter_mut().enumerate().for_each(|(pixel, light)| *light *= straight.scale(pixel));
             keep(StrayPass::Ghosts, ghosts.light);
             let left_out = report.left_out + dropped * (lens.brightest_ghost() * lens.brightness()) as f32;
             ghost_report = Some(ghosts::GhostReport { left_out, ..report });
         }
-        if stopped() {
+        if watch.is_stopped() {
             return None;
         }
         if let Some(glare) = &self.glare {
             keep(StrayPass::Glare, glare.change(&straight.picture.light, self.front_light));
         }
-        if stopped() {
+        if watch.is_stopped() {
             return None;
+        }
+        if self.diffraction.is_some() {
+            (watch.tell)(1.0 - OTHERS);
         }
         if let Some(diffraction) = &self.diffraction {
             keep(StrayPass::Diffraction, diffraction.change(&straight.picture.light));

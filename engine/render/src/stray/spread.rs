@@ -96,6 +96,15 @@ pub(super) fn padded([width, height]: [usize; 2]) -> [usize; 2] {
     [side(width, height), side(height, width)]
 }
 
+/// Time of the transforms of a picture over that of another, by their sizes: that of n values takes about n log n.
+pub(super) fn transform_growth(from: [usize; 2], to: [usize; 2]) -> f64 {
+    let [from, to] = [from, to].map(|size| {
+        let values = padded(size).iter().product::<usize>() as f64;
+        values * values.max(2.0).ln()
+    });
+    to / from
+}
+
 struct Transforms {
     width: usize,
     height: usize,

@@ -149,7 +149,9 @@ fn growing(effect: Effect, x: f64) -> Shot {
         // A film of a high index: the thicker, the more it reflects, and the less evenly.
         Effect::Transmission => {
             let coating = Some(Coating::parse(&format!("2.3:{:.6}nm", 60.0 * x)).unwrap());
-            shot(lens("biconvex-50mm", 8.0).with(|c| c.lens.coating = coating), 3.0, 300)
+            let d = lens("biconvex-50mm", 8.0).with(|c| c.lens.coating = coating);
+            // White balance takes most of it.
+            shot(CameraDescription { white_balance: false, ..d }, 3.0, 300)
         }
         // A sun in the picture, before an even sky.
         Effect::Ghosts => {

@@ -4,6 +4,7 @@
 use std::fmt::Write;
 
 use crate::glass::{Catalogue, Medium, line_nm};
+use crate::prescription::moving::{MovingParts, Quantity};
 use crate::prescription::{NextMedium, Prescription, SurfaceRow};
 use crate::surface::{Section, Shape};
 
@@ -62,13 +63,37 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
     }
     let film = lens.film_radius_mm.map_or(0.0, f64::recip);
     let _ = writeln!(text, "SURF {}\n  TYPE STANDARD\n  CURV {film} 0 0 0 0 \"\"\n  DISZ 0", lens.surfaces.len() + 1);
+    if let Some(moving) = &lens.moving {
+        configurations(&mut text, moving, &mut lost);
+    }
     if common_coating(lens).is_none() && lens.surfaces.iter().any(|row| row.coating.is_some()) {
         lost.push("coatings that differ from surface to surface are left out".to_owned());
     }
-    if lens.moving.is_some() {
-        lost.push("gaps that move stand in the notes only; OpticStudio gets the lens in its first position".to_owned());
-    }
     (text, lost)
+}
+
+/// The gaps in each position by zoom and focus, as configurations. What else moves stands in the notes only.
+fn configurations(text: &mut String, moving: &MovingParts, lost: &mut Vec<String>) {
+    let positions = moving.positions();
+    if positions.len() < 2 {
+        return;
+    }
+    let _ = writeln!(text, "BLNK \nMNUM {} 1", positions.len());
+    let mut operand = |surface: usize, values: &mut dyn Iterator<Item = f64>| {
+        for (i, value) in values.enumerate() {
+            let _ = writeln!(text, "THIC {surface} {} {value} 0 0 0 1 1 1 0 0 \"\" 0", i + 1);
+        }
+    };
+    // A number for infinity: OpticStudio takes no word for it there.
+    if positions.iter().any(|position| position.focus_mm.is_finite()) {
+        operand(0, &mut positions.iter().map(|position| position.focus_mm.min(1e10)));
+    }
+    for (i, part) in moving.parts().iter().enumerate() {
+        match part.quantity {
+            Quantity::Gap => operand(part.surface + 1, &mut positions.iter().map(|position| position.values[i])),
+            _ => lost.push(format!("'{part}' changes with the position; that stands in the notes only")),
+        }
+    }
 }
 
 fn surface(text: &mut String, row: &SurfaceRow, glass: &Glass, i: usize, lost: &mut Vec<String>) {

@@ -115,8 +115,8 @@ impl RealLens {
             }
             false => None,
         };
-        if let (Some(lost), 1) = (&transmission, spectrum.wavelengths().len()) {
-            spectrum = spectrum.tinted(lost.middle.tint());
+        if let Some(lost) = &transmission {
+            spectrum = lost.middle.tinted(spectrum);
         }
         let gains = gains(&tracers, &spectrum, &system, film.z_mm);
         if !gains.iter().all(|g| g.is_finite()) {

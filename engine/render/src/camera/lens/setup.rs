@@ -7,12 +7,15 @@ use petzval_optics::glass::{Medium, VISIBLE_NM};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
 use petzval_optics::prescription::moving::MovingParts;
-use petzval_optics::system::System;
+use petzval_optics::system::{FocalLength, System};
 use petzval_optics::trace::{Ray as LensRay, Tracer};
 use serde::Serialize;
 
 /// Yellow helium line, where lenses are focused and measured, nm.
 pub const D_LINE_NM: f64 = 587.5618;
+
+/// Relative difference of focal lengths that is rounding of a zoom's table.
+const SAME_FOCAL_LENGTH: f64 = 2e-3;
 
 /// Data of a lens in a camera: for panels, reports, and a viewport that frames the same picture.
 #[derive(Clone, Debug, Serialize)]
@@ -70,7 +73,7 @@ pub struct LensInfo {
     pub zoom_range_mm: Option<[f64; 2]>,
     /// True if groups inside of the lens move to focus it, not the film.
     pub focuses_inside: bool,
-    /// Remarks on parts of its file that could not be used, line by line.
+    /// Remarks on parts of its file that could not be used, line by line, and on the end of a zoom that stands for its marking.
     pub remarks: Vec<String>,
     /// Glasses whose index is not known for all of the light: of the camera's wavelength, or if it has none, all visible.
     pub beyond_range: Vec<String>,
@@ -154,11 +157,24 @@ impl Setup {
             entrance_pupil_diameter_mm: paraxial.entrance_pupil.diameter_mm,
             zoom_range_mm: prescription.moving.as_ref().and_then(MovingParts::zoom_range_mm),
             focuses_inside: prescription.moving.as_ref().is_some_and(MovingParts::focuses),
-            remarks: reading.remarks.iter().map(ToString::to_string).collect(),
+            remarks: reading.remarks.iter().map(ToString::to_string).chain(end_of_zoom(d, prescription)).collect(),
             beyond_range: beyond_range.map(Medium::range_note).collect(),
         };
         Ok(Self { info, system, film, origin_z_mm })
     }
+}
+
+/// The remark on a zoom lens that does not reach the focal length of its marking.
+fn end_of_zoom(d: &CameraDescription, prescription: &Prescription) -> Option<String> {
+    let FocalLength::Millimetres(asked_mm) = d.lens.focal_length else { return None };
+    prescription.moving.as_ref().and_then(MovingParts::zoom_range_mm)?;
+    // At infinity: groups that focus change the focal length.
+    let at_rest = System::with_travel(prescription, &d.lens, 0.0).ok()?;
+    let reached_mm = Paraxial::new(&at_rest, D_LINE_NM).efl_mm?.abs();
+    let is_end = (reached_mm / asked_mm - 1.0).abs() > SAME_FOCAL_LENGTH;
+    is_end.then(|| {
+        format!("'{}': {asked_mm} mm is the end of its zoom, {reached_mm:.1} mm by its surfaces", prescription.name)
+    })
 }
 
 /// Width and height of the largest part of the film with the picture's shape, mm.

@@ -40,6 +40,8 @@ pub(in crate::camera) struct Middle {
     pub(in crate::camera) colour: Mat3,
     /// Factor of the picture, so that it is exposed as it should be.
     pub(in crate::camera) gain: f64,
+    /// Factors of the picture's channels by which white in the middle is white, as bright as it was; one without white balance.
+    pub(in crate::camera) balance: Rgb,
 }
 
 impl Middle {
@@ -59,18 +61,35 @@ impl Middle {
         let passed = f64::from(luminance(colour * Rgb::ONE));
         // By the f-number what is lost is lost; by the T-number the middle stays as bright as if nothing were.
         let gain = if d.exposes_by_f_number { 1.0 } else { passed.recip() };
-        (passed > 0.0).then_some(Self { parts, colour, gain })
+        let balance = if d.white_balance { white_balance(colour * Rgb::ONE) } else { Rgb::ONE };
+        (passed > 0.0).then_some(Self { parts, colour, gain, balance })
     }
 
     /// The transform of a scene colour in the middle of the picture, where the film has one wavelength: that of all wavelengths together.
     pub(in crate::camera) fn tint(&self) -> Mat3 {
-        self.colour * self.gain as f32
+        self.balanced() * self.colour * self.gain as f32
+    }
+
+    /// The white balance as a transform of the picture's colours.
+    pub(in crate::camera) fn balanced(&self) -> Mat3 {
+        Mat3::from_diagonal(self.balance)
+    }
+
+    /// The spectrum of a film of that many wavelengths with the transform that they have in common: of one the whole tint.
+    pub(in crate::camera) fn tinted(&self, spectrum: FilmSpectrum) -> FilmSpectrum {
+        let tint = if spectrum.wavelengths().len() == 1 { self.tint() } else { self.balanced() };
+        if tint == Mat3::IDENTITY { spectrum } else { spectrum.tinted(tint) }
     }
 
     /// Factor of the light of the film's wavelength of that number, where the film has several.
     pub(in crate::camera) fn gain_at(&self, index: usize) -> f64 {
         self.parts[index] * self.gain
     }
+}
+
+/// Factors of the channels that make grey of this white, as bright as it is; one where a channel has nothing.
+pub(in crate::camera) fn white_balance(white: Rgb) -> Rgb {
+    if white.min_element() > 0.0 { Rgb::splat(luminance(white)) / white } else { Rgb::ONE }
 }
 
 /// The part of white light, weighted as the eye does, that a lens passes to the middle of its film; `None` where that is dark.

@@ -61,10 +61,10 @@ impl Gaussian {
             let nm = spectrum.wavelengths()[lines.len() / 2].nm;
             let middle = Middle::new(d, &Passages::new(&system, nm), mount.film.z_mm, &spectrum);
             let middle = middle.ok_or_else(|| dark(d, &mount.info.lens_name))?;
-            match lines.len() {
-                1 => spectrum = spectrum.tinted(middle.tint()),
-                _ => lines.iter_mut().enumerate().for_each(|(i, (_, gain))| *gain *= middle.gain_at(i)),
+            if lines.len() > 1 {
+                lines.iter_mut().enumerate().for_each(|(i, (_, gain))| *gain *= middle.gain_at(i));
             }
+            spectrum = middle.tinted(spectrum);
         }
         if !lines.iter().all(|(_, gain)| gain.is_finite()) {
             return Err(dark(d, &mount.info.lens_name));

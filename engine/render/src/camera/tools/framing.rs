@@ -38,8 +38,10 @@ pub struct Framing {
 /// Steps by which a bracket is widened, and how far.
 const WIDER: f64 = 1.25;
 const FARTHEST: f64 = 1e3;
-/// Halvings of the bracket: to rounding.
+/// Steps by which the bracket is narrowed, at most: halvings to rounding.
 const HALVINGS: usize = 60;
+/// Difference of an angle that is rounding, rad.
+const ROUNDING_RAD: f64 = 1e-11;
 /// Tolerance of an angle, rad: a value this near to the end of a zoom is its end.
 const SAME: f64 = 1e-6;
 
@@ -158,21 +160,45 @@ impl<'a> Search<'a> {
         self.between(wide, narrow)
     }
 
-    /// Bisects between a value that sees as much or more and one that sees less.
+    /// Finds the value between one that sees as much or more and one that sees less: by the secant of the angle over one over the value,
+    /// which is nearly straight, one end's difference halved where the other stays (the Illinois method); halving where nothing is seen.
     fn between(&self, mut wide: f64, mut narrow: f64) -> Result<f64, CameraError> {
+        let beyond = |value: f64| Ok::<f64, CameraError>(self.angle(value)? - self.wanted_rad);
+        let (mut over, mut under) = (beyond(wide)?, beyond(narrow)?);
+        let mut best = if over.abs() < under.abs() { (wide, over) } else { (narrow, under) };
+        let mut before_was_wide = None;
         for _ in 0..HALVINGS {
-            let middle = (wide * narrow).sqrt();
-            if self.angle(middle)? >= self.wanted_rad { wide = middle } else { narrow = middle }
+            if best.1.abs() < ROUNDING_RAD || wide == narrow {
+                break;
+            }
+            let (a, b) = (wide.recip(), narrow.recip());
+            let secant = (a - over * (b - a) / (under - over)).recip();
+            let is_within = over.is_finite() && secant > wide.min(narrow) && secant < wide.max(narrow);
+            let value = if is_within { secant } else { (wide * narrow).sqrt() };
+            let off = beyond(value)?;
+            if off.abs() < best.1.abs() {
+                best = (value, off);
+            }
+            let is_wide = off >= 0.0;
+            if is_wide {
+                (wide, over) = (value, off);
+                under *= if before_was_wide == Some(true) { 0.5 } else { 1.0 };
+            } else {
+                (narrow, under) = (value, off);
+                over *= if before_was_wide == Some(false) { 0.5 } else { 1.0 };
+            }
+            before_was_wide = Some(is_wide);
         }
-        let found = self.angle(narrow)?;
-        if (found - self.wanted_rad).abs() > SAME {
-            let seen = if found.is_finite() { found.to_degrees() } else { 0.0 };
+        let (found, off) = best;
+        if off.abs() > SAME {
+            let seen = self.angle(narrow)?;
+            let seen = if seen.is_finite() { seen.to_degrees() } else { 0.0 };
             return Err(self.d.error(format!(
                 "the lens sees {seen:.2} degrees at most, Blender's camera {:.2}: choose a wider lens, or a longer focal length in Blender",
                 self.wanted_rad.to_degrees()
             )));
         }
-        Ok(narrow)
+        Ok(found)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Tools for a camera with a lens: focus, framing, maps, measures.
 
 pub mod autofocus;
+pub mod coverage;
 pub mod distortion_map;
 pub mod framing;
 pub mod imaging;

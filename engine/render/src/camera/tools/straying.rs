@@ -3,8 +3,10 @@
 
 use crate::camera::lens::mount::Mount;
 use crate::camera::lens::real_lens::{dark, film_spectrum};
+use crate::camera::lens::transmission::Middle;
 use crate::camera::{CameraDescription, CameraError, Spectrum};
 use crate::spectrum::FilmSpectrum;
+use crate::{Rgb, luminance};
 use glam::{DVec2, DVec3, Mat3};
 use petzval_optics::focus::FilmFrame;
 use petzval_optics::ghosts::{self, beam::Source};
@@ -12,8 +14,8 @@ use petzval_optics::pupil_map::on_axis_throughput;
 use petzval_optics::system::System;
 use petzval_optics::transmission::Passages;
 
-/// A wavelength between the colours that are seen best, nm.
-const GREEN_NM: f64 = 550.0;
+/// Bands of the spectrum by which the light of a ghost is estimated.
+pub const COLOURS: usize = 6;
 /// The radius of the smallest ghost that is told apart from a point, pixels.
 const LEAST_PX: f64 = 2.0;
 
@@ -61,10 +63,13 @@ impl StrayLens {
         let brightness = d.brightness_through(&tracer, &system, mount.film.z_mm);
         // What the lens takes of the light is made up for, unless the picture is exposed by the f-number: then ghosts are as much
         // brighter, beside light that is.
+        let passages = Passages::new(&system, middle_nm);
         let passes = match d.exposes_by_f_number {
             true => None,
-            false => Passages::new(&system, middle_nm).in_the_middle(mount.film.z_mm, &[middle_nm]),
+            false => passages.in_the_middle(mount.film.z_mm, &[middle_nm]),
         };
+        let lost = if d.transmission { Middle::new(&d, &passages, mount.film.z_mm, &spectrum) } else { None };
+        let spectrum = lost.map_or(spectrum.clone(), |middle| spectrum.tinted(middle.balanced()));
         let passes = passes.and_then(|by_line| by_line.first().copied()).filter(|part| *part > 0.0).unwrap_or(1.0);
         let gain = brightness / (middle * passes);
         let front_mm = 2.0 * system.surfaces()[0].semi_diameter_mm;
@@ -98,8 +103,13 @@ impl StrayLens {
     /// one.
     pub fn brightest_ghost(&self) -> f64 {
         let least_mm = LEAST_PX / self.px2_per_mm2().sqrt();
-        let ghosts = ghosts::all(&self.system, GREEN_NM, self.mount.film.z_mm, least_mm);
-        ghosts.first().map_or(0.0, |ghost| ghost.irradiance * self.gain / self.brightness)
+        // Coatings reflect least in the middle of the spectrum.
+        let in_band = |band: &Band| {
+            let ghosts = ghosts::all(&self.system, band.nm, self.mount.film.z_mm, least_mm);
+            let weight = f64::from(luminance(band.response * Rgb::ONE)).max(0.0);
+            weight * ghosts.first().map_or(0.0, |ghost| ghost.irradiance)
+        };
+        self.bands(COLOURS).iter().map(in_band).sum::<f64>() * self.gain / self.brightness
     }
 
     /// Width and height of the picture, pixels.

@@ -6,6 +6,7 @@
 //! reciprocity a point of the scene is spread as far over the picture. Beside each exact fan goes that of Gaussian optics, which has
 //! defocus and nothing else: what is left between the two are the aberrations.
 
+use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::CameraError;
 use crate::camera::description::CameraDescription;
@@ -124,6 +125,7 @@ pub struct Survey {
     /// Irradiance in the film's middle for a uniform world of radiance one.
     middle: f64,
     exposes_by_f_number: bool,
+    white_balance: bool,
 }
 
 impl Survey {
@@ -159,6 +161,7 @@ impl Survey {
             colours,
             middle,
             exposes_by_f_number: d.exposes_by_f_number,
+            white_balance: d.white_balance,
         })
     }
 
@@ -443,13 +446,16 @@ impl Fans<'_> {
         let passages = Passages::new(&s.system, s.tracer.wavelength_nm());
         let seen = |place: DVec2| transmission::colour_at(&s.mount, &s.map, &passages, place);
         // A lens whose middle is dark has no exposure.
-        let Some(middle) = seen(DVec2::ZERO).map(luminance).filter(|y| *y > 0.0) else { return };
+        let Some(white) = seen(DVec2::ZERO).filter(|white| luminance(*white) > 0.0) else { return };
+        let middle = luminance(white);
+        let balance = if s.white_balance { transmission::white_balance(white) } else { Rgb::ONE };
         found.luminous = f64::from(middle);
         let exposed = if s.exposes_by_f_number { 1.0 } else { middle };
         let halves: &[f64] = if s.is_upright() { &[0.0, 0.5] } else { &[-0.5, 0.0, 0.5] };
         for place in halves.iter().flat_map(|x| halves.iter().map(|y| DVec2::new(*x, *y))) {
             let Some(colour) = seen(place) else { continue };
-            let stops = (colour / exposed).to_array().map(|c| f64::from(c.max(f32::MIN_POSITIVE)).log2().abs());
+            let stops =
+                (colour * balance / exposed).to_array().map(|c| f64::from(c.max(f32::MIN_POSITIVE)).log2().abs());
             found.transmission = found.transmission.or(stops.into_iter().fold(0.0, f64::max), place.as_vec2());
         }
     }

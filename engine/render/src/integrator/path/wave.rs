@@ -16,7 +16,7 @@ use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::PreparedScene;
 use crate::integrator::subsurface::leave;
 use crate::nodes::{self, Layers, PathState, View};
-use crate::sampler::PathSampler;
+use crate::sampler::{KeptScramble, PathSampler};
 use crate::scene::visibility::Rays;
 use crate::shading::Past;
 use crate::shading::mixture::Mixture;
@@ -53,6 +53,8 @@ pub struct Wavefront<N: AovSink = NoAovs, const VOLUMES: bool = false> {
     inside: Vec<MediumState>,
     /// The media of each shadow ray.
     veils: Vec<ShadowMedia>,
+    /// The scramble of the random numbers that the last path took; most take theirs of the same.
+    kept_scramble: KeptScramble,
 }
 
 /// One path under way.
@@ -155,6 +157,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             layers: Layers::default(),
             inside: Vec::new(),
             veils: Vec::new(),
+            kept_scramble: KeptScramble::default(),
         }
     }
 
@@ -263,7 +266,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             };
             path.sampler.jump_to(CAMERA_SETS + step * Self::SETS);
             let point = SurfacePoint::new(&stage.scene, hit, path.ray.direction);
-            let [u0, u1, u_light, u_alpha] = path.sampler.next_4d();
+            let [u0, u1, u_light, u_alpha] = path.sampler.next_4d_kept(&mut self.kept_scramble);
             let view = path.view(path.travelled + hit.t);
             let opening = opening(stage.around(), &point, &view);
             // The film is opaque where a surface that glows alone stops a path.
@@ -429,7 +432,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             Next::End => return,
         }
         // The first two choose the lobe and the direction in it.
-        let [u2, u3, u_split, u_end] = path.sampler.next_4d();
+        let [u2, u3, u_split, u_end] = path.sampler.next_4d_kept(&mut self.kept_scramble);
         let is_ambient = matches!(limits.approximations.fast_gi, FastGi::Add { .. });
         if is_ambient {
             at.ambient(path, &found, &mut self.shadows, bsdf, [u2, u3]);

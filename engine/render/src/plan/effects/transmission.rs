@@ -27,9 +27,14 @@ impl LensEffect for TransmissionEffect {
             names if info.coating_is_assumed => format!("coated with {} (assumed), ", names.join(", ")),
             names => format!("coated with {}, ", names.join(", ")),
         };
-        let exposed = if known.d.exposes_by_f_number { "by its f-number" } else { "for that" };
+        let exposed = match (known.d.exposes_by_f_number, known.d.white_balance) {
+            (true, false) => "exposed by its f-number",
+            (true, true) => "exposed by its f-number and balanced for white in the middle",
+            (false, false) => "exposed for that",
+            (false, true) => "exposed for that and balanced for white in the middle",
+        };
         let passed = 100.0 * lens.luminous;
-        let text = format!("{coat}it lets {passed:.0} % through and, exposed {exposed}, changes colours by {changed}");
+        let text = format!("{coat}it lets {passed:.0} % through and, {exposed}, changes colours by {changed}");
         Measured::new(lens.transmission.value, text)
     }
 

@@ -28,8 +28,15 @@ pub(super) struct TransferTable {
     values: Vec<[f32; 9]>,
 }
 
-impl TransferTable {
-    pub(super) fn new(outline: &Outline, spectrum: &FilmSpectrum, pixel_mm: [f64; 2], size: [usize; 2]) -> Self {
+/// The directions and frequencies of a table.
+struct Extent {
+    directions: usize,
+    first_per_mm: f64,
+    count: usize,
+}
+
+impl Extent {
+    fn new(pixel_mm: [f64; 2], size: [usize; 2]) -> Self {
         let larger = size[0].max(size[1]);
         let directions = (DIRECTIONS[0] * larger).next_power_of_two().clamp(DIRECTIONS[1], DIRECTIONS[2]);
         // From half of the step of the transform, which has zeros beyond the picture, to all that folds.
@@ -37,6 +44,20 @@ impl TransferTable {
         let first_per_mm = 0.25 / (larger as f64 * coarse);
         let last_per_mm = 2f64.sqrt() / fine;
         let count = ((last_per_mm / first_per_mm).log2() * PER_OCTAVE).ceil() as usize + 2;
+        Self { directions, first_per_mm, count }
+    }
+}
+
+impl TransferTable {
+    /// Number of values of a table: what it costs.
+    pub(super) fn work(pixel_mm: [f64; 2], size: [usize; 2]) -> f64 {
+        let Extent { directions, count, .. } = Extent::new(pixel_mm, size);
+        directions as f64 * count as f64
+    }
+
+    pub(super) fn new(outline: &Outline, spectrum: &FilmSpectrum, pixel_mm: [f64; 2], size: [usize; 2]) -> Self {
+        let coarse = pixel_mm[0].max(pixel_mm[1]);
+        let Extent { directions, first_per_mm, count } = Extent::new(pixel_mm, size);
 
         // A wavelength only moves along the logarithm.
         let lines = spectrum.wavelengths();
