@@ -74,19 +74,22 @@ def _chosen_lens(context, layout) -> None:
     camera = context.camera
     settings = camera.petzval
     column = layout.column(align=True)
-    column.menu(PETZVAL_MT_lenses.bl_idname, text=_lens_name(context), icon="CAMERA_DATA")
+    info = _lens_info(context)
+    column.menu(PETZVAL_MT_lenses.bl_idname, text=info.get("lens_name") or "Choose a Lens", icon="CAMERA_DATA")
     row = column.row(align=True)
     row.popover(PETZVAL_PT_lens_gallery.__name__, text="Gallery", icon="IMGDISPLAY")
     row.operator("petzval.choose_lens", text="Search", icon="VIEWZOOM")
     is_liked = favourites.has(favourites.key(settings.lens_file, camera.library))
     row.operator("petzval.favourite_lens", text="", icon="SOLO_ON" if is_liked else "SOLO_OFF")
     column.prop(settings, "lens_file", placeholder="Automatic")
+    if "error" in info:
+        complain(context, layout, info["error"])
 
 
-def _lens_name(context) -> str:
+def _lens_info(context) -> dict:
+    """The engine's numbers of the lens, or its complaint; nothing of a camera that is not in the scene."""
     holder = viewport_camera.camera_object(context.camera, context.scene)
-    info = lens_info.for_panel(holder, context.scene) if holder is not None else {}
-    return info.get("lens_name") or "Choose a Lens"
+    return lens_info.for_panel(holder, context.scene) if holder is not None else {}
 
 
 def _coverage(context) -> str:

@@ -9,7 +9,7 @@ import bpy
 
 from ..data.lens_words import focus_text
 from ..queries import autofocus, lens_info, viewport_camera
-from .camera_parts import LensPart, complain, fact, lines_of
+from .camera_parts import LensPart, fact, lines_of
 
 #: Rows that the focus decides.
 _OF_FOCUS = {"Film Distance", "Focused At", "Magnification"}
@@ -29,7 +29,7 @@ class PETZVAL_CAMERA_PT_info(LensPart, bpy.types.Panel):
         answer = None if found is None or "error" in found.answer else found.answer
         info = lens_info.for_panel(holder, context.scene, answer)
         if "error" in info:
-            complain(context, self.layout, info["error"])
+            self.layout.label(text="No data: Lens says why", icon="INFO")
             return
         column = self.layout.column(align=True)
         for line in lines_of(context, info["lens_name"]):

@@ -34,7 +34,7 @@ class PETZVAL_CAMERA_PT_drawing(LensPart, bpy.types.Panel):
             layout.label(text="...")
             return
         if drawn.error:
-            layout.label(text="Nothing to draw: Lens Data says why", icon="INFO")
+            layout.label(text="Nothing to draw: Lens says why", icon="INFO")
             return
         layout.template_icon(drawn.icon, scale=units)
         row = layout.row()

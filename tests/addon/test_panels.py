@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from types import SimpleNamespace
 
 import pytest
 
@@ -49,6 +50,16 @@ def test_the_cameras_panels(blender, parts, layout, model, focus):
     layout.draw("data", layout.context(camera=blender.data.cameras.new("Alone")))
     own.lens_file = "no-such.lens"
     layout.draw("data", now)
+
+
+def test_a_missing_lens_is_told_where_it_is_chosen(blender, parts, layout):
+    """In the Lens panel itself, which is open: drawing and data, which say why they are empty, are closed at first."""
+    scene = parts.set_up(model="LENS")
+    scene.camera.data.petzval.lens_file = "no-such.lens"
+    whole = layout.Layout()
+    cls = parts.part("ui.camera").PETZVAL_CAMERA_PT_lens
+    cls.draw(SimpleNamespace(layout=whole), layout.context(camera=scene.camera.data, object=scene.camera))
+    assert "no such lens: no-such.lens" in " ".join(whole.said)
 
 
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
