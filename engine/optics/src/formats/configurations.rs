@@ -8,6 +8,7 @@ use super::beams::StatedBeam;
 
 /// A file with more is no lens.
 pub(super) const MOST: usize = 100;
+
 /// Configurations as a file states them. A quantity that a configuration does not state is that of the surfaces. Lengths in mm.
 pub(super) struct Configurations {
     pub(super) count: usize,
