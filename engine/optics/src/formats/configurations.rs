@@ -8,13 +8,14 @@ use super::beams::StatedBeam;
 
 /// A file with more is no lens.
 pub(super) const MOST: usize = 100;
-/// What a file says of its configurations; what it does not is as in the surfaces. Lengths in mm.
+
+/// Configurations as a file states them. A quantity that a configuration does not state is that of the surfaces. Lengths in mm.
 pub(super) struct Configurations {
     pub(super) count: usize,
     /// The one in which the surfaces stand.
     pub(super) active: usize,
     pub(super) place: Place,
-    /// By row: the gap behind it.
+    /// The gaps behind rows, by row and configuration.
     pub(super) gaps_mm: BTreeMap<usize, Vec<Option<f64>>>,
     pub(super) objects_mm: Vec<Option<f64>>,
     pub(super) beams: Vec<Option<StatedBeam>>,

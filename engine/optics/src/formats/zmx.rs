@@ -75,9 +75,9 @@ struct ZmxReader<'a> {
     configurations: Option<(usize, usize, Place)>,
     /// Gaps by configuration: surface, configuration from 0, length in the file's units.
     gaps: Vec<(usize, usize, f64)>,
-    /// By surface: how its thickness follows from others.
+    /// Solves for thicknesses, by surface.
     solves: Vec<Option<ThicknessSolve>>,
-    /// By surface: its thickness, in the file's units.
+    /// Thicknesses by surface, in the file's units.
     thicknesses: Vec<f64>,
     /// True if the film stands at the image of first order in each configuration.
     image_follows: bool,

@@ -16,7 +16,7 @@ const SAME_WIDTH: f64 = 1e-9;
 struct State {
     focal_mm: f64,
     object_mm: f64,
-    /// By row.
+    /// The gaps behind the rows, mm.
     gaps_mm: Vec<f64>,
     stop_diameter_mm: f64,
 }
@@ -38,7 +38,7 @@ fn zoom_of(i: usize, order: usize, near: usize, far: &[usize], states: &[State])
     by_file.into_iter().rev().find(|j| *j < i)
 }
 
-/// What became of the configurations, in words.
+/// The remark on the positions that configurations became.
 fn summary(positions: &[Position], left_out: usize) -> String {
     let count = positions.len();
     let zooms = || positions.iter().filter_map(|p| p.zoom_mm);

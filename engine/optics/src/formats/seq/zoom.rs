@@ -1,8 +1,8 @@
 //! The zoom positions of a `.seq` file: `ZOO 3` is their number, `ZOO THI S5 1.2 3.4 5.6` the values of a quantity in each; `THI S5 Z2 3.4` is
 //! one of them.
 
-use super::super::configurations::{self, Configurations};
 use super::super::beams::StatedBeam;
+use super::super::configurations::{self, Configurations};
 use super::super::problem::{LensFileError, Problem};
 use super::{SeqReader, SeqWord};
 use crate::prescription::Place;
@@ -13,7 +13,7 @@ const SILENT: [&str; 24] = [
     "VUY", "VLY", "WL", "REF", "TIT", "PIM", "POS", "CUM",
 ];
 
-/// What a file says of its zoom positions. Lengths in the file's units.
+/// Zoom positions as a file states them. Lengths in the file's units.
 #[derive(Default)]
 pub(super) struct ZoomLines {
     count: usize,

@@ -19,7 +19,7 @@ fn zemax(solve: &str, after: &str) -> String {
     )
 }
 
-/// The same in CODE V's words.
+/// The lens of [`zemax`] as a CODE V file; `after` are commands behind its surfaces.
 fn code_v(after: &str) -> String {
     format!(
         "RDM N;LEN\nDIM M\nEPD 5;WL 587.5618\nYAN 0\nSO 0 1e13\nS 0.01 4 NBK7_SCHOTT\nCIR 15\nS -0.012 10\nCIR 15\nS 0 5\nSTO\n\
