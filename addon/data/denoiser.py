@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ctypes.util
+import functools
 import importlib.util
 import sys
 from collections.abc import Iterator
@@ -17,8 +18,9 @@ NAMES = {"linux": "libOpenImageDenoise.so.2", "darwin": "libOpenImageDenoise.dyl
 INSTALL = "Open Image Denoise was not found beside Blender: install it for Petzval by `pip install pyoidn`, or denoise in the compositor"
 
 
+@functools.cache
 def library() -> Path | None:
-    """The library's file; None: there is none."""
+    """The library's file, as it was found first; None: there is none."""
     name = NAMES.get(sys.platform)
     if name is None:
         return None
@@ -28,13 +30,12 @@ def library() -> Path | None:
 
 def _folders() -> Iterator[Path]:
     """Folders in which it may lie, the likeliest first."""
-    # Of the module: bpy/lib on Linux; of the program: lib beside it, blender.shared on Windows, Resources/lib in macOS's bundle.
-    homes = [Path(bpy.__file__).parent] if getattr(bpy, "__file__", None) else []
-    if bpy.app.binary_path:
-        program = Path(bpy.app.binary_path).resolve().parent
-        homes += [program, program.parent / "Resources"]
-    for home in homes:
-        yield from (home / "lib", home / "blender.shared", home)
+    # Beside the folder of Blender's own scripts, of the program and of the module alike: in `lib` on Linux and in macOS's bundle, in
+    # `blender.shared` on Windows.
+    local = bpy.utils.resource_path("LOCAL")
+    if local:
+        home = Path(local).parent
+        yield from (home / "lib", home / "blender.shared")
     package = importlib.util.find_spec("pyoidn")
     for place in (package.submodule_search_locations or ()) if package else ():
         yield from (Path(place) / "oidn" / "lib", Path(place) / "oidn" / "bin")

@@ -12,7 +12,7 @@ import bpy
 
 from petzval.description import CameraDescription, DenoisingDescription, ShutterDescription, changed, focused
 
-from ..data import denoiser, effects, process_memory
+from ..data import denoiser, effects, passes, process_memory
 from ..export import camera as camera_export
 from ..export import denoising
 from ..export import settings as render_settings
@@ -77,6 +77,7 @@ class Photograph:
         self.samples = settings.samples
         checkpoint = checkpoints.of(self.depsgraph, is_part=self.results.is_mergeable)
         is_kept = checkpoint is not None and checkpoint.file is not None
+        how = self._denoising()
         self.results.check_memory(width, height, halves=settings.noise_threshold > 0.0, is_kept=is_kept)
         blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
@@ -110,7 +111,6 @@ class Photograph:
             loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
             deliver_black(self.host, self.depsgraph)
             return
-        how = self._denoising()
         self._plan(native, scene, camera, settings, moving, opened)
         beside = self.results.for_job() | {
             "plan": self.plan,
@@ -119,8 +119,6 @@ class Photograph:
             "shutter": opened,
             "mist": world_export.mist(self.scene.world),
         }
-        if how is not None:
-            beside["parts"] = [*dict.fromkeys([*beside["parts"], *denoising.guides(how)])]
         picture_of: dict[str, str] = {}
         if checkpoint:
             decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
@@ -144,14 +142,17 @@ class Photograph:
             )
         elif strays and not stopped:
             self._develop(job)
-        picture, shadow = job.image(), None
+        pictures = {passes.COMBINED.name: job.image(), passes.NOISY.name: job.noisy_image()}
         if catches and not stopped:
-            others = functools.partial(self._beside_all, native, camera, settings, moving, size, place, blur, opened)
+            others = functools.partial(self._beside_all, native, camera, settings, moving, size, place, blur, opened, how)
             is_opaque, is_apart = not self.scene.render.film_transparent, self.results.has_shadow
             alone, sky = others(is_sky=False), others(is_sky=True) if is_opaque and not is_apart else None
-            picture = job.over_photograph(alone, sky, is_opaque=is_opaque, is_apart=is_apart)
-            shadow = job.shadow(alone)
-        self.results.show_all(job, picture, shadow, self.told, picture_of)
+            for name, is_noisy in ((passes.COMBINED.name, False), (passes.NOISY.name, True)):
+                pictures[name] = job.over_photograph(
+                    alone, sky, is_opaque=is_opaque, is_apart=is_apart, is_noisy=is_noisy
+                )
+            pictures[passes.SHADOW.name] = job.shadow(alone)
+        self.results.show_all(job, pictures, self.told, picture_of)
         for warning in scene.warnings():
             if warning not in self.report.warnings:
                 self.report.warn(warning)
@@ -192,21 +193,23 @@ class Photograph:
 
     def _denoising(self) -> DenoisingDescription | None:
         """How the picture is denoised once its samples are there; None: it is not."""
-        if not denoising.is_wanted(self.scene, self.depsgraph.view_layer_eval):
-            return None
-        if self.results.is_mergeable:
-            self.host.report({"INFO"}, "Mergeable parts are not denoised: merge them, and denoise the whole")
-            return None
-        how = denoising.describe(self.scene)
-        if how is None:
-            self.host.report({"WARNING"}, f"Not denoised: {denoiser.INSTALL}")
+        how = denoising.of_render(self.scene) if self.results.is_denoised else None
+        if how is None and self.results.is_denoised:
+            # It is on unless it is turned off: who turned it on wants to know.
+            level = "WARNING" if self.scene.cycles.is_property_set("use_denoising") else "INFO"
+            self.host.report({level}, f"Not denoised: {denoiser.INSTALL}")
+        if how is not None and self.scene.petzval.integrator != "BIDIRECTIONAL":
+            # Bidirectional paths leave them black.
+            self.results.guides = denoising.guides(how)
         return how
 
     def _denoise(self, job, how: DenoisingDescription) -> None:
         """Takes the noise out of the picture; without that it stays as it is."""
+        done = 1.0 - self._share_of_strays()
+        how = denoising.within_memory(how, self.scene.petzval.memory_limit)
 
         def meanwhile() -> None:
-            self._tell(f"Denoising: {100.0 * job.developed():.0f} %", 1.0)
+            self._tell(f"Denoising: {100.0 * job.developed():.0f} %", done)
 
         try:
             loop.stoppable(lambda: job.denoise(how), self._stop_asked, meanwhile)
@@ -215,7 +218,7 @@ class Photograph:
         except engine().PetzvalError as error:
             self.host.report({"WARNING"}, f"Not denoised: {error}")
 
-    def _beside_all(self, native, camera, settings, moving, size, place, blur, opened, *, is_sky: bool):
+    def _beside_all(self, native, camera, settings, moving, size, place, blur, opened, how, *, is_sky: bool):
         """The finished render of what catches shadows without anything that throws them, or of the sky alone."""
         builder = native.SceneBuilder()
         if is_sky:
@@ -227,10 +230,13 @@ class Photograph:
         # A sky that the camera sees is none of the light on what catches shadows.
         settings = dataclasses.replace(settings, transparent_film=not is_sky)
         scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
-        make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan, shutter=opened)  # noqa: E731
+        parts = self.results.guides
+        make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan, shutter=opened, parts=parts)  # noqa: E731
         job = loop.stoppable(make, self._stop_asked)
         tell = lambda part, _: self._tell("Shadow catcher background", part)  # noqa: E731
-        loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
+        stopped = loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
+        if how is not None and not stopped:
+            self._denoise(job, how)
         return job
 
     def _plan(self, native, scene, camera, settings, moving, opened) -> None:

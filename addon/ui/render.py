@@ -7,6 +7,7 @@ import bpy
 
 from .. import native
 from ..data import denoiser
+from ..export import denoising
 from .camera_parts import complain
 from .mixin import PetzvalPanel, columns
 from .preset_panels import PETZVAL_PT_sampling_presets
@@ -42,31 +43,6 @@ class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
         layout.prop(settings, "time_limit")
 
 
-class PETZVAL_RENDER_PT_denoise(_RenderPanel, bpy.types.Panel):
-    bl_label = "Denoise"
-    bl_parent_id = "PETZVAL_RENDER_PT_sampling"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        # Cycles keeps it.
-        return super().poll(context) and hasattr(context.scene, "cycles")
-
-    def draw_header(self, context):
-        self.layout.prop(context.scene.cycles, "use_denoising", text="")
-
-    def draw(self, context):
-        layout = columns(self)
-        cycles = context.scene.cycles
-        if cycles.use_denoising and denoiser.library() is None:
-            complain(context, layout, denoiser.INSTALL)
-        layout.active = cycles.use_denoising
-        layout.prop(cycles, "denoising_input_passes", text="Passes")
-        layout.prop(cycles, "denoising_prefilter", text="Prefilter")
-        if hasattr(cycles, "denoising_quality"):
-            layout.prop(cycles, "denoising_quality", text="Quality")
-
-
 class PETZVAL_RENDER_PT_sampling_viewport(_RenderPanel, bpy.types.Panel):
     bl_label = "Viewport"
     bl_parent_id = "PETZVAL_RENDER_PT_sampling"
@@ -76,6 +52,54 @@ class PETZVAL_RENDER_PT_sampling_viewport(_RenderPanel, bpy.types.Panel):
         layout = columns(self)
         layout.prop(context.scene.petzval, "preview_samples", text="Samples")
         layout.prop(context.scene.petzval, "preview_pixel_size")
+
+
+class _DenoisePanel(_RenderPanel):
+    """Rows of Cycles's settings, which a scene has one set of."""
+
+    bl_label = "Denoise"
+    bl_options = {"DEFAULT_CLOSED"}
+    #: Of the names of Cycles's settings.
+    which = ""
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and hasattr(context.scene, "cycles")
+
+    @property
+    def switch(self) -> str:
+        return f"use_{self.which}denoising"
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.cycles, self.switch, text="")
+
+    def draw(self, context):
+        layout, cycles = columns(self), context.scene.cycles
+        is_on = getattr(cycles, self.switch)
+        if is_on and denoiser.library() is None:
+            complain(context, layout, denoiser.INSTALL)
+        layout.active = is_on
+        self.row(layout, cycles, "input_passes", "Passes")
+        self.row(layout, cycles, "prefilter", "Prefilter")
+        self.row(layout, cycles, "quality", "Quality")
+        self.row(layout, cycles, "start_sample", "Start Sample")
+        row = layout.row()
+        row.active = denoising.has_gpu()
+        self.row(row, cycles, "use_gpu", "Use GPU")
+
+    def row(self, layout, cycles, name: str, text: str) -> None:
+        """One setting, where this Blender has it."""
+        if hasattr(cycles, f"{self.which}denoising_{name}"):
+            layout.prop(cycles, f"{self.which}denoising_{name}", text=text)
+
+
+class PETZVAL_RENDER_PT_sampling_viewport_denoise(_DenoisePanel, bpy.types.Panel):
+    bl_parent_id = "PETZVAL_RENDER_PT_sampling_viewport"
+    which = "preview_"
+
+
+class PETZVAL_RENDER_PT_sampling_denoise(_DenoisePanel, bpy.types.Panel):
+    bl_parent_id = "PETZVAL_RENDER_PT_sampling"
 
 
 class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
@@ -163,8 +187,9 @@ class PETZVAL_RENDER_PT_fast_gi(_RenderPanel, bpy.types.Panel):
 
 CLASSES = (
     PETZVAL_RENDER_PT_sampling,
-    PETZVAL_RENDER_PT_denoise,
     PETZVAL_RENDER_PT_sampling_viewport,
+    PETZVAL_RENDER_PT_sampling_viewport_denoise,
+    PETZVAL_RENDER_PT_sampling_denoise,
     PETZVAL_RENDER_PT_sampling_advanced,
     PETZVAL_RENDER_PT_light_paths,
     PETZVAL_RENDER_PT_fast_gi,

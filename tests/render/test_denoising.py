@@ -6,6 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from support import multilayer
+
 WIDTH, HEIGHT = 96, 64
 
 
@@ -14,7 +16,7 @@ def room(parts, blender):
     """A box lit by one small lamp: noisy at few samples."""
     scene = parts.set_up(WIDTH, HEIGHT, samples=4)
     scene.world = parts.grey_world(0.02)
-    blender.ops.mesh.primitive_cube_add(size=4.0, location=(0.0, 3.0, 0.0))
+    blender.ops.mesh.primitive_cube_add(size=8.0, location=(0.0, 3.0, 0.0))
     blender.ops.mesh.primitive_uv_sphere_add(radius=0.5, location=(0.3, 3.5, -0.6))
     lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "AREA"))
     lamp.data.energy, lamp.data.size = 60.0, 0.3
@@ -77,8 +79,9 @@ def test_a_layer_that_is_not_to_be_denoised_is_not(parts, blender, room, tmp_pat
 
 
 @pytest.mark.once
-@pytest.mark.parametrize("size", [(1, 1), (7, 3)])
+@pytest.mark.parametrize("size", [(4, 4), (7, 5)])
 def test_small_pictures(parts, room, tmp_path, size):
+    # Blender has no smaller ones.
     room.render.resolution_x, room.render.resolution_y = size
     found = picture(parts, room, tmp_path, "small", samples=4, denoise=True)
     assert found.shape[:2] == size[::-1] and np.isfinite(found).all() and found.max() > 0.0
@@ -94,6 +97,52 @@ def test_a_part_of_a_picture_is_denoised_without_its_black_outside(parts, room, 
     edge = np.ones(clean.shape[:2], bool)
     edge[1:-1, 1:-1] = False
     assert abs(clean[edge].mean() / noisy[edge].mean() - 1.0) < 0.05
+
+
+@pytest.mark.once
+def test_one_pixel(parts, room, tmp_path):
+    render = room.render
+    render.use_border, render.use_crop_to_border = True, True
+    render.border_min_x, render.border_max_x = 10.1 / WIDTH, 11.1 / WIDTH
+    render.border_min_y, render.border_max_y = 10.1 / HEIGHT, 11.1 / HEIGHT
+    found = picture(parts, room, tmp_path, "pixel", samples=64, denoise=True)
+    assert found.shape[:2] == (1, 1) and np.isfinite(found).all() and found.max() > 0.0
+
+
+@pytest.mark.once
+def test_passes_keep_both_pictures(parts, blender, room, tmp_path):
+    """Named as Cycles names them; the noisy picture is that of the samples, to the bit."""
+    blender.context.view_layer.cycles.denoising_store_passes = True
+    noisy, _ = multilayer.photograph(parts, room, tmp_path / "noisy.exr", samples=4)
+    both, _ = multilayer.photograph(parts, room, tmp_path / "both.exr", samples=4, denoise=True)
+    cycles, _ = multilayer.photograph(parts, room, tmp_path / "cycles.exr", "CYCLES", samples=1, denoise=True)
+    added = {name for name in both if name not in noisy}
+    assert added == {f"noisy image.{channel}" for channel in "rgba"} and added <= cycles.keys()
+    for channel in "rgba":
+        assert np.array_equal(both[f"noisy image.{channel}"], noisy[f"combined.{channel}"])
+    assert not np.array_equal(both["combined.r"], noisy["combined.r"])
+    for name in ("denoising albedo.r", "denoising normal.x", "denoising depth.z"):
+        assert np.array_equal(both[name], noisy[name])
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("is_transparent", [True, False])
+def test_a_caught_shadow_is_denoised(parts, room, tmp_path, is_transparent):
+    room.objects["Cube"].is_shadow_catcher = True
+    room.render.film_transparent = is_transparent
+
+    def taken(name: str, samples: int, *, denoise: bool) -> np.ndarray:
+        found, _ = multilayer.photograph(parts, room, tmp_path / f"{name}.exr", samples=samples, denoise=denoise)
+        if denoise:
+            noisy = multilayer.photograph(parts, room, tmp_path / f"{name}2.exr", samples=samples)[0]
+            assert np.array_equal(found["noisy image.a"], noisy["combined.a"])
+            assert np.array_equal(found["noisy image.r"], noisy["combined.r"])
+        return found["combined.a" if is_transparent else "combined.r"]
+
+    truth = taken("truth", 1024, denoise=False)
+    noisy, clean = taken("noisy", 4, denoise=False), taken("clean", 4, denoise=True)
+    error = [float(((one - truth) ** 2).mean()) for one in (noisy, clean)]
+    assert error[1] < 0.5 * error[0], error
 
 
 @pytest.mark.once

@@ -11,7 +11,8 @@ pub(crate) type Handle = *mut c_void;
 /// Called with the part that is done; false stops the filter.
 pub(crate) type Monitor = extern "C" fn(*mut c_void, f64) -> bool;
 
-/// `OIDN_DEVICE_TYPE_CPU`.
+/// `OIDN_DEVICE_TYPE_DEFAULT`, the fastest that there is, and `OIDN_DEVICE_TYPE_CPU`.
+const FASTEST: c_int = 0;
 const CPU: c_int = 1;
 /// `OIDN_FORMAT_FLOAT3`.
 const FLOAT3: c_int = 3;
@@ -51,7 +52,11 @@ functions! {
     get_device_error = b"oidnGetDeviceError\0": fn(Handle, *mut *const c_char) -> c_int;
     release_device = b"oidnReleaseDevice\0": fn(Handle);
     new_filter = b"oidnNewFilter\0": fn(Handle, *const c_char) -> Handle;
-    set_image = b"oidnSetSharedFilterImage\0": fn(Handle, *const c_char, *mut c_void, c_int, usize, usize, usize, usize, usize);
+    new_buffer = b"oidnNewBuffer\0": fn(Handle, usize) -> Handle;
+    read_buffer = b"oidnReadBuffer\0": fn(Handle, usize, usize, *mut c_void);
+    write_buffer = b"oidnWriteBuffer\0": fn(Handle, usize, usize, *const c_void);
+    release_buffer = b"oidnReleaseBuffer\0": fn(Handle);
+    set_image = b"oidnSetFilterImage\0": fn(Handle, *const c_char, Handle, c_int, usize, usize, usize, usize, usize);
     set_filter_bool = b"oidnSetFilterBool\0": fn(Handle, *const c_char, bool);
     set_filter_int = b"oidnSetFilterInt\0": fn(Handle, *const c_char, c_int);
     set_monitor = b"oidnSetFilterProgressMonitorFunction\0": fn(Handle, Option<Monitor>, *mut c_void);
@@ -60,35 +65,45 @@ functions! {
     release_filter = b"oidnReleaseFilter\0": fn(Handle);
 }
 
-/// A device: the processor, with so many threads.
+/// A device that computes.
 pub(crate) struct Device<'a> {
     functions: &'a Functions,
     handle: Handle,
 }
 
 impl<'a> Device<'a> {
-    pub(crate) fn new(functions: &'a Functions, threads: usize) -> Result<Self, DenoiseError> {
+    /// The graphics card where it is asked for and there is one; else the processor, with so many threads.
+    pub(crate) fn new(functions: &'a Functions, use_gpu: bool, threads: usize) -> Result<Self, DenoiseError> {
         // SAFETY: all handles are those that the library gave; names end in a zero.
         unsafe {
-            let handle = (functions.new_device)(CPU);
+            let handle = (functions.new_device)(if use_gpu { FASTEST } else { CPU });
             let device = Self { functions, handle };
             if handle.is_null() {
                 return Err(device.error().unwrap_or(DenoiseError::Failed { code: 0, message: "no device".to_owned() }));
             }
-            (functions.set_device_int)(handle, c"numThreads".as_ptr(), c_int::try_from(threads).unwrap_or(0));
-            // Threads that are bound to cores would stay there while other programs run.
-            (functions.set_device_bool)(handle, c"setAffinity".as_ptr(), false);
+            if device.is_cpu() {
+                (functions.set_device_int)(handle, c"numThreads".as_ptr(), c_int::try_from(threads).unwrap_or(0));
+                // Threads that are bound to cores would stay there while other programs run.
+                (functions.set_device_bool)(handle, c"setAffinity".as_ptr(), false);
+            }
             (functions.commit_device)(handle);
             device.check()?;
             Ok(device)
         }
     }
 
+    fn is_cpu(&self) -> bool {
+        self.property(c"type") == CPU
+    }
+
+    fn property(&self, name: &CStr) -> c_int {
+        // SAFETY: as in `new`.
+        unsafe { (self.functions.get_device_int)(self.handle, name.as_ptr()) }
+    }
+
     /// Major, minor and patch version of the library.
     pub(crate) fn version(&self) -> [i32; 3] {
-        // SAFETY: as in `new`.
-        [c"versionMajor", c"versionMinor", c"versionPatch"]
-            .map(|name| unsafe { (self.functions.get_device_int)(self.handle, name.as_ptr()) })
+        [c"versionMajor", c"versionMinor", c"versionPatch"].map(|name| self.property(name))
     }
 
     /// The first error since the last call.
@@ -112,6 +127,24 @@ impl<'a> Device<'a> {
         self.error().map_or(Ok(()), Err)
     }
 
+    /// Memory of the device for so many numbers.
+    pub(crate) fn buffer(&self, numbers: usize) -> Result<Buffer<'_>, DenoiseError> {
+        // SAFETY: as in `new`.
+        let handle = unsafe { (self.functions.new_buffer)(self.handle, numbers * size_of::<f32>()) };
+        self.check()?;
+        Ok(Buffer { device: self, handle, numbers })
+    }
+
+    /// Memory of the device with these numbers.
+    pub(crate) fn filled(&self, numbers: &[f32]) -> Result<Buffer<'_>, DenoiseError> {
+        let buffer = self.buffer(numbers.len())?;
+        // SAFETY: the buffer has as many bytes as are copied.
+        unsafe { (self.functions.write_buffer)(buffer.handle, 0, size_of_val(numbers), numbers.as_ptr().cast()) };
+        self.check()?;
+        Ok(buffer)
+    }
+
+    /// The filter of ray-traced pictures.
     pub(crate) fn filter(&self) -> Result<Filter<'_>, DenoiseError> {
         // SAFETY: as in `new`.
         let handle = unsafe { (self.functions.new_filter)(self.handle, c"RT".as_ptr()) };
@@ -129,6 +162,34 @@ impl Drop for Device<'_> {
     }
 }
 
+/// Memory of a device.
+pub(crate) struct Buffer<'a> {
+    device: &'a Device<'a>,
+    handle: Handle,
+    numbers: usize,
+}
+
+impl Buffer<'_> {
+    /// The numbers that lie there.
+    pub(crate) fn read(&self) -> Result<Vec<f32>, DenoiseError> {
+        let mut found = vec![0.0f32; self.numbers];
+        // SAFETY: the buffer has as many bytes as are copied.
+        unsafe {
+            let bytes = size_of_val(found.as_slice());
+            (self.device.functions.read_buffer)(self.handle, 0, bytes, found.as_mut_ptr().cast());
+        }
+        self.device.check()?;
+        Ok(found)
+    }
+}
+
+impl Drop for Buffer<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the handle is the library's, and is not used again.
+        unsafe { (self.device.functions.release_buffer)(self.handle) }
+    }
+}
+
 /// The filter of ray-traced pictures.
 pub(crate) struct Filter<'a> {
     device: &'a Device<'a>,
@@ -136,16 +197,12 @@ pub(crate) struct Filter<'a> {
 }
 
 impl Filter<'_> {
-    /// Gives the filter an image of three numbers a pixel to read or to write: `color`, `albedo`, `normal`, `output`.
-    ///
-    /// # Safety
-    /// The pixels, so many numbers from the address on, must stay where they are until the filter has been executed; those of `output` must
-    /// be used by nothing else meanwhile.
-    pub(crate) unsafe fn image(&self, name: &CStr, pixels: *const f32, numbers: usize, [width, height]: [usize; 2]) {
-        assert_eq!(numbers, width * height * 3, "three numbers a pixel");
-        let pixels = pixels.cast_mut().cast();
-        // SAFETY: the length is that of the image; the caller keeps the pixels.
-        unsafe { (self.device.functions.set_image)(self.handle, name.as_ptr(), pixels, FLOAT3, width, height, 0, 0, 0) }
+    /// Gives the filter an image of three numbers a pixel to read or to write: `color`, `albedo`, `normal`, `output`. The library counts
+    /// its uses of the memory.
+    pub(crate) fn set_image(&self, name: &CStr, pixels: &Buffer<'_>, [width, height]: [usize; 2]) {
+        assert_eq!(pixels.numbers, width * height * 3, "three numbers a pixel");
+        // SAFETY: the length is that of the image.
+        unsafe { (self.device.functions.set_image)(self.handle, name.as_ptr(), pixels.handle, FLOAT3, width, height, 0, 0, 0) }
     }
 
     pub(crate) fn set_bool(&self, name: &CStr, value: bool) {

@@ -5,9 +5,11 @@
 
 mod api;
 
+use std::ffi::CStr;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use api::{Device, Functions};
+use api::{Buffer, Device, Functions};
 use serde::Deserialize;
 use thiserror::Error;
 
@@ -108,7 +110,9 @@ pub struct Request<'a> {
     pub prefilter: Prefilter,
     /// The quality.
     pub quality: Quality,
-    /// Threads that compute.
+    /// True if a graphics card may compute, where there is one.
+    pub use_gpu: bool,
+    /// Threads that compute where none does.
     pub threads: usize,
     /// Megabytes that the filter may take for itself; `None` as it wants.
     pub memory_mb: Option<usize>,
@@ -120,19 +124,28 @@ pub struct Denoiser {
     version: [i32; 3],
 }
 
+/// The libraries that are loaded. They stay so: loading takes longer than a small picture, and their threads outlive a render.
+static LOADED: Mutex<Vec<(PathBuf, Arc<Denoiser>)>> = Mutex::new(Vec::new());
+
 impl Denoiser {
-    /// Loads the library of a file.
+    /// The library of a file, loaded if it is not yet.
     ///
     /// # Errors
     /// [`DenoiseError::NoLibrary`], [`DenoiseError::TooOld`], or what its device reports.
-    pub fn open(path: &Path) -> Result<Self, DenoiseError> {
+    pub fn open(path: &Path) -> Result<Arc<Self>, DenoiseError> {
+        let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, found)) = loaded.iter().find(|(known, _)| known == path) {
+            return Ok(Arc::clone(found));
+        }
         let functions = Functions::load(path)?;
-        let version = Device::new(&functions, 1)?.version();
+        let version = Device::new(&functions, false, 1)?.version();
         let [major, minor, _] = version;
         if major < MAJOR {
             return Err(DenoiseError::TooOld { major, minor });
         }
-        Ok(Self { functions, version })
+        let found = Arc::new(Self { functions, version });
+        loaded.push((path.to_owned(), Arc::clone(&found)));
+        Ok(found)
     }
 
     /// Major, minor and patch version.
@@ -164,35 +177,40 @@ impl Denoiser {
         if width == 0 || height == 0 {
             return Ok(colour);
         }
-        let device = Device::new(&self.functions, request.threads)?;
+        let device = Device::new(&self.functions, request.use_gpu, request.threads)?;
         let is_accurate = request.prefilter == Prefilter::Accurate;
         let steps = if is_accurate { guides.len() + 1 } else { 1 } as f64;
-        if is_accurate {
-            for (done, (name, pixels)) in guides.iter_mut().enumerate() {
-                let noisy = std::mem::take(pixels);
-                let tell = |part: f64| watch((done as f64 + part) / steps);
-                *pixels = self.filtered(&device, request, &[(name, noisy)], false, &tell)?;
-            }
+        let mut images = vec![(c"color", device.filled(&colour)?)];
+        drop(colour);
+        for (done, (name, noisy)) in guides.into_iter().enumerate() {
+            let guide = device.filled(&noisy)?;
+            drop(noisy);
+            let tell = |part: f64| watch((done as f64 + part) / steps);
+            images.push(match is_accurate {
+                true => (name, self.filtered(&device, request, &[(name, guide)], false, &tell)?),
+                false => (name, guide),
+            });
         }
         let first = steps - 1.0;
-        let tell = |part: f64| watch((first + part) / steps);
-        let mut images = vec![(c"color", colour)];
-        images.append(&mut guides);
-        self.filtered(&device, request, &images, true, &tell)
+        self.filtered(&device, request, &images, true, &|part| watch((first + part) / steps))?.read()
     }
 
     /// The first of these images, filtered; the others guide.
-    fn filtered(
+    fn filtered<'a>(
         &self,
-        device: &Device<'_>,
+        device: &'a Device<'a>,
         request: &Request<'_>,
-        images: &[(&std::ffi::CStr, Vec<f32>)],
+        images: &[(&CStr, Buffer<'_>)],
         is_picture: bool,
         watch: &dyn Fn(f64) -> bool,
-    ) -> Result<Vec<f32>, DenoiseError> {
-        let Request { width, height, .. } = *request;
-        let mut output = vec![0.0f32; width * height * 3];
+    ) -> Result<Buffer<'a>, DenoiseError> {
+        let size = [request.width, request.height];
+        let output = device.buffer(request.width * request.height * 3)?;
         let filter = device.filter()?;
+        for (name, pixels) in images {
+            filter.set_image(name, pixels, size);
+        }
+        filter.set_image(c"output", &output, size);
         filter.set_int(c"quality", self.quality(request.quality));
         if let Some(mb) = request.memory_mb {
             filter.set_int(c"maxMemoryMB", i32::try_from(mb).unwrap_or(i32::MAX));
@@ -201,7 +219,7 @@ impl Denoiser {
             filter.set_bool(c"hdr", true);
             filter.set_bool(c"cleanAux", images.len() > 1 && request.prefilter != Prefilter::Fast);
         }
-        give(&filter, images, &mut output, [width, height], watch)?;
+        filter.execute(watch)?;
         Ok(output)
     }
 
@@ -214,23 +232,4 @@ impl Denoiser {
             Quality::High => 6,
         }
     }
-}
-
-/// Runs a filter over images that stay where they are meanwhile.
-#[allow(unsafe_code, reason = "a C library is called")]
-fn give(
-    filter: &api::Filter<'_>,
-    images: &[(&std::ffi::CStr, Vec<f32>)],
-    output: &mut [f32],
-    [width, height]: [usize; 2],
-    watch: &dyn Fn(f64) -> bool,
-) -> Result<(), DenoiseError> {
-    // SAFETY: `images` and `output` are borrowed until the filter has run; the library only reads the images.
-    unsafe {
-        for (name, pixels) in images {
-            filter.image(name, pixels.as_ptr(), pixels.len(), [width, height]);
-        }
-        filter.image(c"output", output.as_mut_ptr(), output.len(), [width, height]);
-    }
-    filter.execute(watch)
 }

@@ -516,11 +516,11 @@ class Job:
         """What is left of the light on what catches shadows, (height, width, 3), 1 where nothing is seen, by the finished render
         of that alone. For a job with `catches`."""
     def over_photograph(
-        self, alone: Job, sky: Job | None, *, is_opaque: bool, is_apart: bool
+        self, alone: Job, sky: Job | None, *, is_opaque: bool, is_apart: bool, is_noisy: bool = False
     ) -> npt.NDArray[np.float32]:
         """The picture to be laid over a photograph, (height, width, 4): what catches shadows is gone, and the mean of its shadow
         is alpha, but where that is a pass of its own (`is_apart`). It is laid over the finished render of the `sky`, if there is
-        one."""
+        one. `is_noisy`: as it is without `denoise`."""
     def matte_metadata(self, layer: str, name: str) -> list[tuple[str, str]]:
         """What a file has to say of a layer that is called `name` in it: keys and values."""
     def wait(self, timeout_s: float) -> bool:
@@ -539,6 +539,9 @@ class Job:
     def denoise(self, how: DenoisingDescription) -> None:
         """After the end, before `develop`: takes the noise out of the picture; `image` then has none. Raises what the library reports; the
         picture then is as it was. `developed` and `stop_developing` are about it, too."""
+    def denoised_image(self, how: DenoisingDescription) -> npt.NDArray[np.float32]:
+        """`image` without its noise and without the light that strays. The render may go on meanwhile, and keeps its noise. Raises as
+        `denoise`."""
     def noisy_image(self) -> npt.NDArray[np.float32]:
         """`image` as it is without `denoise`."""
     def develop(self) -> None:

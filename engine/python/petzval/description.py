@@ -232,6 +232,8 @@ class DenoisingDescription:
     by_normal: bool = True  # and DENOISING_NORMAL beside it
     prefilter: str = "ACCURATE"  # NONE | FAST | ACCURATE: what becomes of the noise of both
     quality: str = "HIGH"  # FAST | BALANCED | HIGH
+    use_gpu: bool = False  # where there is one
+    memory_mb: int = 0  # that the filter may take; 0: as it wants
 
 
 @dataclass

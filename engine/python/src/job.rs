@@ -188,7 +188,7 @@ impl Job {
         self.array_of_three(py, pixels.ok_or_else(keeps_no_shadows)?)
     }
 
-    #[pyo3(signature = (alone, sky, *, is_opaque, is_apart))]
+    #[pyo3(signature = (alone, sky, *, is_opaque, is_apart, is_noisy=false))]
     fn over_photograph<'py>(
         &self,
         py: Python<'py>,
@@ -196,8 +196,9 @@ impl Job {
         sky: Option<&Self>,
         is_opaque: bool,
         is_apart: bool,
+        is_noisy: bool,
     ) -> Result<Bound<'py, PyArray3<f32>>, Error> {
-        let laying = Laying { is_opaque, is_apart };
+        let laying = Laying { is_opaque, is_apart, is_noisy };
         let pixels = without_gil(py, || self.job.over_photograph(&alone.job, sky.map(|sky| &sky.job), laying))?;
         let (width, height) = self.job.film().size();
         array(py, pixels.ok_or_else(keeps_no_shadows)?, width, height)
@@ -223,6 +224,12 @@ impl Job {
 
     fn denoise(&self, py: Python<'_>, how: Described<Denoising>) -> Result<(), Error> {
         Ok(without_gil(py, || self.job.denoise(&how.0))??)
+    }
+
+    fn denoised_image<'py>(&self, py: Python<'py>, how: Described<Denoising>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (width, height) = self.job.film().size();
+        let pixels = without_gil(py, || self.job.denoised_picture(&how.0))??;
+        array(py, pixels, width, height)
     }
 
     fn noisy_image<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray3<f32>>, Error> {

@@ -116,8 +116,7 @@ struct Shared {
     gate: RwLock<()>,
     keeper: Option<Keeper>,
     strayed: Mutex<Option<Arc<StrayLight>>>,
-    /// The picture without its noise, once that is found.
-    denoised: Mutex<Option<Arc<Vec<[f32; 3]>>>>,
+    denoised: Mutex<Option<Arc<denoise::Denoised>>>,
     stop_developing: AtomicBool,
     /// The bits of the part of the stray light that is found, or of the picture that is denoised.
     developed: AtomicU64,
