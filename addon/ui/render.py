@@ -55,51 +55,56 @@ class PETZVAL_RENDER_PT_sampling_viewport(_RenderPanel, bpy.types.Panel):
 
 
 class _DenoisePanel(_RenderPanel):
-    """Rows of Cycles's settings, which a scene has one set of."""
+    """Cycles's settings, which a scene has one set of."""
 
     bl_label = "Denoise"
     bl_options = {"DEFAULT_CLOSED"}
-    #: Of the names of Cycles's settings.
-    which = ""
 
     @classmethod
     def poll(cls, context):
         return super().poll(context) and hasattr(context.scene, "cycles")
 
-    @property
-    def switch(self) -> str:
-        return f"use_{self.which}denoising"
 
-    def draw_header(self, context):
-        self.layout.prop(context.scene.cycles, self.switch, text="")
-
-    def draw(self, context):
-        layout, cycles = columns(self), context.scene.cycles
-        is_on = getattr(cycles, self.switch)
-        if is_on and denoiser.library() is None:
-            complain(context, layout, denoiser.INSTALL)
-        layout.active = is_on
-        self.row(layout, cycles, "input_passes", "Passes")
-        self.row(layout, cycles, "prefilter", "Prefilter")
-        self.row(layout, cycles, "quality", "Quality")
-        self.row(layout, cycles, "start_sample", "Start Sample")
-        row = layout.row()
-        row.active = denoising.has_gpu()
-        self.row(row, cycles, "use_gpu", "Use GPU")
-
-    def row(self, layout, cycles, name: str, text: str) -> None:
-        """One setting, where this Blender has it."""
-        if hasattr(cycles, f"{self.which}denoising_{name}"):
-            layout.prop(cycles, f"{self.which}denoising_{name}", text=text)
+def _denoise_rows(layout, cycles, which: str) -> None:
+    """Those of final renders, or of views (`preview_`), as this Blender has them."""
+    layout.active = getattr(cycles, f"use_{which}denoising")
+    for name, text in (
+        ("input_passes", "Passes"),
+        ("prefilter", "Prefilter"),
+        ("quality", "Quality"),
+        ("start_sample", "Start Sample"),
+        ("use_gpu", "Use GPU"),
+    ):
+        if hasattr(cycles, f"{which}denoising_{name}"):
+            row = layout.row()
+            row.active = name != "use_gpu" or denoising.has_gpu()
+            row.prop(cycles, f"{which}denoising_{name}", text=text)
 
 
 class PETZVAL_RENDER_PT_sampling_viewport_denoise(_DenoisePanel, bpy.types.Panel):
     bl_parent_id = "PETZVAL_RENDER_PT_sampling_viewport"
-    which = "preview_"
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.cycles, "use_preview_denoising", text="")
+
+    def draw(self, context):
+        layout, cycles = columns(self), context.scene.cycles
+        if cycles.use_preview_denoising and denoiser.library() is None:
+            complain(context, layout, denoiser.INSTALL)
+        _denoise_rows(layout.column(), cycles, "preview_")
 
 
 class PETZVAL_RENDER_PT_sampling_denoise(_DenoisePanel, bpy.types.Panel):
     bl_parent_id = "PETZVAL_RENDER_PT_sampling"
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.cycles, "use_denoising", text="")
+
+    def draw(self, context):
+        layout, cycles = columns(self), context.scene.cycles
+        if cycles.use_denoising and denoiser.library() is None:
+            complain(context, layout, denoiser.INSTALL)
+        _denoise_rows(layout.column(), cycles, "")
 
 
 class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
