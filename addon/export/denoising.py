@@ -63,4 +63,8 @@ def within_memory(how: DenoisingDescription, limit_gb: float) -> DenoisingDescri
 
 def guides(how: DenoisingDescription) -> list[str]:
     """The parts that the engine keeps for it, by its names."""
-    return [name for name, is_asked in (("DENOISING_ALBEDO", how.by_albedo), ("DENOISING_NORMAL", how.by_normal)) if is_asked]
+    return [
+        name
+        for name, is_asked in (("DENOISING_ALBEDO", how.by_albedo), ("DENOISING_NORMAL", how.by_normal))
+        if is_asked
+    ]

@@ -14,10 +14,9 @@ from petzval.description import CameraDescription, DenoisingDescription, Shutter
 
 from ..data import denoiser, effects, passes, process_memory
 from ..export import camera as camera_export
-from ..export import denoising
+from ..export import denoising, velocity
 from ..export import settings as render_settings
 from ..export import shutter as shutters
-from ..export import velocity
 from ..export import world as world_export
 from ..export.motion import Frame, Motion
 from ..export.report import Report
@@ -144,7 +143,9 @@ class Photograph:
             self._develop(job)
         pictures = {passes.COMBINED.name: job.image(), passes.NOISY.name: job.noisy_image()}
         if catches and not stopped:
-            others = functools.partial(self._beside_all, native, camera, settings, moving, size, place, blur, opened, how)
+            others = functools.partial(
+                self._beside_all, native, camera, settings, moving, size, place, blur, opened, how
+            )
             is_opaque, is_apart = not self.scene.render.film_transparent, self.results.has_shadow
             alone, sky = others(is_sky=False), others(is_sky=True) if is_opaque and not is_apart else None
             for name, is_noisy in ((passes.COMBINED.name, False), (passes.NOISY.name, True)):

@@ -83,7 +83,9 @@ class Results:
             "mattes": [one.engine_name for one in (*self._mattes, *self._indices)],
             "matte_levels": self._matte_levels,
             "light_groups": len(self._light_groups),
-            "parts": list(dict.fromkeys([*(name for one in self._parts for name in passes.engine_names(one)), *self.guides])),
+            "parts": list(
+                dict.fromkeys([*(name for one in self._parts for name in passes.engine_names(one)), *self.guides])
+            ),
         }
 
     def check_memory(self, width: int, height: int, *, halves: bool, is_kept: bool) -> None:

@@ -79,7 +79,9 @@ impl<'a> Device<'a> {
             let handle = (functions.new_device)(if use_gpu { FASTEST } else { CPU });
             let device = Self { functions, handle };
             if handle.is_null() {
-                return Err(device.error().unwrap_or(DenoiseError::Failed { code: 0, message: "no device".to_owned() }));
+                return Err(device
+                    .error()
+                    .unwrap_or(DenoiseError::Failed { code: 0, message: "no device".to_owned() }));
             }
             if device.is_cpu() {
                 (functions.set_device_int)(handle, c"numThreads".as_ptr(), c_int::try_from(threads).unwrap_or(0));
@@ -202,7 +204,9 @@ impl Filter<'_> {
     pub(crate) fn set_image(&self, name: &CStr, pixels: &Buffer<'_>, [width, height]: [usize; 2]) {
         assert_eq!(pixels.numbers, width * height * 3, "three numbers a pixel");
         // SAFETY: the length is that of the image.
-        unsafe { (self.device.functions.set_image)(self.handle, name.as_ptr(), pixels.handle, FLOAT3, width, height, 0, 0, 0) }
+        unsafe {
+            (self.device.functions.set_image)(self.handle, name.as_ptr(), pixels.handle, FLOAT3, width, height, 0, 0, 0)
+        }
     }
 
     pub(crate) fn set_bool(&self, name: &CStr, value: bool) {

@@ -226,7 +226,11 @@ impl Job {
         Ok(without_gil(py, || self.job.denoise(&how.0))??)
     }
 
-    fn denoised_image<'py>(&self, py: Python<'py>, how: Described<Denoising>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+    fn denoised_image<'py>(
+        &self,
+        py: Python<'py>,
+        how: Described<Denoising>,
+    ) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let (width, height) = self.job.film().size();
         let pixels = without_gil(py, || self.job.denoised_picture(&how.0))??;
         array(py, pixels, width, height)

@@ -51,7 +51,8 @@ impl Job {
         let caught = self.part(catcher::PARTS[0]);
         let share = if caught.is_some() { 0.5 } else { 1.0 };
         let picture = self.cleaned(how, self.colour(), &|part| self.may_go_on(part * share))?;
-        let caught = caught.map(|noisy| self.cleaned(how, noisy, &|part| self.may_go_on(0.5 + part * share))).transpose()?;
+        let caught =
+            caught.map(|noisy| self.cleaned(how, noisy, &|part| self.may_go_on(0.5 + part * share))).transpose()?;
         *lock(&shared.denoised) = Some(Arc::new(Denoised { picture, caught, seconds: began.elapsed().as_secs_f64() }));
         shared.developed.store(0, Ordering::Relaxed);
         Ok(())
