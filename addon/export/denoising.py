@@ -18,7 +18,11 @@ _GUIDES = {"RGB": (False, False), "RGB_ALBEDO": (True, False), "RGB_ALBEDO_NORMA
 
 def of_render(scene: bpy.types.Scene) -> DenoisingDescription | None:
     """The settings for final renders; None: Open Image Denoise is not there."""
-    return _described(scene.cycles, "")
+    how = _described(scene.cycles, "")
+    if how is not None and scene.petzval.integrator == "BIDIRECTIONAL":
+        # Bidirectional paths leave the guides black.
+        return dataclasses.replace(how, by_albedo=False, by_normal=False)
+    return how
 
 
 def of_view(scene: bpy.types.Scene) -> DenoisingDescription | None:

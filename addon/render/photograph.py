@@ -50,6 +50,8 @@ class Photograph:
         self.told: dict = {}
         self.samples = 0
         self.planned = ""
+        # The part of the time that denoising is to take.
+        self.denoise_share = 0.0
 
     def take(self) -> None:
         """Takes it; `loop.Stopped` if the user stops it first."""
@@ -110,7 +112,7 @@ class Photograph:
             loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
             deliver_black(self.host, self.depsgraph)
             return
-        self._plan(native, scene, camera, settings, moving, opened)
+        self._plan(native, scene, camera, settings, moving, opened, how)
         beside = self.results.for_job() | {
             "plan": self.plan,
             "neighbours": neighbours,
@@ -172,7 +174,7 @@ class Photograph:
 
     def _develop(self, job) -> None:
         """Lays over the picture what of the light strays."""
-        began, share = time.monotonic(), self._share_of_strays()
+        began, share = time.monotonic(), self._share_after_samples() - self.denoise_share
 
         def meanwhile() -> None:
             part = job.developed()
@@ -187,8 +189,8 @@ class Photograph:
             # What is there of the picture stays.
             job.stop_developing()
 
-    def _share_of_strays(self) -> float:
-        """The part of the time that the light that strays is to take, after the samples."""
+    def _share_after_samples(self) -> float:
+        """The part of the time that denoising and the light that strays are to take, after the samples."""
         predicted = self.told.get("predicted")
         return predicted["after_seconds"] / predicted["seconds"] if predicted and predicted["seconds"] else 0.0
 
@@ -199,18 +201,18 @@ class Photograph:
             # It is on unless it is turned off: who turned it on wants to know.
             level = "WARNING" if self.scene.cycles.is_property_set("use_denoising") else "INFO"
             self.host.report({level}, f"Not denoised: {denoiser.INSTALL}")
-        if how is not None and self.scene.petzval.integrator != "BIDIRECTIONAL":
-            # Bidirectional paths leave them black.
+        if how is not None:
             self.results.guides = denoising.guides(how)
         return how
 
     def _denoise(self, job, how: DenoisingDescription) -> None:
         """Takes the noise out of the picture; without that it stays as it is."""
-        done = 1.0 - self._share_of_strays()
+        done = 1.0 - self._share_after_samples()
         how = denoising.within_memory(how, self.scene.petzval.memory_limit)
 
         def meanwhile() -> None:
-            self._tell(f"Denoising: {100.0 * job.developed():.0f} %", done)
+            part = job.developed()
+            self._tell(f"Denoising: {100.0 * part:.0f} %", done + self.denoise_share * part)
 
         try:
             loop.stoppable(lambda: job.denoise(how), self._stop_asked, meanwhile)
@@ -240,7 +242,7 @@ class Photograph:
             self._denoise(job, how)
         return job
 
-    def _plan(self, native, scene, camera, settings, moving, opened) -> None:
+    def _plan(self, native, scene, camera, settings, moving, opened, how) -> None:
         """Decides what is simulated."""
         self._tell("Planning the effects", 0.0)
         wishes = effects.wishes(self.scene.petzval)
@@ -250,6 +252,11 @@ class Photograph:
         planned = json.loads(self.plan.json())
         if settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
             planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
+        if how is not None and (predicted := planned.get("predicted")):
+            _, _, width, height = settings.window or (0, 0, settings.width, settings.height)
+            seconds = native.denoising_seconds(how, width * height, predicted["threads"])
+            predicted |= {key: predicted[key] + seconds for key in ("seconds", "after_seconds")}
+            self.denoise_share = seconds / predicted["seconds"]
         planning.keep(self.scene.name, planned)
         self.told, self.planned = planned, effects.summary(planned)
 
@@ -333,7 +340,7 @@ class Photograph:
         if used is not None and peak is not None:
             self.host.update_memory_stats(memory_used=used / 2**20, memory_peak=peak / 2**20)
             left += f"Mem:{used / 2**20:.0f}M, Peak:{peak / 2**20:.0f}M | "
-        done = part * (1.0 - self._share_of_strays())
+        done = part * (1.0 - self._share_after_samples())
         self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", done, left)
 
     def _tell(self, text: str, part: float, left: str = "") -> None:

@@ -66,9 +66,34 @@ def test_qualities_prefilters_and_guides_are_cycles_own(parts, room, tmp_path):
 
 
 @pytest.mark.once
-def test_the_same_seed_gives_the_same_bits(parts, room, tmp_path):
-    first, second = (picture(parts, room, tmp_path, name, samples=4, denoise=True) for name in ("first", "second"))
-    assert np.array_equal(first, second)
+def test_the_same_seed_gives_the_same_bits_on_any_number_of_threads(parts, room, tmp_path):
+    room.render.threads_mode, found = "FIXED", []
+    for threads in (1, 2, 3):
+        room.render.threads = threads
+        found.append(picture(parts, room, tmp_path, f"{threads}", samples=4, denoise=True))
+    assert np.array_equal(found[0], found[1]) and np.array_equal(found[0], found[2])
+
+
+@pytest.mark.once
+def test_bidirectional_paths_are_denoised_without_guides(parts, room, tmp_path):
+    room.petzval.integrator, room.camera.data.petzval.model = "BIDIRECTIONAL", "LENS"
+    truth = picture(parts, room, tmp_path, "truth", samples=512, denoise=False)
+    noisy = picture(parts, room, tmp_path, "noisy", samples=4, denoise=False)
+    clean = picture(parts, room, tmp_path, "clean", samples=4, denoise=True)
+    assert error(clean, truth) < 0.5 * error(noisy, truth)
+
+
+@pytest.mark.once
+def test_the_forecast_has_the_time_of_denoising(parts, room, tmp_path):
+    """By the last picture's, so that it is that of this machine; a third is what times of half a second differ by on a busy one."""
+    room.render.resolution_x, room.render.resolution_y = 480, 320
+    said = []
+    for name in ("first", "second"):
+        picture(parts, room, tmp_path, name, samples=16, denoise=True)
+        stats = parts.part("render.statistics").last(room.name).stats
+        said.append((stats["planned"]["predicted"]["after_seconds"], stats["seconds"]["denoise"]))
+    assert said[1][0] == pytest.approx(said[0][1], rel=0.05)
+    assert said[1][1] == pytest.approx(said[0][1], rel=0.33), said
 
 
 @pytest.mark.once

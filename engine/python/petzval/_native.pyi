@@ -50,6 +50,7 @@ __all__ = [
     "distortion_map",
     "effects_json",
     "evaluate_graph",
+    "denoising_seconds",
     "film_bytes_a_pixel",
     "film_of_lens_mm",
     "framing_json",
@@ -558,6 +559,9 @@ class Job:
         """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",
         "lens", "width", "height"}."""
+
+def denoising_seconds(how: DenoisingDescription, pixels: int, threads: int) -> float:
+    """Wall time that `Job.denoise` will take, s, about: by the last picture of this quality."""
 
 def film_bytes_a_pixel(
     *, surfaces: bool = False, vectors: bool = False, mattes: bool = False, halves: bool = False, groups: int = 0

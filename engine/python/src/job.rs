@@ -33,6 +33,12 @@ pub(crate) fn film_bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, ha
     film::bytes_a_pixel(surfaces, vectors, mattes, halves, groups)
 }
 
+/// See the stub.
+#[pyfunction]
+pub(crate) fn denoising_seconds(how: Described<Denoising>, pixels: usize, threads: usize) -> f64 {
+    how.0.expected_seconds(pixels, threads)
+}
+
 /// One render of a scene: see the stub.
 #[pyclass(frozen)]
 pub(crate) struct Job {

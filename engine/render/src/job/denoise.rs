@@ -1,7 +1,6 @@
 //! Denoising of a picture, before the light that strays is laid over.
 
 use super::{Job, Shared, catcher, lock};
-use crate::integrator::Integrator;
 use crate::integrator::path::parts::LightPass;
 pub use petzval_denoise::{DenoiseError, Prefilter, Quality};
 use petzval_denoise::{Denoiser, Request};
@@ -29,6 +28,20 @@ pub struct Denoising {
     pub use_gpu: bool,
     /// Megabytes that the filter may take for itself; 0 as it wants.
     pub memory_mb: usize,
+}
+
+impl Denoising {
+    /// The passes that guide, albedo and normal.
+    fn guides(&self) -> [Option<LightPass>; 2] {
+        let albedo = self.by_albedo.then_some(LightPass::DenoisingAlbedo);
+        [albedo, albedo.filter(|_| self.by_normal).map(|_| LightPass::DenoisingNormal)]
+    }
+
+    /// Wall time that [`Job::denoise`] will take, s, about.
+    pub fn expected_seconds(&self, pixels: usize, threads: usize) -> f64 {
+        let guides = self.guides().iter().flatten().count();
+        petzval_denoise::expected_seconds(self.quality, self.prefilter, guides, pixels, threads)
+    }
 }
 
 /// Pictures without their noise, rows from below.
@@ -96,13 +109,8 @@ impl Job {
         let part = |whole: &[[f32; 3]]| -> Vec<f32> {
             (0..rows).flat_map(|row| whole[place(row)..place(row) + columns].as_flattened().iter().copied()).collect()
         };
-        // Bidirectional paths leave the parts black.
-        let has_guides = shared.settings.integrator == Integrator::Path;
-        let guide = |is_asked: bool, pass: LightPass| {
-            (is_asked && has_guides).then(|| self.part(pass)).flatten().map(|whole| part(&whole))
-        };
-        let albedo = guide(how.by_albedo, LightPass::DenoisingAlbedo);
-        let normal = guide(how.by_albedo && how.by_normal, LightPass::DenoisingNormal);
+        let guide = |pass: LightPass| self.part(pass).map(|whole| part(&whole));
+        let [albedo, normal] = how.guides().map(|pass| pass.and_then(guide));
         let request = Request {
             width: columns,
             height: rows,
