@@ -15,6 +15,7 @@ import numpy as np
 from petzval.description import CameraDescription, DenoisingDescription, SettingsDescription, focused
 
 from ..data.tiles import Window
+from ..render import loop
 
 #: How long a first picture may take, s; it has as many fewer pixels as that needs.
 FIRST_S = 0.05
@@ -82,8 +83,6 @@ class Session:
         self._is_new = False
         self._is_closed = False
         self._is_busy = False
-        # What is refined: its denoising is stopped where something else is asked for.
-        self._job: Any = None
         self._rate = _GUESSED_RATE
         self._plan: Any = None
         # The engine's scene, of the thread alone.
@@ -102,7 +101,7 @@ class Session:
         """Renders another scene from now on."""
         with self._wake:
             self._draft, self._is_new = draft, True
-            self._interrupt()
+            self._wake.notify()
 
     def look(self, wanted: Wanted) -> None:
         """Renders this from now on, if it is not what was asked for."""
@@ -110,12 +109,7 @@ class Session:
             return
         with self._wake:
             self._asked, self._is_new = wanted, True
-            self._interrupt()
-
-    def _interrupt(self) -> None:
-        if self._job is not None:
-            self._job.stop_developing()
-        self._wake.notify()
+            self._wake.notify()
 
     @property
     def is_busy(self) -> bool:
@@ -126,7 +120,7 @@ class Session:
         """Ends soon; waits for nothing."""
         with self._wake:
             self._is_closed = True
-            self._interrupt()
+            self._wake.notify()
 
     def wait(self, seconds: float) -> bool:
         """Until nothing more is to come; False where that takes longer. For tests and tools."""
@@ -152,7 +146,7 @@ class Session:
                 self._work(draft, wanted)
             except Exception as error:  # is told in the view; the next wish may be better
                 self.error = " ".join(str(error).split()) or type(error).__name__
-        self._scene = self._plan = self._job = self.picture = None
+        self._scene = self._plan = self.picture = None
 
     def _work(self, draft: Any, wanted: Wanted | None) -> None:
         began = time.perf_counter()
@@ -208,7 +202,7 @@ class Session:
             self._plan = self._native.Plan(self._scene, camera, s, **wanted.wishes)
         else:
             self._plan = None
-        job = self._job = self._native.Job(self._scene, camera, s, plan=self._plan, parts=wanted.parts)
+        job = self._native.Job(self._scene, camera, s, plan=self._plan, parts=wanted.parts)
         started, shown, next_show = time.perf_counter(), 0, 0.0
         is_done = False
         while not is_done:
@@ -240,10 +234,11 @@ class Session:
                 # Denoising takes its time: the noisy picture is there meanwhile.
                 self._show(job, wanted, wanted.settings, began)
             try:
-                image = job.denoised_image(how)
+                image = loop.stoppable(lambda: job.denoised_image(how), self._interrupted)
+            except loop.Stopped:
+                job.stop_developing()
+                return
             except self._native.PetzvalError as error:
-                if self._interrupted():
-                    return
                 # It is shown with its noise, and said.
                 self.warnings = [*self.warnings, *{f"Not denoised: {error}"}.difference(self.warnings)]
         self._show(job, wanted, wanted.settings, began, image)

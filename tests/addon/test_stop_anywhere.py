@@ -68,7 +68,7 @@ def test_a_render_stops_soon_wherever_it_is(blender):
     bpy.ops.object.light_add(type="SUN")
     for phase, after_s in (*PHASES, *AFTER_SAMPLES):
         if (phase, after_s) in AFTER_SAMPLES:
-            scene.petzval.samples, scene.render.resolution_percentage = 1, 300
+            scene.petzval.samples, scene.render.resolution_percentage = 1, 200
         took = []
         while len(took) < TRIES and min(took, default=1.0) > STOPS_WITHIN_S:
             took.append(seconds_to_stop(bpy, loop, phase, after_s))

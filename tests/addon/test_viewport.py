@@ -399,14 +399,20 @@ def test_an_edit_stops_the_denoising_of_a_view(viewer):
     how = denoising(viewer, quality="HIGH", prefilter="ACCURATE", by_normal=True)
     viewer.look(samples=1, denoising=how)
     settings = dataclasses.replace(viewer.session._asked.settings, width=1920, height=1280, samples=1)
-    viewer.session.look(dataclasses.replace(viewer.session._asked, settings=settings))
-    end = time.monotonic() + 60.0
-    while (job := viewer.session._job) is None or not 0.0 < job.developed() < 0.5:
-        assert time.monotonic() < end
-        time.sleep(0.005)
-    asked = time.monotonic()
-    viewer.look(samples=1)
-    assert viewer.session.wait(10.0)
-    took = time.monotonic() - asked
-    assert viewer.session.picture.pixels.shape[:2] == SIZE[::-1]
-    assert took < 1.0, took
+    large = dataclasses.replace(viewer.session._asked, settings=settings)
+    took = []
+    # Best of some tries: the machine may be busy.
+    while len(took) < 4 and min(took, default=1.0) > 0.3:
+        viewer.session.look(large)
+        end = time.monotonic() + 60.0
+        while viewer.session.picture is None or viewer.session.picture.pixels.shape[:2] != (1280, 1920):
+            assert time.monotonic() < end
+            time.sleep(0.005)
+        # The noisy picture is there: it is being denoised.
+        assert viewer.session.is_busy and not viewer.session.picture.is_denoised
+        asked = time.monotonic()
+        viewer.look(samples=1)
+        assert viewer.session.wait(10.0)
+        took.append(time.monotonic() - asked)
+        assert viewer.session.picture.pixels.shape[:2] == SIZE[::-1]
+    assert min(took) < 0.3, took
