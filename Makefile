@@ -32,7 +32,7 @@ help: ## what there is to make
 demo: build ## render the demo scene through a real lens, into output/demo.png
 	@mkdir -p $(OUTPUT)
 	@echo "petzval: rendering $(DEMO_SCENE) (about a minute on 2 cores)" >&2
-	@$(PETZVAL) render $(DEMO_SCENE) --lens $(DEMO_LENS) --samples 48 -o $(OUTPUT)/demo.png --stats $(OUTPUT)/demo.json $(DEMO_OPTIONS)
+	@$(PETZVAL) render $(DEMO_SCENE) --lens $(DEMO_LENS) --samples 24 --denoise high -o $(OUTPUT)/demo.png --stats $(OUTPUT)/demo.json $(DEMO_OPTIONS)
 	@.venv-tools/bin/python tools/demo_report.py $(OUTPUT)/demo.png $(OUTPUT)/demo.json
 
 test: ## everything: Rust, Python, bpy 5.2 and 4.5, the real Blender; sets up what it needs

@@ -40,6 +40,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         parts = passes.wanted_parts(renderlayer, bpy.app.version)
         parts += passes.wanted_indices(renderlayer, bpy.app.version)
         parts += (*passes.wanted_strays(renderlayer), *(passes.SHADOW,) * passes.wants_shadow(renderlayer))
+        parts += (passes.NOISY,) * passes.is_denoised(scene, renderlayer)
         for one in (passes.COMBINED, *passes.wanted(renderlayer), *parts, *mattes, *groups, *merging):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 

@@ -18,6 +18,7 @@ PHASES = {
     "bvh": "building BVHs",
     "plan": "planning effects",
     "render": "rendering",
+    "denoise": "denoising",
     "pupil_map": "mapping the pupil",
 }
 

@@ -79,6 +79,17 @@ DENOISING = (
     Light("Denoising Depth", "", "Z", "VALUE", "denoising_store_passes", "DENOISING_DEPTH", True),
 )
 
+#: The picture without denoising.
+NOISY = Pass("Noisy Image", 4, "RGBA", "COLOR")
+
+
+def is_denoised(scene: object, view_layer: object) -> bool:
+    """Whether the picture of a view layer is to be denoised: by the scene's switch and the layer's. Parts that are to be merged are not."""
+    cycles, of_layer = getattr(scene, "cycles", None), getattr(view_layer, "cycles", None)
+    is_asked = cycles is not None and cycles.use_denoising and getattr(of_layer, "use_denoising", True)
+    return bool(is_asked) and not view_layer.petzval.use_pass_mergeable
+
+
 #: What of the light is left on what catches shadows.
 SHADOW = Pass("Shadow Catcher", 3, "RGB", "COLOR", "use_pass_shadow_catcher")
 

@@ -10,13 +10,13 @@ import time
 
 import bpy
 
-from petzval.description import CameraDescription, ShutterDescription, changed, focused
+from petzval.description import CameraDescription, DenoisingDescription, ShutterDescription, changed, focused
 
-from ..data import effects, process_memory
+from ..data import denoiser, effects, passes, process_memory
 from ..export import camera as camera_export
+from ..export import denoising, velocity
 from ..export import settings as render_settings
 from ..export import shutter as shutters
-from ..export import velocity
 from ..export import world as world_export
 from ..export.motion import Frame, Motion
 from ..export.report import Report
@@ -50,6 +50,8 @@ class Photograph:
         self.told: dict = {}
         self.samples = 0
         self.planned = ""
+        # The part of the time that denoising is to take.
+        self.denoise_share = 0.0
 
     def take(self) -> None:
         """Takes it; `loop.Stopped` if the user stops it first."""
@@ -76,6 +78,7 @@ class Photograph:
         self.samples = settings.samples
         checkpoint = checkpoints.of(self.depsgraph, is_part=self.results.is_mergeable)
         is_kept = checkpoint is not None and checkpoint.file is not None
+        how = self._denoising()
         self.results.check_memory(width, height, halves=settings.noise_threshold > 0.0, is_kept=is_kept)
         blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
@@ -109,8 +112,7 @@ class Photograph:
             loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
             deliver_black(self.host, self.depsgraph)
             return
-        self._tell_of_denoising()
-        self._plan(native, scene, camera, settings, moving, opened)
+        self._plan(native, scene, camera, settings, moving, opened, how)
         beside = self.results.for_job() | {
             "plan": self.plan,
             "neighbours": neighbours,
@@ -131,6 +133,8 @@ class Photograph:
             job, stop_asked=self._stop_asked, show=self.results.show, tell=self._progress, limit_s=limit_s
         )
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
+        if how is not None and not stopped:
+            self._denoise(job, how)
         strays = [name for name in effects.STRAYS if self._is_on(name)]
         if strays and self.results.is_mergeable:
             self.host.report(
@@ -139,14 +143,19 @@ class Photograph:
             )
         elif strays and not stopped:
             self._develop(job)
-        picture, shadow = job.image(), None
+        pictures = {passes.COMBINED.name: job.image(), passes.NOISY.name: job.noisy_image()}
         if catches and not stopped:
-            others = functools.partial(self._beside_all, native, camera, settings, moving, size, place, blur, opened)
+            others = functools.partial(
+                self._beside_all, native, camera, settings, moving, size, place, blur, opened, how
+            )
             is_opaque, is_apart = not self.scene.render.film_transparent, self.results.has_shadow
             alone, sky = others(is_sky=False), others(is_sky=True) if is_opaque and not is_apart else None
-            picture = job.over_photograph(alone, sky, is_opaque=is_opaque, is_apart=is_apart)
-            shadow = job.shadow(alone)
-        self.results.show_all(job, picture, shadow, self.told, picture_of)
+            for name, is_noisy in ((passes.COMBINED.name, False), (passes.NOISY.name, True)):
+                pictures[name] = job.over_photograph(
+                    alone, sky, is_opaque=is_opaque, is_apart=is_apart, is_noisy=is_noisy
+                )
+            pictures[passes.SHADOW.name] = job.shadow(alone)
+        self.results.show_all(job, pictures, self.told, picture_of)
         for warning in scene.warnings():
             if warning not in self.report.warnings:
                 self.report.warn(warning)
@@ -165,7 +174,7 @@ class Photograph:
 
     def _develop(self, job) -> None:
         """Lays over the picture what of the light strays."""
-        began, share = time.monotonic(), self._share_of_strays()
+        began, share = time.monotonic(), self._share_after_samples() - self.denoise_share
 
         def meanwhile() -> None:
             part = job.developed()
@@ -180,22 +189,39 @@ class Photograph:
             # What is there of the picture stays.
             job.stop_developing()
 
-    def _share_of_strays(self) -> float:
-        """The part of the time that the light that strays is to take, after the samples."""
+    def _share_after_samples(self) -> float:
+        """The part of the time that denoising and the light that strays are to take, after the samples."""
         predicted = self.told.get("predicted")
         return predicted["after_seconds"] / predicted["seconds"] if predicted and predicted["seconds"] else 0.0
 
-    def _tell_of_denoising(self) -> None:
-        """Cycles's switch is on unless it is turned off: who turned it on wants to know that it is for Cycles."""
-        cycles = getattr(self.scene, "cycles", None)
-        if cycles is not None and cycles.is_property_set("use_denoising") and cycles.use_denoising:
-            self.host.report(
-                {"INFO"},
-                "Petzval does not denoise by itself: turn on View Layer > Passes > Data for Denoise Node, and use the Denoise node "
-                "of the compositor with Denoising Albedo and Denoising Normal",
-            )
+    def _denoising(self) -> DenoisingDescription | None:
+        """How the picture is denoised once its samples are there; None: it is not."""
+        how = denoising.of_render(self.scene) if self.results.is_denoised else None
+        if how is None and self.results.is_denoised:
+            # It is on unless it is turned off: who turned it on wants to know.
+            level = "WARNING" if self.scene.cycles.is_property_set("use_denoising") else "INFO"
+            self.host.report({level}, f"Not denoised: {denoiser.INSTALL}")
+        if how is not None:
+            self.results.guides = denoising.guides(how)
+        return how
 
-    def _beside_all(self, native, camera, settings, moving, size, place, blur, opened, *, is_sky: bool):
+    def _denoise(self, job, how: DenoisingDescription) -> None:
+        """Takes the noise out of the picture; without that it stays as it is."""
+        done = 1.0 - self._share_after_samples()
+        how = denoising.within_memory(how, self.scene.petzval.memory_limit)
+
+        def meanwhile() -> None:
+            part = job.developed()
+            self._tell(f"Denoising: {100.0 * part:.0f} %", done + self.denoise_share * part)
+
+        try:
+            loop.stoppable(lambda: job.denoise(how), self._stop_asked, meanwhile)
+        except loop.Stopped:
+            job.stop_developing()
+        except engine().PetzvalError as error:
+            self.host.report({"WARNING"}, f"Not denoised: {error}")
+
+    def _beside_all(self, native, camera, settings, moving, size, place, blur, opened, how, *, is_sky: bool):
         """The finished render of what catches shadows without anything that throws them, or of the sky alone."""
         builder = native.SceneBuilder()
         if is_sky:
@@ -207,13 +233,16 @@ class Photograph:
         # A sky that the camera sees is none of the light on what catches shadows.
         settings = dataclasses.replace(settings, transparent_film=not is_sky)
         scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
-        make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan, shutter=opened)  # noqa: E731
+        parts = self.results.guides
+        make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan, shutter=opened, parts=parts)  # noqa: E731
         job = loop.stoppable(make, self._stop_asked)
         tell = lambda part, _: self._tell("Shadow catcher background", part)  # noqa: E731
-        loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
+        stopped = loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
+        if how is not None and not stopped:
+            self._denoise(job, how)
         return job
 
-    def _plan(self, native, scene, camera, settings, moving, opened) -> None:
+    def _plan(self, native, scene, camera, settings, moving, opened, how) -> None:
         """Decides what is simulated."""
         self._tell("Planning the effects", 0.0)
         wishes = effects.wishes(self.scene.petzval)
@@ -223,6 +252,11 @@ class Photograph:
         planned = json.loads(self.plan.json())
         if settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
             planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
+        if how is not None and (predicted := planned.get("predicted")):
+            _, _, width, height = settings.window or (0, 0, settings.width, settings.height)
+            seconds = native.denoising_seconds(how, width * height, predicted["threads"])
+            predicted |= {key: predicted[key] + seconds for key in ("seconds", "after_seconds")}
+            self.denoise_share = seconds / predicted["seconds"]
         planning.keep(self.scene.name, planned)
         self.told, self.planned = planned, effects.summary(planned)
 
@@ -306,7 +340,7 @@ class Photograph:
         if used is not None and peak is not None:
             self.host.update_memory_stats(memory_used=used / 2**20, memory_peak=peak / 2**20)
             left += f"Mem:{used / 2**20:.0f}M, Peak:{peak / 2**20:.0f}M | "
-        done = part * (1.0 - self._share_of_strays())
+        done = part * (1.0 - self._share_after_samples())
         self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", done, left)
 
     def _tell(self, text: str, part: float, left: str = "") -> None:

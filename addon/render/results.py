@@ -58,6 +58,9 @@ class Results:
         self._indices = passes.wanted_indices(layer, bpy.app.version)
         self._strays = passes.wanted_strays(layer)
         self.has_shadow = passes.wants_shadow(layer)
+        self.is_denoised = passes.is_denoised(scene, layer)
+        #: The engine's parts that guide the denoiser.
+        self.guides: list[str] = []
 
     @property
     def has_data(self) -> bool:
@@ -80,7 +83,9 @@ class Results:
             "mattes": [one.engine_name for one in (*self._mattes, *self._indices)],
             "matte_levels": self._matte_levels,
             "light_groups": len(self._light_groups),
-            "parts": [name for one in self._parts for name in passes.engine_names(one)],
+            "parts": list(
+                dict.fromkeys([*(name for one in self._parts for name in passes.engine_names(one)), *self.guides])
+            ),
         }
 
     def check_memory(self, width: int, height: int, *, halves: bool, is_kept: bool) -> None:
@@ -92,6 +97,7 @@ class Results:
         )
         every = (*self._data, *self._merging, *self._light_groups, *self._parts, *self._indices, *self._strays)
         numbers = 4 + sum(one.channels for one in every) + 4 * len(self._mattes) * ((self._matte_levels + 1) // 2)
+        numbers += passes.NOISY.channels if self.is_denoised else 0
         limit = self._depsgraph.scene_eval.petzval.memory_limit
         memory.check_picture(limit, width, height, film * (2 if is_kept else 1), numbers)
 
@@ -100,14 +106,13 @@ class Results:
         inside = (tiles.clipped(tile, self._window) for tile in finished)
         deliver(self._host, self._depsgraph, [tile for tile in inside if tile is not None])
 
-    def show_all(
-        self, job: Any, picture: np.ndarray, shadow: np.ndarray | None, plan: dict, picture_of: dict[str, str]
-    ) -> None:
-        """The finished picture with its passes of data, at once: a result without a pass would blacken it. `shadow`: what is left
-        of the light on what catches shadows, if anything does; `plan` as the engine tells it; `picture_of`: what decides the picture, whichever of its samples it holds."""
-        pictures = {passes.COMBINED.name: picture}
+    def show_all(self, job: Any, pictures: dict[str, np.ndarray], plan: dict, picture_of: dict[str, str]) -> None:
+        """The finished picture with its passes of data, at once: a result without a pass would blacken it. `pictures` by the names of their
+        passes; those that the job knows are added. `plan` as the engine tells it; `picture_of`: what decides the picture, whichever of its
+        samples it holds."""
+        pictures = dict(pictures)
         if self.has_shadow:
-            pictures[passes.SHADOW.name] = np.ones_like(picture[..., :3]) if shadow is None else shadow
+            pictures.setdefault(passes.SHADOW.name, np.ones_like(pictures[passes.COMBINED.name][..., :3]))
         pictures |= {one.name: job.data(one.engine_name) for one in (*self._data, *self._merging)}
         pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self._light_groups, 1)}
         pictures |= {one.name: job.index(one.engine_name) for one in self._indices}

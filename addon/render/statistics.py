@@ -60,6 +60,8 @@ def _seconds(seconds: dict[str, Any]) -> str:
     """What took how long, and all together."""
     strays = sum((seconds.get("strays") or {}).values())
     parts = {"sync": seconds["sync"], "trees": seconds["bvh"], "samples": seconds["render"]}
+    if "denoise" in seconds:
+        parts["denoising"] = seconds["denoise"]
     if strays:
         parts["ghosts, glare and diffraction"] = strays
     said = ", ".join(f"{name} {value:.2f} s" for name, value in parts.items())

@@ -6,6 +6,9 @@ from __future__ import annotations
 import bpy
 
 from .. import native
+from ..data import denoiser
+from ..export import denoising
+from .camera_parts import complain
 from .mixin import PetzvalPanel, columns
 from .preset_panels import PETZVAL_PT_sampling_presets
 
@@ -49,6 +52,59 @@ class PETZVAL_RENDER_PT_sampling_viewport(_RenderPanel, bpy.types.Panel):
         layout = columns(self)
         layout.prop(context.scene.petzval, "preview_samples", text="Samples")
         layout.prop(context.scene.petzval, "preview_pixel_size")
+
+
+class _DenoisePanel(_RenderPanel):
+    """Cycles's settings, which a scene has one set of."""
+
+    bl_label = "Denoise"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and hasattr(context.scene, "cycles")
+
+
+def _denoise_rows(layout, cycles, which: str) -> None:
+    """Those of final renders, or of views (`preview_`), as this Blender has them."""
+    layout.active = getattr(cycles, f"use_{which}denoising")
+    for name, text in (
+        ("input_passes", "Passes"),
+        ("prefilter", "Prefilter"),
+        ("quality", "Quality"),
+        ("start_sample", "Start Sample"),
+        ("use_gpu", "Use GPU"),
+    ):
+        if hasattr(cycles, f"{which}denoising_{name}"):
+            row = layout.row()
+            row.active = name != "use_gpu" or denoising.has_gpu()
+            row.prop(cycles, f"{which}denoising_{name}", text=text)
+
+
+class PETZVAL_RENDER_PT_sampling_viewport_denoise(_DenoisePanel, bpy.types.Panel):
+    bl_parent_id = "PETZVAL_RENDER_PT_sampling_viewport"
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.cycles, "use_preview_denoising", text="")
+
+    def draw(self, context):
+        layout, cycles = columns(self), context.scene.cycles
+        if cycles.use_preview_denoising and denoiser.library() is None:
+            complain(context, layout, denoiser.INSTALL)
+        _denoise_rows(layout.column(), cycles, "preview_")
+
+
+class PETZVAL_RENDER_PT_sampling_denoise(_DenoisePanel, bpy.types.Panel):
+    bl_parent_id = "PETZVAL_RENDER_PT_sampling"
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.cycles, "use_denoising", text="")
+
+    def draw(self, context):
+        layout, cycles = columns(self), context.scene.cycles
+        if cycles.use_denoising and denoiser.library() is None:
+            complain(context, layout, denoiser.INSTALL)
+        _denoise_rows(layout.column(), cycles, "")
 
 
 class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
@@ -137,6 +193,8 @@ class PETZVAL_RENDER_PT_fast_gi(_RenderPanel, bpy.types.Panel):
 CLASSES = (
     PETZVAL_RENDER_PT_sampling,
     PETZVAL_RENDER_PT_sampling_viewport,
+    PETZVAL_RENDER_PT_sampling_viewport_denoise,
+    PETZVAL_RENDER_PT_sampling_denoise,
     PETZVAL_RENDER_PT_sampling_advanced,
     PETZVAL_RENDER_PT_light_paths,
     PETZVAL_RENDER_PT_fast_gi,

@@ -139,6 +139,11 @@ class PETZVAL_VIEW_LAYER_PT_filter(PetzvalPanel, bpy.types.Panel):
         column.prop(layer, "use_solid", text="Surfaces")
         column.prop(layer, "use_strand", text="Curves")
         column.prop(layer, "use_volumes", text="Volumes")
+        cycles, of_layer = getattr(context.scene, "cycles", None), getattr(layer, "cycles", None)
+        if cycles is not None and hasattr(of_layer, "use_denoising"):
+            row = layout.row(heading="Use")
+            row.active = cycles.use_denoising
+            row.prop(of_layer, "use_denoising", text="Denoising")
 
 
 class PETZVAL_VIEW_LAYER_PT_override(PetzvalPanel, bpy.types.Panel):

@@ -14,6 +14,7 @@ import bpy
 
 from .. import redraw
 from ..data import effects
+from ..export import denoising
 from ..export import settings as render_settings
 from ..export.errors import ExportError
 from ..export.kept import Changes
@@ -94,7 +95,9 @@ class RenderedView:
             # Light paths from lamps would know of no part of a picture, and of no other view.
             integrator="PATH",
         )
-        wanted = Wanted(seen.camera, settings, effects.wishes(scene.petzval))
+        how = denoising.of_view(scene)
+        start = scene.cycles.preview_denoising_start_sample if how else 1
+        wanted = Wanted(seen.camera, settings, effects.wishes(scene.petzval), how, start)
         place = staging.place(seen.camera)
         # What is wished of the effects is measured from the scene's origin.
         if self._is_far(place) or (wanted.has_wishes and place != self._origin):

@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from petzval.description import CameraDescription, SettingsDescription, focused
+from petzval.description import CameraDescription, DenoisingDescription, SettingsDescription, focused
 
 from ..data.tiles import Window
+from ..render import loop
 
 #: How long a first picture may take, s; it has as many fewer pixels as that needs.
 FIRST_S = 0.05
@@ -35,6 +36,17 @@ class Wanted:
     settings: SettingsDescription
     #: Of the effects: as the engine's `Plan` takes them.
     wishes: dict[str, Any] = field(default_factory=dict)
+    #: How pictures are denoised, from so many samples on; None: they are not.
+    denoising: DenoisingDescription | None = None
+    denoise_from: int = 1
+
+    @property
+    def parts(self) -> list[str]:
+        """What guides the denoiser: the engine keeps it."""
+        how = self.denoising
+        if how is None:
+            return []
+        return ["DENOISING_ALBEDO"] * how.by_albedo + ["DENOISING_NORMAL"] * how.by_normal
 
     @property
     def has_wishes(self) -> bool:
@@ -57,6 +69,7 @@ class Picture:
     place: tuple[float, float, float, float]
     samples: int
     wanted: Wanted
+    is_denoised: bool = False
 
 
 class Session:
@@ -189,7 +202,7 @@ class Session:
             self._plan = self._native.Plan(self._scene, camera, s, **wanted.wishes)
         else:
             self._plan = None
-        job = self._native.Job(self._scene, camera, s, plan=self._plan)
+        job = self._native.Job(self._scene, camera, s, plan=self._plan, parts=wanted.parts)
         started, shown, next_show = time.perf_counter(), 0, 0.0
         is_done = False
         while not is_done:
@@ -203,19 +216,43 @@ class Session:
             if samples > shown and (is_done or now >= next_show):
                 if shown == 0:
                     self._count(samples * wanted.window.width * wanted.window.height, started)
-                self._show(job, wanted, s, began)
-                shown, next_show = samples, now + (_SHOW_S if samples < 16 else _SHOW_LATER_S)
+                self._show_refined(job, wanted, began)
+                took = time.perf_counter() - now
+                # Half of the time at least is the samples' own.
+                pause = max(_SHOW_S if samples < 16 else _SHOW_LATER_S, took)
+                shown, next_show = samples, now + took + pause
         failure = json.loads(job.stats_json()).get("failure")
         if failure:
             self.error = failure
 
-    def _show(self, job: Any, wanted: Wanted, of: SettingsDescription, began: float) -> None:
+    def _show_refined(self, job: Any, wanted: Wanted, began: float) -> None:
+        """Shows the picture as it is, or denoised: pictures of few pixels before it are not."""
+        image, how = None, wanted.denoising
+        if how is not None and job.samples_done() >= wanted.denoise_from:
+            before = self.picture
+            if before is None or before.wanted is not wanted or not before.is_denoised:
+                # Denoising takes its time: the noisy picture is there meanwhile.
+                self._show(job, wanted, wanted.settings, began)
+            try:
+                image = loop.stoppable(lambda: job.denoised_image(how), self._interrupted)
+            except loop.Stopped:
+                job.stop_developing()
+                return
+            except self._native.PetzvalError as error:
+                # It is shown with its noise, and said.
+                self.warnings = [*self.warnings, *{f"Not denoised: {error}"}.difference(self.warnings)]
+        self._show(job, wanted, wanted.settings, began, image)
+
+    def _show(
+        self, job: Any, wanted: Wanted, of: SettingsDescription, began: float, image: np.ndarray | None = None
+    ) -> None:
         x, y, width, height = of.window or (0, 0, of.width, of.height)
-        pixels = np.ascontiguousarray(job.image()[y : y + height, x : x + width])
+        whole = job.image() if image is None else image
+        pixels = np.ascontiguousarray(whole[y : y + height, x : x + width])
         place = (x / of.width, y / of.height, width / of.width, height / of.height)
         if self.picture is None or self.picture.wanted is not wanted:
             self.seconds["first"] = time.perf_counter() - began
-        self.picture = Picture(pixels, place, job.samples_done(), wanted)
+        self.picture = Picture(pixels, place, job.samples_done(), wanted, image is not None)
 
     def _interrupted(self) -> bool:
         return self._is_new or self._is_closed

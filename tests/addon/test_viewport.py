@@ -48,11 +48,11 @@ class Viewer:
         sent, self.drafts = self.drafts > 0, 0
         return sent
 
-    def look(self, samples=8, wishes=None):
+    def look(self, samples=8, wishes=None, denoising=None, denoise_from=1):
         scene, depsgraph = self.bpy.context.scene, self.bpy.context.evaluated_depsgraph_get()
         camera = self.staging.camera(depsgraph.scene_eval, *SIZE, self.report_of())
         settings = dataclasses.replace(self.settings.describe(scene, *SIZE), samples=samples, seed=3)
-        self.session.look(self.wanted_of(camera, settings, wishes or {}))
+        self.session.look(self.wanted_of(camera, settings, wishes or {}, denoising, denoise_from))
 
     def picture(self, samples=8):
         """The finished picture of the scene as it is."""
@@ -350,3 +350,69 @@ def test_many_edits_keep_their_memory(viewer):
     kept = viewer.sync._kept
     assert len(kept.meshes) <= 5 and len(kept.materials) <= 5
     assert after < 1.01 * before, (before, after)
+
+
+def denoising(viewer, **changes):
+    """Cycles's settings of views, turned on."""
+    scene = viewer.bpy.context.scene
+    scene.cycles.use_preview_denoising = True
+    from importlib import import_module
+
+    import petzval
+
+    how = import_module(f"{petzval.load_addon().__name__}.export.denoising").of_view(scene)
+    assert how is not None and (how.prefilter, how.quality, how.by_normal) == ("FAST", "BALANCED", False)
+    return dataclasses.replace(how, **changes)
+
+
+def shown(viewer, **look):
+    viewer.look(**look)
+    assert viewer.session.wait(60.0) and not viewer.session.error, viewer.session.error
+    return viewer.session.picture
+
+
+def test_a_view_is_denoised(viewer):
+    truth = shown(viewer, samples=1024).pixels[..., :3]
+    noisy, clean = shown(viewer, samples=2), shown(viewer, samples=2, denoising=denoising(viewer))
+    assert clean.is_denoised and not noisy.is_denoised
+    assert clean.samples == noisy.samples == 2
+    error = [float(((one.pixels[..., :3] - truth) ** 2).mean()) for one in (noisy, clean)]
+    assert error[1] < 0.5 * error[0], error
+
+
+def test_a_view_is_denoised_from_its_sample_on(viewer):
+    how = denoising(viewer)
+    assert not shown(viewer, samples=4, denoising=how, denoise_from=5).is_denoised
+    assert shown(viewer, samples=8, denoising=how, denoise_from=5).is_denoised
+
+
+@pytest.mark.once
+def test_a_view_whose_denoiser_fails_shows_its_noise_and_says_so(viewer):
+    found = shown(viewer, samples=2, denoising=denoising(viewer, library="/no/such/library.so"))
+    assert not found.is_denoised
+    assert [one for one in viewer.session.warnings if one.startswith("Not denoised: ") and "/no/such" in one]
+
+
+@pytest.mark.once
+def test_an_edit_stops_the_denoising_of_a_view(viewer):
+    """The next picture does not wait for it. Large, so that denoising takes seconds."""
+    how = denoising(viewer, quality="HIGH", prefilter="ACCURATE", by_normal=True)
+    viewer.look(samples=1, denoising=how)
+    settings = dataclasses.replace(viewer.session._asked.settings, width=1920, height=1280, samples=1)
+    large = dataclasses.replace(viewer.session._asked, settings=settings)
+    took = []
+    # Best of some tries: the machine may be busy.
+    while len(took) < 4 and min(took, default=1.0) > 0.3:
+        viewer.session.look(large)
+        end = time.monotonic() + 60.0
+        while viewer.session.picture is None or viewer.session.picture.pixels.shape[:2] != (1280, 1920):
+            assert time.monotonic() < end
+            time.sleep(0.005)
+        # The noisy picture is there: it is being denoised.
+        assert viewer.session.is_busy and not viewer.session.picture.is_denoised
+        asked = time.monotonic()
+        viewer.look(samples=1)
+        assert viewer.session.wait(10.0)
+        took.append(time.monotonic() - asked)
+        assert viewer.session.picture.pixels.shape[:2] == SIZE[::-1]
+    assert min(took) < 0.3, took

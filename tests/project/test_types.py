@@ -35,6 +35,7 @@ READERS = {
     "KindLimits": ("KindLimits", "render/src/integrator/path.rs"),
     "Approximations": ("Approximations", "render/src/integrator/path/approximations.rs"),
     "SettingsDescription": ("Settings", "render/src/job/settings.rs"),
+    "DenoisingDescription": ("Denoising", "render/src/job/denoise.rs"),
     "ShutterDescription": ("Shutter", "render/src/pipeline/exposure.rs"),
     "MaterialDescription": ("PyMaterial", "python/src/material.rs"),
     "LightDescription": ("PyLight", "python/src/material.rs"),

@@ -336,6 +336,7 @@ def main() -> None:
     scene.view_settings.exposure = {"night": -0.3, "sun": -1.1}[kind]
     # Fireflies of lamps in the wet road.
     scene.cycles.sample_clamp_indirect = 20.0
+    scene.cycles.use_denoising = False
     bpy.ops.wm.save_as_mainfile(filepath=out, compress=True)
 
 

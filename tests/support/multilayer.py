@@ -54,7 +54,7 @@ def exr_channels(path) -> dict[str, np.ndarray]:
     return found
 
 
-def photograph(parts, scene, path, engine: str = "PETZVAL", samples: int = 64):
+def photograph(parts, scene, path, engine: str = "PETZVAL", samples: int = 64, *, denoise: bool = False):
     """Every channel by pass and channel, lower case, and the whole file."""
     import bpy
 
@@ -63,7 +63,7 @@ def photograph(parts, scene, path, engine: str = "PETZVAL", samples: int = 64):
     scene.render.engine = engine
     scene.petzval.samples = scene.cycles.samples = samples
     scene.cycles.device = "CPU"
-    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling = denoise, False
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
     return {name.partition(".")[2].lower(): pixels for name, pixels in exr_channels(path).items()}, path.read_bytes()

@@ -30,6 +30,7 @@ def set_up(width: int = 48, height: int = 32, samples: int = 4, model: str = "PI
     scene.render.engine = "PETZVAL"
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = width, height, 100
     scene.petzval.samples = samples
+    undenoised(scene)
     exr(scene)
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     camera.rotation_euler = (np.pi / 2, 0.0, 0.0)
@@ -39,6 +40,12 @@ def set_up(width: int = 48, height: int = 32, samples: int = 4, model: str = "PI
     scene.camera = camera
     scene.world = grey_world(0.5)
     return scene
+
+
+def undenoised(scene: bpy.types.Scene) -> None:
+    """Pictures as their samples have them: a new scene is denoised."""
+    if hasattr(scene, "cycles"):
+        scene.cycles.use_denoising = False
 
 
 def straight(scene: bpy.types.Scene) -> None:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from .description import (
     CameraDescription,
+    DenoisingDescription,
     LensReportSettings,
     LensSettings,
     LightDescription,
@@ -49,6 +50,7 @@ __all__ = [
     "distortion_map",
     "effects_json",
     "evaluate_graph",
+    "denoising_seconds",
     "film_bytes_a_pixel",
     "film_of_lens_mm",
     "framing_json",
@@ -515,11 +517,11 @@ class Job:
         """What is left of the light on what catches shadows, (height, width, 3), 1 where nothing is seen, by the finished render
         of that alone. For a job with `catches`."""
     def over_photograph(
-        self, alone: Job, sky: Job | None, *, is_opaque: bool, is_apart: bool
+        self, alone: Job, sky: Job | None, *, is_opaque: bool, is_apart: bool, is_noisy: bool = False
     ) -> npt.NDArray[np.float32]:
         """The picture to be laid over a photograph, (height, width, 4): what catches shadows is gone, and the mean of its shadow
         is alpha, but where that is a pass of its own (`is_apart`). It is laid over the finished render of the `sky`, if there is
-        one."""
+        one. `is_noisy`: as it is without `denoise`."""
     def matte_metadata(self, layer: str, name: str) -> list[tuple[str, str]]:
         """What a file has to say of a layer that is called `name` in it: keys and values."""
     def wait(self, timeout_s: float) -> bool:
@@ -535,6 +537,14 @@ class Job:
         """(height, width, 4), what is there now."""
     def stop(self) -> None:
         """Asks to stop; finished samples stay. The job ends within 0.1 s."""
+    def denoise(self, how: DenoisingDescription) -> None:
+        """After the end, before `develop`: takes the noise out of the picture; `image` then has none. Raises what the library reports; the
+        picture then is as it was. `developed` and `stop_developing` are about it, too."""
+    def denoised_image(self, how: DenoisingDescription) -> npt.NDArray[np.float32]:
+        """`image` without its noise and without the light that strays. The render may go on meanwhile, and keeps its noise. Raises as
+        `denoise`."""
+    def noisy_image(self) -> npt.NDArray[np.float32]:
+        """`image` as it is without `denoise`."""
     def develop(self) -> None:
         """After the end: finds the light that strays in the lens, if the plan has any simulated; `image` then has it. Takes its time."""
     def stop_developing(self) -> None:
@@ -549,6 +559,9 @@ class Job:
         """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",
         "lens", "width", "height"}."""
+
+def denoising_seconds(how: DenoisingDescription, pixels: int, threads: int) -> float:
+    """Wall time that `Job.denoise` will take, s, about: by the last picture of this quality."""
 
 def film_bytes_a_pixel(
     *, surfaces: bool = False, vectors: bool = False, mattes: bool = False, halves: bool = False, groups: int = 0

@@ -223,6 +223,19 @@ class ShutterDescription:
     camera_keys: list[Matrix4] = field(default_factory=list)  # at even times over the exposure; empty: it stands still
 
 
+@dataclass(frozen=True)
+class DenoisingDescription:
+    """How a finished picture is denoised."""
+
+    library: str  # the file of Open Image Denoise
+    by_albedo: bool = True  # DENOISING_ALBEDO guides, where the render keeps it
+    by_normal: bool = True  # and DENOISING_NORMAL beside it
+    prefilter: str = "ACCURATE"  # NONE | FAST | ACCURATE: what becomes of the noise of both
+    quality: str = "HIGH"  # FAST | BALANCED | HIGH
+    use_gpu: bool = False  # where there is one
+    memory_mb: int = 0  # that the filter may take; 0: as it wants
+
+
 @dataclass
 class MaterialDescription:
     """A material: its shader nodes, as JSON of what the add-on's `export/graph.py` makes of them."""

@@ -36,6 +36,11 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     p.add_argument("--seed", type=types.natural, metavar="N")
     p.add_argument(
+        "--denoise",
+        choices=("off", "fast", "balanced", "high"),
+        help="by Open Image Denoise, once the samples are there",
+    )
+    p.add_argument(
         "--blue-noise",
         choices=("on", "off"),
         help="errors of neighbouring pixels cancel; off to join ranges of samples, and with --noise-threshold",

@@ -281,6 +281,12 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
             setattr(own, name, o[name])
     if o["blue_noise"] is not None:
         own.use_blue_noise = o["blue_noise"] == "on"
+    if o["denoise"] is not None:
+        # Cycles keeps these; a scene has one set of them.
+        cycles = _Strict(scene.cycles)
+        cycles.use_denoising = o["denoise"] != "off"
+        if o["denoise"] != "off" and hasattr(scene.cycles, "denoising_quality"):
+            cycles.denoising_quality = o["denoise"].upper()
     if o["noise_threshold"] is not None:
         own.use_noise_threshold = o["noise_threshold"] > 0.0
         own.noise_threshold = o["noise_threshold"] or own.noise_threshold

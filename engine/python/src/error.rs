@@ -7,6 +7,7 @@ use petzval_optics::system::SystemError;
 use petzval_pictures::error::MergeError;
 use petzval_render::camera::CameraError;
 use petzval_render::job::SettingsError;
+use petzval_render::job::denoise::DenoiseError;
 use petzval_render::job::request::RequestError;
 use petzval_render::plan::PlanError;
 use petzval_render::reports::ReportError;
@@ -65,6 +66,7 @@ maps! {
     Parsing => SceneError_,
     CameraError => CameraError_,
     SettingsError => PetzvalError,
+    DenoiseError => PetzvalError,
     PlanError => PetzvalError,
 }
 

@@ -14,6 +14,7 @@ use petzval_render::film::cryptomatte::{self, MatteLayer};
 use petzval_render::film::data::DataPass;
 use petzval_render::job::catcher::Laying;
 use petzval_render::job::checkpoint::Checkpoints;
+use petzval_render::job::denoise::Denoising;
 use petzval_render::job::request::JobRequest;
 use petzval_render::job::{self as engine, Settings};
 use petzval_render::pipeline::exposure::Shutter;
@@ -30,6 +31,12 @@ type PyTile<'py> = (u32, u32, u32, u32, Bound<'py, PyArray3<f32>>);
 #[pyo3(signature = (*, surfaces = false, vectors = false, mattes = false, halves = false, groups = 0))]
 pub(crate) fn film_bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, halves: bool, groups: usize) -> usize {
     film::bytes_a_pixel(surfaces, vectors, mattes, halves, groups)
+}
+
+/// See the stub.
+#[pyfunction]
+pub(crate) fn denoising_seconds(how: Described<Denoising>, pixels: usize, threads: usize) -> f64 {
+    how.0.expected_seconds(pixels, threads)
 }
 
 /// One render of a scene: see the stub.
@@ -127,10 +134,10 @@ impl Job {
     fn data<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let (width, height) = self.job.film().size();
         if let Some(place) = ["REMAINDER", "REMAINDER_FINE"].iter().position(|known| *known == name) {
-            // With light that strays the picture is no sum of samples.
-            let rest = without_gil(py, || match self.job.strayed() {
-                Some(_) => vec![[[0.0; 4]; 2]; width as usize * height as usize],
-                None => self.job.film().remainders(),
+            // Denoised, or with light that strays, the picture is no sum of samples.
+            let rest = without_gil(py, || match self.job.is_denoised() || self.job.strayed().is_some() {
+                true => vec![[[0.0; 4]; 2]; width as usize * height as usize],
+                false => self.job.film().remainders(),
             })?;
             return array(py, rest.into_iter().map(|both| both[place]).collect(), width, height);
         }
@@ -187,7 +194,7 @@ impl Job {
         self.array_of_three(py, pixels.ok_or_else(keeps_no_shadows)?)
     }
 
-    #[pyo3(signature = (alone, sky, *, is_opaque, is_apart))]
+    #[pyo3(signature = (alone, sky, *, is_opaque, is_apart, is_noisy=false))]
     fn over_photograph<'py>(
         &self,
         py: Python<'py>,
@@ -195,8 +202,9 @@ impl Job {
         sky: Option<&Self>,
         is_opaque: bool,
         is_apart: bool,
+        is_noisy: bool,
     ) -> Result<Bound<'py, PyArray3<f32>>, Error> {
-        let laying = Laying { is_opaque, is_apart };
+        let laying = Laying { is_opaque, is_apart, is_noisy };
         let pixels = without_gil(py, || self.job.over_photograph(&alone.job, sky.map(|sky| &sky.job), laying))?;
         let (width, height) = self.job.film().size();
         array(py, pixels.ok_or_else(keeps_no_shadows)?, width, height)
@@ -218,6 +226,26 @@ impl Job {
 
     fn stop(&self) {
         self.job.stop();
+    }
+
+    fn denoise(&self, py: Python<'_>, how: Described<Denoising>) -> Result<(), Error> {
+        Ok(without_gil(py, || self.job.denoise(&how.0))??)
+    }
+
+    fn denoised_image<'py>(
+        &self,
+        py: Python<'py>,
+        how: Described<Denoising>,
+    ) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (width, height) = self.job.film().size();
+        let pixels = without_gil(py, || self.job.denoised_picture(&how.0))??;
+        array(py, pixels, width, height)
+    }
+
+    fn noisy_image<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (width, height) = self.job.film().size();
+        let pixels = without_gil(py, || self.job.noisy_picture())?;
+        array(py, pixels, width, height)
     }
 
     fn develop(&self, py: Python<'_>) -> Result<(), Error> {

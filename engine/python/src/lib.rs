@@ -57,6 +57,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<files::Checkpoint>()?;
     m.add_function(wrap_pyfunction!(files::check_replaceable, m)?)?;
     m.add_function(wrap_pyfunction!(job::film_bytes_a_pixel, m)?)?;
+    m.add_function(wrap_pyfunction!(job::denoising_seconds, m)?)?;
     m.add_function(wrap_pyfunction!(files::read_bounded, m)?)?;
     m.add_function(wrap_pyfunction!(files::checkpoint_problem, m)?)?;
     m.add_function(wrap_pyfunction!(pictures::check_exr, m)?)?;

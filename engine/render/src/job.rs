@@ -6,6 +6,7 @@
 mod adaptive;
 pub mod catcher;
 pub mod checkpoint;
+pub mod denoise;
 mod develop;
 mod error;
 pub mod forecast;
@@ -115,8 +116,9 @@ struct Shared {
     gate: RwLock<()>,
     keeper: Option<Keeper>,
     strayed: Mutex<Option<Arc<StrayLight>>>,
+    denoised: Mutex<Option<Arc<denoise::Denoised>>>,
     stop_developing: AtomicBool,
-    /// The bits of the part of the stray light that is found.
+    /// The bits of the part of the stray light that is found, or of the picture that is denoised.
     developed: AtomicU64,
     running: Mutex<usize>,
     ended: Condvar,
@@ -363,6 +365,7 @@ impl Shared {
             gate: RwLock::new(()),
             keeper: None,
             strayed: Mutex::default(),
+            denoised: Mutex::default(),
             stop_developing: AtomicBool::new(false),
             developed: AtomicU64::new(0),
         };

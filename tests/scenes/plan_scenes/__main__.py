@@ -23,6 +23,7 @@ def main() -> None:
         scene.render.engine = "PETZVAL"
         # Few enough to be quick; light that is bounced more often is not what these scenes are about.
         scene.petzval.samples, scene.petzval.max_bounces = 64, 4
+        scene.cycles.use_denoising = False
         if one.focus_m is None:
             scene.camera.data.petzval.focus_mode = "INFINITY"
         bpy.ops.wm.save_as_mainfile(filepath=str(Path(folder).absolute() / f"{name}.blend"))

@@ -51,6 +51,7 @@ class Studio:
         render.image_settings.color_depth = "32"
         render.image_settings.color_mode = "RGB"
         self.scene.petzval.samples = samples
+        self.scene.cycles.use_denoising = False
         self.scene.petzval.max_bounces = 0
         # What `truth` traces loses nothing; tests/lens/test_coatings.py has what glass takes.
         self.scene.petzval.effects.transmission = "OFF"

@@ -17,6 +17,8 @@ pub struct Laying {
     pub is_opaque: bool,
     /// True if the shadow is a pass of its own, and not in the picture.
     pub is_apart: bool,
+    /// True for the picture with its noise.
+    pub is_noisy: bool,
 }
 
 /// A pixel of the two renders.
@@ -52,10 +54,13 @@ impl Pixel {
 
 impl Job {
     /// The pixels of this render of everything and of that of what catches shadows `alone`; `None` if this keeps not [`PARTS`].
-    fn pixels_beside(&self, alone: &Self) -> Option<impl Iterator<Item = Pixel>> {
-        let (caught, catches) = (self.part(PARTS[0])?, self.part(PARTS[1])?);
-        let kept = caught.into_iter().zip(catches);
-        let seen = self.picture().into_iter().zip(alone.film().picture());
+    fn pixels_beside(&self, alone: &Self, is_noisy: bool) -> Option<impl Iterator<Item = Pixel>> {
+        let (caught, picture, lit) = match is_noisy {
+            false => (self.caught()?, self.picture(), alone.straight()),
+            true => (self.part(PARTS[0])?, self.noisy_picture(), alone.film().picture()),
+        };
+        let kept = caught.into_iter().zip(self.part(PARTS[1])?);
+        let seen = picture.into_iter().zip(lit);
         Some(kept.zip(seen).map(|((caught, [catches, finds, _]), ([r, g, b, alpha], [lit_r, lit_g, lit_b, _]))| {
             Pixel {
                 caught: caught.into(),
@@ -70,18 +75,18 @@ impl Job {
 
     /// The part of the light that is left on shadow catchers, rows from below; 1 where none is seen. `None` if this keeps not [`PARTS`].
     pub fn shadow(&self, alone: &Self) -> Option<Vec<[f32; 3]>> {
-        Some(self.pixels_beside(alone)?.map(|pixel| pixel.shadow().into()).collect())
+        Some(self.pixels_beside(alone, false)?.map(|pixel| pixel.shadow().into()).collect())
     }
 
     /// The picture to be laid over a photograph: what catches shadows is gone, and the mean of its shadow is alpha. Where there is a render
     /// of the `sky` it is laid over that. `None` if this keeps not [`PARTS`].
     pub fn over_photograph(&self, alone: &Self, sky: Option<&Self>, laying: Laying) -> Option<Vec<[f32; 4]>> {
-        let laid = self.pixels_beside(alone)?.map(|pixel| pixel.laid(laying));
+        let laid = self.pixels_beside(alone, laying.is_noisy)?.map(|pixel| pixel.laid(laying));
         let Some(sky) = sky else {
             return Some(laid.map(|(light, alpha)| light.extend(alpha).into()).collect());
         };
         let over = laid
-            .zip(sky.film().picture())
+            .zip(if laying.is_noisy { sky.film().picture() } else { sky.straight() })
             .map(|((light, alpha), [r, g, b, _])| (light + Rgb::new(r, g, b) * (1.0 - alpha)).extend(1.0).into());
         Some(over.collect())
     }
@@ -93,7 +98,7 @@ mod tests {
 
     const ALONE: Pixel =
         Pixel { caught: Rgb::ONE, lit: Rgb::ONE, light: Rgb::ONE, alpha: 1.0, catches: 1.0, finds: 1.0 };
-    const LAYING: Laying = Laying { is_opaque: false, is_apart: false };
+    const LAYING: Laying = Laying { is_opaque: false, is_apart: false, is_noisy: false };
 
     /// A floor in full light leaves nothing; in the dark it blackens what is beneath; half of it half.
     #[test]

@@ -30,7 +30,7 @@ impl Job {
     fn with_picture<T: Send>(&self, find: impl FnOnce(&Straight<'_>) -> T + Send) -> T {
         let shared: &Shared = &self.shared;
         let (width, height) = shared.film.size();
-        let light = shared.film.picture().into_iter().map(|[r, g, b, _]| Rgb::new(r, g, b)).collect();
+        let light = self.straight().into_iter().map(|[r, g, b, _]| Rgb::new(r, g, b)).collect();
         let picture = Picture { width, height, light };
         let (exposure, gains) = shared.film.scales();
         let straight = Straight { stage: &shared.stage, camera: self.camera(), picture: &picture, exposure, gains };
@@ -69,9 +69,13 @@ impl Job {
         lock(&self.shared.strayed).clone()
     }
 
-    /// The whole picture as it is now, with the light that strays once that is found; rows from below.
+    /// The whole picture as it is now, denoised if it was, with the light that strays once that is found; rows from below.
     pub fn picture(&self) -> Vec<[f32; 4]> {
-        let mut picture = self.shared.film.picture();
+        self.with_strayed(self.straight())
+    }
+
+    /// The light that strays laid over a picture, once it is found.
+    pub(super) fn with_strayed(&self, mut picture: Vec<[f32; 4]>) -> Vec<[f32; 4]> {
         if let Some(strayed) = self.strayed() {
             strayed.add_to(&mut picture);
         }

@@ -65,6 +65,9 @@ pub struct Seconds {
     pub plan: f64,
     /// The samples, from the start to now or to the end.
     pub render: f64,
+    /// Denoising, once it is done.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub denoise: Option<f64>,
     /// Stray light, by kind, once it is found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strays: Option<BTreeMap<String, f64>>,
@@ -110,6 +113,7 @@ impl Job {
                 bvh: self.stage().build_seconds,
                 plan: self.stray_light.as_ref().map_or(0.0, |(plan, _)| plan.seconds),
                 render: statistics.render_seconds,
+                denoise: self.denoise_seconds(),
                 strays: stray_light
                     .as_ref()
                     .map(|found| found.times().map(|(pass, seconds)| (pass.name().to_lowercase(), seconds)).collect()),

@@ -5,19 +5,20 @@
 //! colours lie apart, and their pieces laid on the picture.
 
 mod choose;
+mod forecast;
 mod raster;
 
 use super::sources::Source;
 use super::{Picture, Reflections, Watch};
 use crate::camera::tools::straying::StrayLens;
 use choose::{Candidate, LINES_NM, candidates, keep, measure_spread};
+pub use forecast::expected_seconds;
 use petzval_optics::ghosts::beam::Beam;
 use petzval_optics::ghosts::packet::{GhostTracer, Grid};
 use raster::{Triangle, lay};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::HashMap;
-use std::time::Instant;
 
 /// A cell of a grid is about so many pixels wide, if it needs no more of them than [`MOST_CELLS`].
 const CELL_PX: f64 = 24.0;
@@ -73,9 +74,9 @@ pub fn ghosts(
     let beams: Vec<Option<Beam>> = sources.iter().map(|one| Beam::new(lens.system(), one.place)).collect();
     let turns = turns(lens, reflections);
     let tell = |part: f64| (watch.tell)(LOOKING * part);
-    let found = candidates(lens, &turns, sources, &beams, &Watch { tell: &tell, ..*watch })?;
+    let found = candidates(lens, &turns, sources, &beams, &|_, _| true, &Watch { tell: &tell, ..*watch })?;
     let mut report = GhostReport { sources: sources.len(), found: found.len(), tolerance, ..GhostReport::default() };
-    let (mut kept, left_out) = keep(found, size, tolerance);
+    let (mut kept, left_out) = keep(found, 1.0, size, tolerance);
     measure_spread(lens, &turns, sources, &beams, &mut kept);
     (report.simulated, report.left_out) = (kept.len(), left_out);
     let paths = Paths::new(lens, &turns, &kept);
@@ -197,49 +198,6 @@ fn triangles(lens: &StrayLens, source: &Source, one: &Candidate, paths: &Paths) 
     found
 }
 
-/// Most pairs of a source and a path that a forecast looks at.
-const FORECAST_LOOKS: usize = 640;
-/// Most ghosts that a forecast traces.
-const FORECAST_GHOSTS: usize = 3 * AT_ONCE;
-
-/// Wall time that [`ghosts`] will take with the same arguments, s: some of the paths are looked at, and some of their ghosts traced.
-pub fn expected_seconds(lens: &StrayLens, sources: &[Source], reflections: Reflections, tolerance: f32) -> f64 {
-    let beams: Vec<Option<Beam>> = sources.iter().map(|one| Beam::new(lens.system(), one.place)).collect();
-    let all = turns(lens, reflections);
-    // Neighbours in the list turn at the same surface: steps over them meet every surface.
-    let step = (all.len() * sources.len()).div_ceil(FORECAST_LOOKS).max(1);
-    let some: Vec<Vec<usize>> = all.iter().skip(step / 2).step_by(step).cloned().collect();
-    let part = some.len() as f64 / all.len().max(1) as f64;
-    if some.is_empty() {
-        return 0.0;
-    }
-    let start = Instant::now();
-    let found = candidates(lens, &some, sources, &beams, &Watch::NONE).unwrap_or_default();
-    let looking_s = start.elapsed().as_secs_f64();
-    // A part of the ghosts has that part of their light.
-    let (mut kept, _) = keep(found, lens.size_px(), tolerance * part as f32);
-    let start = Instant::now();
-    measure_spread(lens, &some, sources, &beams, &mut kept);
-    let measuring_s = start.elapsed().as_secs_f64();
-    let traced: Vec<Candidate> = kept.iter().step_by(kept.len().div_ceil(FORECAST_GHOSTS).max(1)).copied().collect();
-    let start = Instant::now();
-    let paths = Paths::new(lens, &some, &traced);
-    let preparing_s =
-        start.elapsed().as_secs_f64() * Paths::asked(&kept).len() as f64 / paths.tracers.len().max(1) as f64;
-    let size = lens.size_px();
-    let mut picture = Picture { width: size.x as u32, height: size.y as u32, light: Vec::new() };
-    picture.light.resize(picture.width as usize * picture.height as usize, crate::Rgb::ZERO);
-    let start = Instant::now();
-    for some in traced.chunks(AT_ONCE) {
-        let found: Vec<Vec<Triangle>> =
-            some.par_iter().map(|one| triangles(lens, &sources[one.source], one, &paths)).collect();
-        lay(&found, &mut picture);
-    }
-    let sum = |ghosts: &[Candidate]| ghosts.iter().map(work).sum::<f64>();
-    let tracing_s = start.elapsed().as_secs_f64() * sum(&kept) / sum(&traced).max(1.0);
-    (looking_s + measuring_s + preparing_s + tracing_s) / part
-}
-
 /// The results of a look at some of the sources.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Glimpse {
@@ -258,9 +216,9 @@ pub struct Glimpse {
 pub fn glimpse(lens: &StrayLens, sources: &[Source], reflections: Reflections, tolerance: f32) -> Glimpse {
     let beams: Vec<Option<Beam>> = sources.iter().map(|one| Beam::new(lens.system(), one.place)).collect();
     let two = turns(lens, Reflections::Two);
-    let found = candidates(lens, &two, sources, &beams, &Watch::NONE).unwrap_or_default();
+    let found = candidates(lens, &two, sources, &beams, &|_, _| true, &Watch::NONE).unwrap_or_default();
     let brightest = found.iter().map(|one| one.value).fold(0.0, f32::max);
-    let (kept, _) = keep(found, lens.size_px(), tolerance);
+    let (kept, _) = keep(found, 1.0, lens.size_px(), tolerance);
     let paths = turns(lens, reflections).len();
     Glimpse { brightest, sources: sources.len(), paths, simulated: kept.len() }
 }

@@ -185,11 +185,10 @@ impl Straight<'_> {
 const OTHERS: f64 = 0.05;
 
 impl Strays {
-    /// The sources of ghosts, the irradiance of those that are left out, and the light that may be left out, in the picture's units.
-    fn sources(straight: &Straight<'_>, Ghosts { lens, tolerance, .. }: &Ghosts) -> (Vec<sources::Source>, f32, f32) {
+    /// The sources of ghosts, and the light that may be left out, in the picture's units.
+    fn sources(straight: &Straight<'_>, Ghosts { lens, tolerance, .. }: &Ghosts) -> (Vec<sources::Source>, f32) {
         let least = tolerance / (lens.brightest_ghost() as f32).max(f32::MIN_POSITIVE);
-        let (sources, dropped) = sources::all(straight, lens, least);
-        (sources, dropped, tolerance * lens.brightness() as f32)
+        (sources::all(straight, lens, least), tolerance * lens.brightness() as f32)
     }
 
     /// Wall time that each kind will take of the whole picture, s, by a small one of the same view, `small`, whose stray light has the
@@ -197,7 +196,7 @@ impl Strays {
     pub fn expected_times(&self, of_small: &Self, small: &Straight<'_>) -> Vec<(StrayPass, f64)> {
         let mut times = Vec::new();
         if let Some(settings) = &self.ghosts {
-            let (sources, _, tolerance) = Self::sources(small, settings);
+            let (sources, tolerance) = Self::sources(small, settings);
             let seconds = ghosts::expected_seconds(&settings.lens, &sources, settings.reflections, tolerance);
             times.push((StrayPass::Ghosts, seconds));
         }
@@ -222,7 +221,7 @@ impl Strays {
         let mut ghost_report = None;
         if let Some(settings) = &self.ghosts {
             let Ghosts { lens, reflections, .. } = settings;
-            let (sources, dropped, tolerance) = Self::sources(straight, settings);
+            let (sources, tolerance) = Self::sources(straight, settings);
             let others = u8::from(self.glare.is_some()) + u8::from(self.diffraction.is_some());
             let part = 1.0 - OTHERS * f64::from(others);
             let tell = |done: f64| (watch.tell)(part * done);
@@ -230,8 +229,7 @@ impl Strays {
             let (mut ghosts, report) = ghosts::ghosts(lens, &sources, *reflections, tolerance, &own)?;
             ghosts.light.iter_mut().enumerate().for_each(|(pixel, light)| *light *= straight.scale(pixel));
             keep(StrayPass::Ghosts, ghosts.light);
-            let left_out = report.left_out + dropped * (lens.brightest_ghost() * lens.brightness()) as f32;
-            ghost_report = Some(ghosts::GhostReport { left_out, ..report });
+            ghost_report = Some(report);
         }
         if watch.is_stopped() {
             return None;

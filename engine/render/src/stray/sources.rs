@@ -15,8 +15,6 @@ use petzval_optics::ghosts::beam;
 
 /// Light samples at the lens.
 const SAMPLES: u32 = 4096;
-/// Sources that have no more than this part of all light together are left out.
-const WEAKEST: f32 = 0.01;
 /// Light within this angle comes from one source.
 const TOGETHER_RAD: f32 = 0.01;
 /// Most sources of each kind.
@@ -45,9 +43,9 @@ pub struct Source {
     pub pixel: Option<Vec2>,
 }
 
-/// All sources, the brightest first, and the irradiance of those that are left out, luminance: the weakest, as many as together have
-/// [`WEAKEST`] of all. `least` is the smallest irradiance that matters.
-pub fn all(straight: &Straight<'_>, lens: &StrayLens, least: f32) -> (Vec<Source>, f32) {
+/// All sources, the brightest first, at most [`MOST`] of each kind. `least` is the smallest irradiance that matters: light that has less from
+/// each direction, as the sky's, is none of a source.
+pub fn all(straight: &Straight<'_>, lens: &StrayLens, least: f32) -> Vec<Source> {
     let shown = in_picture(straight, lens, least);
     let is_shown = |one: &Source| {
         let near = |other: &&Source| one.towards.dot(other.towards) > f64::from(2.0 * TOGETHER_RAD).cos();
@@ -58,13 +56,7 @@ pub fn all(straight: &Straight<'_>, lens: &StrayLens, least: f32) -> (Vec<Source
         of_lights(straight.stage, lens, least).into_iter().filter(|one| !is_shown(one)).collect();
     found.extend(&shown);
     found.sort_by(|a, b| luminance(b.irradiance).total_cmp(&luminance(a.irradiance)));
-    let most = WEAKEST * found.iter().map(|one| luminance(one.irradiance)).sum::<f32>();
-    let mut left_out = 0.0;
-    while let Some(last) = found.last().map(|one| luminance(one.irradiance)).filter(|last| left_out + last <= most) {
-        left_out += last;
-        found.pop();
-    }
-    (found, left_out)
+    found
 }
 
 /// Light from about one direction while it is gathered.

@@ -44,12 +44,13 @@ const COARSE: f32 = 16.0;
 /// Number of cells along each side of the picture in which the light that is left out is summed.
 const CELLS: usize = 24;
 
-/// All ghosts of all sources that reach the picture.
+/// All ghosts that reach the picture, of the pairs of a path and a source that are asked for by their numbers.
 pub(super) fn candidates(
     lens: &StrayLens,
     paths: &[Vec<usize>],
     sources: &[Source],
     beams: &[Option<Beam>],
+    is_asked: &(dyn Fn(usize, usize) -> bool + Sync),
     watch: &Watch<'_>,
 ) -> Option<Vec<Candidate>> {
     let looked = AtomicUsize::new(0);
@@ -64,7 +65,7 @@ pub(super) fn candidates(
         let mut bundle = path.bundle();
         let mut found = Vec::new();
         for (source, beam) in beams.iter().enumerate() {
-            let Some(beam) = beam else { continue };
+            let Some(beam) = beam.as_ref().filter(|_| is_asked(number, source)) else { continue };
             if watch.is_stopped() {
                 break;
             }
@@ -159,9 +160,9 @@ impl Overlaps {
         sum + (PEAK - 1.0) * squares.sqrt()
     }
 
-    /// Adds a ghost to the cells where it lies, if the light there stays within `most`; true if it was added.
-    fn add(&mut self, cells: &[usize], value: f32, most: f32) -> bool {
-        let with = |[sum, squares]: [f32; 2]| [sum + value, squares + value * value];
+    /// Adds so many ghosts alike to the cells where they lie, if the light there stays within `most`; true if they were added.
+    fn add(&mut self, cells: &[usize], value: f32, count: f32, most: f32) -> bool {
+        let with = |[sum, squares]: [f32; 2]| [sum + count * value, squares + count * value * value];
         let fits = cells.iter().all(|cell| Self::bound(with(self.sums[*cell])) <= most);
         if fits {
             cells.iter().for_each(|cell| self.sums[*cell] = with(self.sums[*cell]));
@@ -176,8 +177,8 @@ impl Overlaps {
 }
 
 /// The ghosts that are simulated, and the most that the others could add to a pixel: the weakest go as long as what all of them could add
-/// stays within the tolerance, wherever they lie over each other.
-pub(super) fn keep(mut found: Vec<Candidate>, size_px: DVec2, tolerance: f32) -> (Vec<Candidate>, f32) {
+/// stays within the tolerance, wherever they lie over each other. Each stands for `count` ghosts.
+pub(super) fn keep(mut found: Vec<Candidate>, count: f32, size_px: DVec2, tolerance: f32) -> (Vec<Candidate>, f32) {
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
     let (mut left_out, mut coarse) = (Overlaps::new(), Overlaps::new());
     let mut kept = Vec::new();
@@ -187,10 +188,10 @@ pub(super) fn keep(mut found: Vec<Candidate>, size_px: DVec2, tolerance: f32) ->
             cell(one.bounds[0][axis])..=cell(one.bounds[1][axis])
         };
         let places: Vec<usize> = cells(1).flat_map(|y| cells(0).map(move |x| y * CELLS + x)).collect();
-        if left_out.add(&places, one.value, tolerance) {
+        if left_out.add(&places, one.value, count, tolerance) {
             continue;
         }
-        one.is_coarse = coarse.add(&places, one.value, COARSE * tolerance);
+        one.is_coarse = coarse.add(&places, one.value, count, COARSE * tolerance);
         kept.push(one);
     }
     (kept, left_out.most())

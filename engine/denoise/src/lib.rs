@@ -1,0 +1,262 @@
+//! Denoising by Intel's Open Image Denoise, which is loaded from where it lies: Blender ships it beside itself.
+//!
+//! Nothing is linked when the engine is compiled, and no copy is bundled: [`Denoiser::open`] takes the path of
+//! `libOpenImageDenoise.so.2`, `OpenImageDenoise.dll` or `libOpenImageDenoise.dylib`. Versions 2.0 and later have one interface.
+
+mod api;
+
+use std::ffi::CStr;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use api::{Buffer, Device, Functions};
+use serde::Deserialize;
+use thiserror::Error;
+
+/// The oldest major version of the library whose interface is known.
+const MAJOR: i32 = 2;
+/// The first minor version that knows [`Quality::Fast`].
+const FAST_MINOR: i32 = 3;
+
+/// An error of denoising. The picture is as it was.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DenoiseError {
+    /// The library cannot be loaded, or is none.
+    #[error("Open Image Denoise cannot be loaded from {path:?}: {why}")]
+    NoLibrary {
+        /// The library's file.
+        path: PathBuf,
+        /// The system's message.
+        why: String,
+    },
+    /// The library is of another interface.
+    #[error("Open Image Denoise {major}.{minor} is too old; version 2 or later is needed")]
+    TooOld {
+        /// Its major version.
+        major: i32,
+        /// Its minor version.
+        minor: i32,
+    },
+    /// There is not enough memory for it.
+    #[error("there is not enough memory to denoise the picture")]
+    OutOfMemory,
+    /// It was stopped.
+    #[error("denoising was stopped")]
+    Stopped,
+    /// The library reports another error.
+    #[error("Open Image Denoise failed: {message} (error {code})")]
+    Failed {
+        /// The library's number of the error.
+        code: i32,
+        /// The library's message.
+        message: String,
+    },
+    /// An image has not three numbers for each pixel.
+    #[error("{name} has {found} numbers; {expected} are needed for {width} x {height} pixels")]
+    Size {
+        /// The image's name.
+        name: &'static str,
+        /// Its numbers.
+        found: usize,
+        /// The numbers of its size.
+        expected: usize,
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+}
+
+/// How much time is spent on a better picture.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Quality {
+    /// For previews.
+    Fast,
+    /// Between both.
+    Balanced,
+    /// For final pictures.
+    #[default]
+    High,
+}
+
+/// What becomes of noise in albedo and normal before they guide the filter. Cycles' words.
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Prefilter {
+    /// They are taken for free of noise.
+    None,
+    /// They are filtered together with the picture.
+    Fast,
+    /// They are filtered first, each alone.
+    #[default]
+    Accurate,
+}
+
+/// A picture and what guides the filter. Images hold red, green and blue of each pixel, rows after each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// The picture: radiance, of any brightness.
+    pub colour: &'a [f32],
+    /// Albedo, 0 to 1; with [`Self::normal`] or alone.
+    pub albedo: Option<&'a [f32]>,
+    /// Normal, -1 to 1; only beside albedo.
+    pub normal: Option<&'a [f32]>,
+    /// What becomes of the noise of both.
+    pub prefilter: Prefilter,
+    /// The quality.
+    pub quality: Quality,
+    /// True if a graphics card may compute, where there is one.
+    pub use_gpu: bool,
+    /// Threads that compute where none does.
+    pub threads: usize,
+    /// Megabytes that the filter may take for itself; `None` as it wants.
+    pub memory_mb: Option<usize>,
+}
+
+/// Processor time of a pixel in one run of the filter, s: as it was measured last, or on two cores of an AMD EPYC of 2023.
+static PIXEL_S: Mutex<[f64; 3]> = Mutex::new([2.4e-6, 4.6e-6, 4.9e-6]);
+/// Pictures with fewer pixels say nothing of the time of a pixel.
+const LEAST_PIXELS: usize = 50_000;
+
+impl Request<'_> {
+    /// Runs of the filter: one for the picture, and one for each guide that is filtered first.
+    fn runs(prefilter: Prefilter, guides: usize) -> usize {
+        1 + if prefilter == Prefilter::Accurate { guides } else { 0 }
+    }
+}
+
+/// Wall time that [`Denoiser::denoise`] will take of so many pixels by so many threads, s, about: by the last picture of this quality.
+pub fn expected_seconds(quality: Quality, prefilter: Prefilter, guides: usize, pixels: usize, threads: usize) -> f64 {
+    let pixel_s = PIXEL_S.lock().unwrap_or_else(PoisonError::into_inner)[quality as usize];
+    pixel_s * (pixels * Request::runs(prefilter, guides)) as f64 / threads.max(1) as f64
+}
+
+/// The library, loaded.
+pub struct Denoiser {
+    functions: Functions,
+    version: [i32; 3],
+}
+
+/// The libraries that are loaded. They stay so: loading takes longer than a small picture, and their threads outlive a render.
+static LOADED: Mutex<Vec<(PathBuf, Arc<Denoiser>)>> = Mutex::new(Vec::new());
+
+impl Denoiser {
+    /// The library of a file, loaded if it is not yet.
+    ///
+    /// # Errors
+    /// [`DenoiseError::NoLibrary`], [`DenoiseError::TooOld`], or what its device reports.
+    pub fn open(path: &Path) -> Result<Arc<Self>, DenoiseError> {
+        let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, found)) = loaded.iter().find(|(known, _)| known == path) {
+            return Ok(Arc::clone(found));
+        }
+        let functions = Functions::load(path)?;
+        let version = Device::new(&functions, false, 1)?.version();
+        let [major, minor, _] = version;
+        if major < MAJOR {
+            return Err(DenoiseError::TooOld { major, minor });
+        }
+        let found = Arc::new(Self { functions, version });
+        loaded.push((path.to_owned(), Arc::clone(&found)));
+        Ok(found)
+    }
+
+    /// Major, minor and patch version.
+    pub fn version(&self) -> [i32; 3] {
+        self.version
+    }
+
+    /// The picture without its noise. `watch` is called now and then with the part that is done, and returns false to stop.
+    ///
+    /// Numbers that are not finite are taken for black: the filter would spread them.
+    ///
+    /// # Errors
+    /// [`DenoiseError`]; nothing is lost by one.
+    pub fn denoise(&self, request: &Request<'_>, watch: &dyn Fn(f64) -> bool) -> Result<Vec<f32>, DenoiseError> {
+        let Request { width, height, .. } = *request;
+        let expected = width * height * 3;
+        let checked = |name: &'static str, pixels: &[f32]| match pixels.len() == expected {
+            true => Ok(pixels.iter().map(|x| if x.is_finite() { *x } else { 0.0 }).collect::<Vec<f32>>()),
+            false => Err(DenoiseError::Size { name, found: pixels.len(), expected, width, height }),
+        };
+        let colour = checked("the picture", request.colour)?;
+        let mut guides = Vec::new();
+        if let Some(albedo) = request.albedo {
+            guides.push((c"albedo", checked("the albedo", albedo)?));
+            if let Some(normal) = request.normal {
+                guides.push((c"normal", checked("the normal", normal)?));
+            }
+        }
+        if width == 0 || height == 0 {
+            return Ok(colour);
+        }
+        let began = Instant::now();
+        let device = Device::new(&self.functions, request.use_gpu, request.threads)?;
+        let runs = Request::runs(request.prefilter, guides.len());
+        let is_accurate = request.prefilter == Prefilter::Accurate;
+        let steps = runs as f64;
+        let mut images = vec![(c"color", device.filled(&colour)?)];
+        drop(colour);
+        for (done, (name, noisy)) in guides.into_iter().enumerate() {
+            let guide = device.filled(&noisy)?;
+            drop(noisy);
+            let tell = |part: f64| watch((done as f64 + part) / steps);
+            images.push(match is_accurate {
+                true => (name, self.filtered(&device, request, &[(name, guide)], false, &tell)?),
+                false => (name, guide),
+            });
+        }
+        let first = steps - 1.0;
+        let clean = self.filtered(&device, request, &images, true, &|part| watch((first + part) / steps))?.read()?;
+        if width * height >= LEAST_PIXELS {
+            let pixel_s =
+                began.elapsed().as_secs_f64() * request.threads.max(1) as f64 / (width * height * runs) as f64;
+            PIXEL_S.lock().unwrap_or_else(PoisonError::into_inner)[request.quality as usize] = pixel_s;
+        }
+        Ok(clean)
+    }
+
+    /// The first of these images, filtered; the others guide.
+    fn filtered<'a>(
+        &self,
+        device: &'a Device<'a>,
+        request: &Request<'_>,
+        images: &[(&CStr, Buffer<'_>)],
+        is_picture: bool,
+        watch: &dyn Fn(f64) -> bool,
+    ) -> Result<Buffer<'a>, DenoiseError> {
+        let size = [request.width, request.height];
+        let output = device.buffer(request.width * request.height * 3)?;
+        let filter = device.filter()?;
+        for (name, pixels) in images {
+            filter.set_image(name, pixels, size);
+        }
+        filter.set_image(c"output", &output, size);
+        filter.set_int(c"quality", self.quality(request.quality));
+        if let Some(mb) = request.memory_mb {
+            filter.set_int(c"maxMemoryMB", i32::try_from(mb).unwrap_or(i32::MAX));
+        }
+        if is_picture {
+            filter.set_bool(c"hdr", true);
+            filter.set_bool(c"cleanAux", images.len() > 1 && request.prefilter != Prefilter::Fast);
+        }
+        filter.execute(watch)?;
+        Ok(output)
+    }
+
+    /// The library's number of a quality.
+    fn quality(&self, quality: Quality) -> i32 {
+        let [major, minor, _] = self.version;
+        match quality {
+            Quality::Fast if major > MAJOR || minor >= FAST_MINOR => 4,
+            Quality::Fast | Quality::Balanced => 5,
+            Quality::High => 6,
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Denoising of a picture, before the light that strays is laid over.
+
+use super::{Job, Shared, catcher, lock};
+use crate::integrator::path::parts::LightPass;
+pub use petzval_denoise::{DenoiseError, Prefilter, Quality};
+use petzval_denoise::{Denoiser, Request};
+use serde::Deserialize;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+/// Settings of denoising.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq)]
+#[serde(deny_unknown_fields)]
+pub struct Denoising {
+    /// The file of Open Image Denoise.
+    pub library: PathBuf,
+    /// True if [`LightPass::DenoisingAlbedo`] guides, where the render keeps it.
+    pub by_albedo: bool,
+    /// True if [`LightPass::DenoisingNormal`] does so beside albedo.
+    pub by_normal: bool,
+    /// What becomes of the noise of both.
+    pub prefilter: Prefilter,
+    /// The quality.
+    pub quality: Quality,
+    /// True if a graphics card may compute.
+    pub use_gpu: bool,
+    /// Megabytes that the filter may take for itself; 0 as it wants.
+    pub memory_mb: usize,
+}
+
+impl Denoising {
+    /// The passes that guide, albedo and normal.
+    fn guides(&self) -> [Option<LightPass>; 2] {
+        let albedo = self.by_albedo.then_some(LightPass::DenoisingAlbedo);
+        [albedo, albedo.filter(|_| self.by_normal).map(|_| LightPass::DenoisingNormal)]
+    }
+
+    /// Wall time that [`Job::denoise`] will take, s, about.
+    pub fn expected_seconds(&self, pixels: usize, threads: usize) -> f64 {
+        let guides = self.guides().iter().flatten().count();
+        petzval_denoise::expected_seconds(self.quality, self.prefilter, guides, pixels, threads)
+    }
+}
+
+/// Pictures without their noise, rows from below.
+pub(super) struct Denoised {
+    picture: Vec<[f32; 3]>,
+    /// [`LightPass::Caught`], where the render keeps it.
+    caught: Option<Vec<[f32; 3]>>,
+    seconds: f64,
+}
+
+impl Job {
+    /// Denoises the picture as it is now, for [`Self::picture`] and what is made of it; to be called after the end, before
+    /// [`Self::develop`]. Only the part that is wanted is denoised: what lies outside is unfinished. [`Self::stop_developing`] ends it
+    /// without a result.
+    ///
+    /// # Errors
+    /// [`DenoiseError`]; the picture then is as it was.
+    pub fn denoise(&self, how: &Denoising) -> Result<(), DenoiseError> {
+        let (began, shared) = (Instant::now(), &self.shared);
+        let caught = self.part(catcher::PARTS[0]);
+        let share = if caught.is_some() { 0.5 } else { 1.0 };
+        let picture = self.cleaned(how, self.colour(), &|part| self.may_go_on(part * share))?;
+        let caught =
+            caught.map(|noisy| self.cleaned(how, noisy, &|part| self.may_go_on(0.5 + part * share))).transpose()?;
+        *lock(&shared.denoised) = Some(Arc::new(Denoised { picture, caught, seconds: began.elapsed().as_secs_f64() }));
+        shared.developed.store(0, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// The picture as it is now, denoised, without the light that strays; rows from below. The render may go on meanwhile, and keeps its
+    /// noise. [`Self::stop_developing`] ends it.
+    ///
+    /// # Errors
+    /// As [`Self::denoise`].
+    pub fn denoised_picture(&self, how: &Denoising) -> Result<Vec<[f32; 4]>, DenoiseError> {
+        let noisy = self.shared.film.picture();
+        let colour = noisy.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+        let clean = self.cleaned(how, colour, &|part| self.may_go_on(part))?;
+        Ok(noisy.into_iter().zip(clean).map(|([.., alpha], [r, g, b])| [r, g, b, alpha]).collect())
+    }
+
+    fn may_go_on(&self, part: f64) -> bool {
+        self.shared.developed.store(part.to_bits(), Ordering::Relaxed);
+        !self.shared.stop_developing.load(Ordering::Relaxed)
+    }
+
+    fn colour(&self) -> Vec<[f32; 3]> {
+        self.shared.film.picture().into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
+    }
+
+    /// Light of every pixel without its noise.
+    fn cleaned(
+        &self,
+        how: &Denoising,
+        mut light: Vec<[f32; 3]>,
+        watch: &dyn Fn(f64) -> bool,
+    ) -> Result<Vec<[f32; 3]>, DenoiseError> {
+        let shared: &Shared = &self.shared;
+        let denoiser = Denoiser::open(&how.library)?;
+        let (width, height) = shared.film.size();
+        let [left, bottom, columns, rows] =
+            shared.settings.window.unwrap_or([0, 0, width, height]).map(|pixels| pixels as usize);
+        let width = width as usize;
+        let place = |row: usize| (bottom + row) * width + left;
+        let part = |whole: &[[f32; 3]]| -> Vec<f32> {
+            (0..rows).flat_map(|row| whole[place(row)..place(row) + columns].as_flattened().iter().copied()).collect()
+        };
+        let guide = |pass: LightPass| self.part(pass).map(|whole| part(&whole));
+        let [albedo, normal] = how.guides().map(|pass| pass.and_then(guide));
+        let request = Request {
+            width: columns,
+            height: rows,
+            colour: &part(&light),
+            albedo: albedo.as_deref(),
+            normal: normal.as_deref(),
+            prefilter: how.prefilter,
+            quality: how.quality,
+            use_gpu: how.use_gpu,
+            threads: self.threads.len(),
+            memory_mb: Some(how.memory_mb).filter(|&mb| mb > 0),
+        };
+        let clean = denoiser.denoise(&request, watch)?;
+        for (row, pixels) in clean.as_chunks::<3>().0.chunks(columns.max(1)).enumerate() {
+            light[place(row)..place(row) + columns].copy_from_slice(pixels);
+        }
+        Ok(light)
+    }
+
+    fn denoised(&self) -> Option<Arc<Denoised>> {
+        lock(&self.shared.denoised).clone()
+    }
+
+    /// The picture as it is now, denoised if it was, before the light that strays; rows from below.
+    pub(super) fn straight(&self) -> Vec<[f32; 4]> {
+        let mut picture = self.shared.film.picture();
+        if let Some(clean) = self.denoised() {
+            for (pixel, clean) in picture.iter_mut().zip(&clean.picture) {
+                pixel[..3].copy_from_slice(clean);
+            }
+        }
+        picture
+    }
+
+    /// [`LightPass::Caught`], denoised if it was.
+    pub(super) fn caught(&self) -> Option<Vec<[f32; 3]>> {
+        let clean = self.denoised().and_then(|clean| clean.caught.clone());
+        clean.or_else(|| self.part(catcher::PARTS[0]))
+    }
+
+    /// True if [`Self::denoise`] has denoised the picture.
+    pub fn is_denoised(&self) -> bool {
+        self.denoised().is_some()
+    }
+
+    /// Seconds that [`Self::denoise`] took.
+    pub(super) fn denoise_seconds(&self) -> Option<f64> {
+        self.denoised().map(|clean| clean.seconds)
+    }
+
+    /// The picture with its noise, and with the light that strays once that is found; rows from below.
+    pub fn noisy_picture(&self) -> Vec<[f32; 4]> {
+        self.with_strayed(self.shared.film.picture())
+    }
+}

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Denoising by Open Image Denoise, as Blender ships it: held against converged pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from support import multilayer
+
+WIDTH, HEIGHT = 96, 64
+
+
+@pytest.fixture
+def room(parts, blender):
+    """A box lit by one small lamp: noisy at few samples."""
+    scene = parts.set_up(WIDTH, HEIGHT, samples=4)
+    scene.world = parts.grey_world(0.02)
+    blender.ops.mesh.primitive_cube_add(size=8.0, location=(0.0, 3.0, 0.0))
+    blender.ops.mesh.primitive_uv_sphere_add(radius=0.5, location=(0.3, 3.5, -0.6))
+    lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "AREA"))
+    lamp.data.energy, lamp.data.size = 60.0, 0.3
+    lamp.location = (0.8, 3.0, 1.8)
+    scene.collection.objects.link(lamp)
+    return scene
+
+
+def picture(parts, scene, folder, name, *, samples: int, denoise: bool, **cycles) -> np.ndarray:
+    scene.petzval.samples, scene.cycles.use_denoising = samples, denoise
+    for key, value in cycles.items():
+        setattr(scene.cycles, key, value)
+    return parts.render(folder, f"{name}.exr")[..., :3]
+
+
+def error(ours: np.ndarray, truth: np.ndarray) -> float:
+    """Relative mean square error, the brightest hundredth of the pixels left out: noise of few samples has outliers."""
+    each = ((ours - truth) ** 2 / (truth**2 + 0.01 * truth.mean() ** 2)).mean(axis=-1)
+    return float(np.sort(each.ravel())[: int(0.99 * each.size)].mean())
+
+
+@pytest.mark.parametrize("model", ["PINHOLE", "LENS"])
+def test_a_denoised_picture_is_nearer_the_truth(parts, room, tmp_path, model):
+    room.camera.data.petzval.model = model
+    truth = picture(parts, room, tmp_path, "truth", samples=1024, denoise=False)
+    noisy = picture(parts, room, tmp_path, "noisy", samples=4, denoise=False)
+    clean = picture(parts, room, tmp_path, "clean", samples=4, denoise=True)
+    # Four samples as good as sixteen at least; measured, it is more.
+    assert error(clean, truth) < 0.25 * error(noisy, truth)
+    assert abs(clean.mean() / truth.mean() - 1.0) < 0.05
+
+
+@pytest.mark.once
+def test_qualities_prefilters_and_guides_are_cycles_own(parts, room, tmp_path):
+    noisy = picture(parts, room, tmp_path, "noisy", samples=4, denoise=False)
+    seen = [noisy]
+    for name, change in (
+        ("usual", {}),
+        ("no guides", {"denoising_input_passes": "RGB"}),
+        ("by albedo", {"denoising_input_passes": "RGB_ALBEDO"}),
+        ("fast prefilter", {"denoising_input_passes": "RGB_ALBEDO_NORMAL", "denoising_prefilter": "FAST"}),
+        ("no prefilter", {"denoising_prefilter": "NONE"}),
+        ("balanced", {"denoising_prefilter": "ACCURATE", "denoising_quality": "BALANCED"}),
+    ):
+        seen.append(picture(parts, room, tmp_path, name, samples=4, denoise=True, **change))
+        assert all(not np.array_equal(seen[-1], before) for before in seen[:-1]), name
+
+
+@pytest.mark.once
+def test_the_same_seed_gives_the_same_bits_on_any_number_of_threads(parts, room, tmp_path):
+    room.render.threads_mode, found = "FIXED", []
+    for threads in (1, 2, 3):
+        room.render.threads = threads
+        found.append(picture(parts, room, tmp_path, f"{threads}", samples=4, denoise=True))
+    assert np.array_equal(found[0], found[1]) and np.array_equal(found[0], found[2])
+
+
+@pytest.mark.once
+def test_bidirectional_paths_are_denoised_without_guides(parts, room, tmp_path):
+    room.petzval.integrator, room.camera.data.petzval.model = "BIDIRECTIONAL", "LENS"
+    truth = picture(parts, room, tmp_path, "truth", samples=512, denoise=False)
+    noisy = picture(parts, room, tmp_path, "noisy", samples=4, denoise=False)
+    clean = picture(parts, room, tmp_path, "clean", samples=4, denoise=True)
+    assert error(clean, truth) < 0.5 * error(noisy, truth)
+
+
+@pytest.mark.once
+def test_the_forecast_has_the_time_of_denoising(parts, room, tmp_path):
+    """By the last picture's, so that it is that of this machine; a third is what times of half a second differ by on a busy one."""
+    room.render.resolution_x, room.render.resolution_y = 480, 320
+    said = []
+    for name in ("first", "second"):
+        picture(parts, room, tmp_path, name, samples=16, denoise=True)
+        stats = parts.part("render.statistics").last(room.name).stats
+        said.append((stats["planned"]["predicted"]["after_seconds"], stats["seconds"]["denoise"]))
+    assert said[1][0] == pytest.approx(said[0][1], rel=0.05)
+    assert said[1][1] == pytest.approx(said[0][1], rel=0.33), said
+
+
+@pytest.mark.once
+def test_a_layer_that_is_not_to_be_denoised_is_not(parts, blender, room, tmp_path):
+    noisy = picture(parts, room, tmp_path, "noisy", samples=4, denoise=False)
+    blender.context.view_layer.cycles.use_denoising = False
+    assert np.array_equal(picture(parts, room, tmp_path, "layer", samples=4, denoise=True), noisy)
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("size", [(4, 4), (7, 5)])
+def test_small_pictures(parts, room, tmp_path, size):
+    # Blender has no smaller ones.
+    room.render.resolution_x, room.render.resolution_y = size
+    found = picture(parts, room, tmp_path, "small", samples=4, denoise=True)
+    assert found.shape[:2] == size[::-1] and np.isfinite(found).all() and found.max() > 0.0
+
+
+@pytest.mark.once
+def test_a_part_of_a_picture_is_denoised_without_its_black_outside(parts, room, tmp_path):
+    render = room.render
+    render.use_border, render.use_crop_to_border = True, True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.25, 0.75
+    noisy = picture(parts, room, tmp_path, "noisy", samples=64, denoise=False)
+    clean = picture(parts, room, tmp_path, "clean", samples=64, denoise=True)
+    edge = np.ones(clean.shape[:2], bool)
+    edge[1:-1, 1:-1] = False
+    assert abs(clean[edge].mean() / noisy[edge].mean() - 1.0) < 0.05
+
+
+@pytest.mark.once
+def test_one_pixel(parts, room, tmp_path):
+    render = room.render
+    render.use_border, render.use_crop_to_border = True, True
+    render.border_min_x, render.border_max_x = 10.1 / WIDTH, 11.1 / WIDTH
+    render.border_min_y, render.border_max_y = 10.1 / HEIGHT, 11.1 / HEIGHT
+    found = picture(parts, room, tmp_path, "pixel", samples=64, denoise=True)
+    assert found.shape[:2] == (1, 1) and np.isfinite(found).all() and found.max() > 0.0
+
+
+@pytest.mark.once
+def test_passes_keep_both_pictures(parts, blender, room, tmp_path):
+    """Named as Cycles names them; the noisy picture is that of the samples, to the bit."""
+    blender.context.view_layer.cycles.denoising_store_passes = True
+    noisy, _ = multilayer.photograph(parts, room, tmp_path / "noisy.exr", samples=4)
+    both, _ = multilayer.photograph(parts, room, tmp_path / "both.exr", samples=4, denoise=True)
+    cycles, _ = multilayer.photograph(parts, room, tmp_path / "cycles.exr", "CYCLES", samples=1, denoise=True)
+    added = {name for name in both if name not in noisy}
+    assert added == {f"noisy image.{channel}" for channel in "rgba"} and added <= cycles.keys()
+    for channel in "rgba":
+        assert np.array_equal(both[f"noisy image.{channel}"], noisy[f"combined.{channel}"])
+    assert not np.array_equal(both["combined.r"], noisy["combined.r"])
+    for name in ("denoising albedo.r", "denoising normal.x", "denoising depth.z"):
+        assert np.array_equal(both[name], noisy[name])
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("is_transparent", [True, False])
+def test_a_caught_shadow_is_denoised(parts, room, tmp_path, is_transparent):
+    room.objects["Cube"].is_shadow_catcher = True
+    room.render.film_transparent = is_transparent
+
+    def taken(name: str, samples: int, *, denoise: bool) -> np.ndarray:
+        found, _ = multilayer.photograph(parts, room, tmp_path / f"{name}.exr", samples=samples, denoise=denoise)
+        if denoise:
+            noisy = multilayer.photograph(parts, room, tmp_path / f"{name}2.exr", samples=samples)[0]
+            assert np.array_equal(found["noisy image.a"], noisy["combined.a"])
+            assert np.array_equal(found["noisy image.r"], noisy["combined.r"])
+        return found["combined.a" if is_transparent else "combined.r"]
+
+    truth = taken("truth", 1024, denoise=False)
+    noisy, clean = taken("noisy", 4, denoise=False), taken("clean", 4, denoise=True)
+    error = [float(((one - truth) ** 2).mean()) for one in (noisy, clean)]
+    assert error[1] < 0.5 * error[0], error
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("library", [None, "/no/such/library.so", __file__])
+def test_without_the_library_the_picture_is_there_and_it_is_said(parts, room, tmp_path, monkeypatch, library, capfd):
+    noisy = picture(parts, room, tmp_path, "noisy", samples=4, denoise=False)
+    monkeypatch.setattr(parts.part("data.denoiser"), "library", lambda: library)
+    assert np.array_equal(picture(parts, room, tmp_path, "same", samples=4, denoise=True), noisy)
+    said = capfd.readouterr().out
+    assert "Not denoised: " in said and ("pip install pyoidn" in said if library is None else str(library) in said)
