@@ -12,6 +12,8 @@ from petzval.description import DenoisingDescription
 from ..data import denoiser, process_memory
 from ..native import engine
 
+#: Megabytes that the filter may take: in tiles it needs a little longer, for a picture at once it takes 700 bytes a pixel.
+MOST_MB = 2000
 #: The passes that guide, by Cycles's names of its choices.
 _GUIDES = {"RGB": (False, False), "RGB_ALBEDO": (True, False), "RGB_ALBEDO_NORMAL": (True, True)}
 
@@ -48,6 +50,7 @@ def _described(cycles: bpy.types.bpy_struct, which: str) -> DenoisingDescription
         prefilter=setting("prefilter", "ACCURATE"),
         quality=setting("quality", "BALANCED" if which else "HIGH"),
         use_gpu=bool(setting("use_gpu", False)) and has_gpu(),
+        memory_mb=MOST_MB,
     )
 
 
@@ -62,7 +65,8 @@ def within_memory(how: DenoisingDescription, limit_gb: float) -> DenoisingDescri
     """The same in the memory that is left now; `limit_gb` is the user's, 0 for what the machine has free."""
     free, used = engine().free_memory_bytes(), process_memory.used_bytes()
     left = limit_gb * 1e9 - used if limit_gb and used is not None else free
-    return how if left is None else dataclasses.replace(how, memory_mb=max(int(left / 1e6), 1))
+    # By how much is left tiles differ, and with them the last bits: always the same where there is enough.
+    return how if left is None else dataclasses.replace(how, memory_mb=min(max(int(left / 1e6), 1), how.memory_mb))
 
 
 def guides(how: DenoisingDescription) -> list[str]:

@@ -19,6 +19,10 @@ MANY_TRIANGLES = 100_000
 BYTES_A_NUMBER = 3 * 4
 
 
+#: Copies of a picture and its guides while it is denoised, a pixel.
+BYTES_OF_DENOISING = 140
+
+
 def check_picture(limit_gb: float, width: int, height: int, film_bytes_a_pixel: int, numbers_a_pixel: int) -> None:
     """Raises `ExportError` where a picture of so many numbers a pixel in all passes does not fit."""
     need = width * height * (film_bytes_a_pixel + numbers_a_pixel * BYTES_A_NUMBER)

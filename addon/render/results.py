@@ -97,9 +97,10 @@ class Results:
         )
         every = (*self._data, *self._merging, *self._light_groups, *self._parts, *self._indices, *self._strays)
         numbers = 4 + sum(one.channels for one in every) + 4 * len(self._mattes) * ((self._matte_levels + 1) // 2)
+        denoising = memory.BYTES_OF_DENOISING if self.is_denoised else 0
         numbers += passes.NOISY.channels if self.is_denoised else 0
         limit = self._depsgraph.scene_eval.petzval.memory_limit
-        memory.check_picture(limit, width, height, film * (2 if is_kept else 1), numbers)
+        memory.check_picture(limit, width, height, film * (2 if is_kept else 1) + denoising, numbers)
 
     def show(self, finished: list[tiles.Tile]) -> None:
         """Tiles, while the render goes on."""
