@@ -143,14 +143,17 @@ class Photograph:
             )
         elif strays and not stopped:
             self._develop(job)
-        pictures = {passes.COMBINED.name: job.image(), passes.NOISY.name: job.noisy_image()}
+        pictures = {passes.COMBINED.name: job.image()}
+        if self.results.is_denoised:
+            pictures[passes.NOISY.name] = job.noisy_image()
         if catches and not stopped:
             others = functools.partial(
                 self._beside_all, native, camera, settings, moving, size, place, blur, opened, how
             )
             is_opaque, is_apart = not self.scene.render.film_transparent, self.results.has_shadow
             alone, sky = others(is_sky=False), others(is_sky=True) if is_opaque and not is_apart else None
-            for name, is_noisy in ((passes.COMBINED.name, False), (passes.NOISY.name, True)):
+            for name in pictures:
+                is_noisy = name == passes.NOISY.name
                 pictures[name] = job.over_photograph(
                     alone, sky, is_opaque=is_opaque, is_apart=is_apart, is_noisy=is_noisy
                 )
