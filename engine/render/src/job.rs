@@ -21,6 +21,7 @@ use crate::camera::{Camera, CameraDescription};
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, FilmChannels, TilePixels};
+use crate::integrator::aimed::{AimedLights, AimedReport, AimingContext};
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, PreparedScene, bidirectional::Techniques};
@@ -101,6 +102,8 @@ struct Shared {
     parts: Parts,
     /// Limits of light transport, found by the first thread that asks.
     limits: OnceLock<Limits>,
+    /// The lights that send rays to the lens, and the decision on them, found likewise.
+    aimed: OnceLock<(Option<Arc<AimedLights>>, AimedReport)>,
     film: Film,
     /// The tiles that are rendered, in their order, where these have as many samples as others.
     tiles: Vec<usize>,
@@ -349,6 +352,7 @@ impl Shared {
             parts: beside.parts,
             clip: beside.clip,
             limits: OnceLock::new(),
+            aimed: OnceLock::new(),
             pipeline,
             passes: passes(settings.samples),
             running: Mutex::new(settings.thread_count()),
@@ -435,12 +439,40 @@ impl Shared {
             pipeline: self.pipeline,
             light_paths: (s.integrator == Integrator::Bidirectional).then_some(Techniques::All),
             raster: &self.raster,
-            limits: *self.limits.get_or_init(|| self.find_limits()),
+            limits: self.limits(),
             pattern: s.pattern(),
             motion: self.motion.as_ref(),
             exposure: self.exposure.as_ref(),
             parts: &self.parts,
+            aimed: self.aimed.get_or_init(|| self.find_aimed()).0.clone(),
         }
+    }
+
+    fn limits(&self) -> Limits {
+        *self.limits.get_or_init(|| self.find_limits())
+    }
+
+    /// The lights that send rays to the lens, if the render is one that can have them: through one lens that is traced at several
+    /// wavelengths, without anything in the air.
+    fn find_aimed(&self) -> (Option<Arc<AimedLights>>, AimedReport) {
+        let s = &self.settings;
+        let [Camera::Lens(lens)] = self.cameras.as_slice() else { return Default::default() };
+        let is_path = s.integrator == Integrator::Path && self.pipeline == Pipeline::Hero;
+        if !(s.light_tracing && is_path && lens.takes_light_paths() && self.stage.media.is_empty()) {
+            return Default::default();
+        }
+        let context = AimingContext {
+            stage: &self.stage,
+            lens,
+            exposure: self.exposure.as_ref(),
+            clip: self.clip,
+            raster: &self.raster,
+            limits: &self.limits(),
+            film_exposure: s.film_exposure,
+            seed: s.seed,
+        };
+        let (aimed, report) = context.choose();
+        (aimed.map(Arc::new), report)
     }
 
     fn render(&self) {

@@ -1,5 +1,6 @@
 //! Integrators: the radiance along camera rays.
 
+pub mod aimed;
 pub mod bidirectional;
 pub mod media;
 pub mod path;

@@ -1,0 +1,428 @@
+//! Light that goes straight from a source to the lens, found from the source: small lamps far out of focus, which few camera rays hit.
+//!
+//! The strategy that light tracing has for paths without scattering (Veach 1997, section 10.3): a source, a place on it, a direction
+//! to the entrance pupil; the ray is traced forwards through the lens at the wavelengths of a set, and its light counts where each of
+//! them arrives on the film. Its density and that with which the camera leads to the same ray are both known per unit of etendue
+//! ([`crate::camera::lens::from_scene`]), so that camera rays and these share the light by the power heuristic, source by source.
+//!
+//! Which sources are worth it is measured before the render ([`AimedLights::choose`]).
+
+use super::PreparedScene;
+use super::path::{Limits, NoAovs, Wavefront, power_heuristic};
+use crate::accel::Ray;
+use crate::camera::clip::Clip;
+use crate::camera::lens::from_scene::Landed;
+use crate::camera::lens::real_lens::RealLens;
+use crate::camera::lens::real_lens::packet::Splats;
+use crate::lights::{Source, SourceGroup};
+use crate::luminance;
+use crate::pipeline::exposure::Exposure;
+use crate::sampler::{PathSampler, mix, raster::Raster};
+use crate::scene::motion::MIDDLE;
+use glam::{Affine3A, Vec2, Vec3A};
+use serde::Serialize;
+use std::f32::consts::{FRAC_PI_4, PI};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Camera rays that hit a group, for each pixel that it lights and sample of the pixel, up to which the group is aimed from.
+const FEW_HITS: f32 = 0.25;
+/// The same as geometry tells it, up to which a group is measured at all.
+const MAYBE_FEW_HITS: f32 = 1.0;
+/// Noise of a group in one sample of a pixel, scene-linear, below which nobody sees it.
+const LEAST_NOISE: f32 = 0.02;
+/// Pixels that a group has to light.
+const LEAST_PIXELS: f32 = 4.0;
+/// Rays from each group by which it is measured, and from all.
+const MEASURED: [u32; 2] = [128, 1 << 14];
+/// Groups that are measured, the brightest first.
+const MOST_GROUPS: usize = 512;
+/// Rays of a round, about: fewer share them out less well, more leave a group without light in a render's first samples.
+const ROUND: f32 = 256.0;
+/// The seed of the rays that measure, apart from those of the picture.
+const MEASURING_SEED: u32 = 0x2545_f491;
+/// The seed of the numbers of aimed rays.
+const SEED: u32 = 0x6d2b_79f5;
+
+/// The decision on a scene's lights.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct AimedReport {
+    /// Lamps and objects that glow, as the camera could see them.
+    pub lights: usize,
+    /// Those that send rays to the lens.
+    pub aimed: usize,
+    /// Rays from them for each camera ray.
+    pub rays_per_sample: f32,
+    /// Camera rays that would hit the most seldom hit of them, for each pixel that it lights and sample.
+    pub camera_hits: f32,
+    /// Wall time of the decision, s.
+    pub seconds: f64,
+}
+
+/// The lights that send rays to the lens.
+pub struct AimedLights {
+    lens: Arc<RealLens>,
+    exposure: Option<Exposure>,
+    groups: Vec<AimedGroup>,
+    /// The group of each ray of a round: every round has the same number of rays of each group.
+    round: Vec<u32>,
+    /// Rays for each camera ray, at most one.
+    rays_per_sample: f64,
+    /// By the number of a source, its rays for each camera ray.
+    rays_of: Vec<f32>,
+    seed: u32,
+}
+
+/// A lamp or an object that sends rays to the lens.
+struct AimedGroup {
+    sources: Vec<Source>,
+    /// Sums of the parts of its rays that the sources get; the last is 1.
+    ends: Vec<f32>,
+    /// The first of its rays in a round, and their number.
+    first: u32,
+    rays: u32,
+}
+
+/// A ray from a source, turned round: as the camera would have sent it.
+#[derive(Clone, Copy, Debug)]
+pub struct AimedRay {
+    /// From the lens to the source, where the lens stands in the middle of the exposure.
+    pub ray: Ray,
+    /// The source that the ray left: its light alone counts.
+    pub source: Source,
+    /// Contributions of radiance along the ray.
+    pub splats: Splats,
+}
+
+/// A ray from a source with its densities.
+struct Flight {
+    ray: Ray,
+    splats: Splats,
+    /// Of the choice of the ray, the source given.
+    density: f32,
+    /// With which the camera leads to it.
+    camera_density: f32,
+}
+
+/// The lens, where it stands.
+#[derive(Clone, Copy)]
+struct StandingLens<'a> {
+    lens: &'a RealLens,
+    way: Option<Affine3A>,
+}
+
+impl StandingLens<'_> {
+    /// A place as the lens would have it if it stood still.
+    fn place(self, p: Vec3A) -> Vec3A {
+        self.way.map_or(p, |way| way.inverse().transform_point3a(p))
+    }
+
+    fn direction(self, d: Vec3A) -> Vec3A {
+        self.way.map_or(d, |way| way.inverse().transform_vector3a(d))
+    }
+
+    /// A ray of a source to the lens. `u` chooses the direction, the place and the pixels.
+    fn fly(
+        self,
+        stage: &PreparedScene,
+        raster: &Raster,
+        source: Source,
+        [u_direction, u_place, u_pixels]: [[f32; 2]; 3],
+        u_set: f32,
+        moment: u16,
+    ) -> Option<Flight> {
+        let (lens, lights, scene) = (self.lens, &stage.lights, &stage.scene);
+        let place = lights.aim_place(scene, source, u_place, moment)?;
+        let (d, pdf) = lens.aim(self.place(place), u_direction)?;
+        let there = self.way.map_or(d, |way| way.transform_vector3a(d).normalize());
+        let (origin, factor) = lights.aimed_ray(scene, source, (place, there), u_place, moment)?;
+        let origin = self.place(origin);
+        let set = ((u_set * lens.sets() as f32) as usize).min(lens.sets() - 1);
+        let Landed { splats, density } = lens.land(set, origin, d, raster, u_pixels)?;
+        let front = origin + d * lens.distance_from(origin, d);
+        let flight = Flight {
+            ray: Ray::new(front, -d).at(moment),
+            splats,
+            density: factor * pdf,
+            camera_density: density as f32,
+        };
+        (flight.density > 0.0 && flight.density.is_finite()).then_some(flight)
+    }
+}
+
+impl AimedLights {
+    /// Adds a group, with its part of all rays.
+    fn push(&mut self, group: &SourceGroup, part: f32) {
+        let area: f32 = group.sources.iter().map(|(_, area)| area).sum();
+        let mut sum = 0.0;
+        let (mut sources, mut ends) = (Vec::new(), Vec::new());
+        for (source, its) in &group.sources {
+            sum += its / area;
+            sources.push(*source);
+            ends.push(sum);
+        }
+        let (first, rays) = (self.round.len() as u32, ((part * ROUND) as u32).max(1));
+        self.round.extend(std::iter::repeat_n(self.groups.len() as u32, rays as usize));
+        self.groups.push(AimedGroup { sources, ends, first, rays });
+    }
+
+    /// Works out the rays of each source, when all groups are there.
+    fn share_out(&mut self) {
+        let per_ray = self.rays_per_sample as f32 / self.round.len() as f32;
+        for group in &self.groups {
+            let mut before = 0.0;
+            for (source, end) in group.sources.iter().zip(&group.ends) {
+                self.rays_of.resize(self.rays_of.len().max(source.index() + 1), 0.0);
+                self.rays_of[source.index()] = per_ray * group.rays as f32 * (end - before);
+                before = *end;
+            }
+        }
+    }
+
+    fn lens_at(&self, moment: u16) -> StandingLens<'_> {
+        StandingLens { lens: &self.lens, way: self.exposure.as_ref().and_then(|exposure| exposure.way(moment)) }
+    }
+
+    /// The ray that belongs to a camera ray, by its number among all of the picture; `None` for most, where they are few.
+    pub fn ray(
+        &self,
+        stage: &PreparedScene,
+        raster: &Raster,
+        number: u64,
+        moment: u16,
+    ) -> Option<(AimedRay, PathSampler)> {
+        let before = |number: u64| (number as f64 * self.rays_per_sample) as u64;
+        let own = before(number);
+        if before(number + 1) == own {
+            return None;
+        }
+        // Each group has a sequence of its own, of which a round takes the next points.
+        let (round, place) = (own / self.round.len() as u64, own % self.round.len() as u64);
+        let index = self.round[place as usize];
+        let group = &self.groups[index as usize];
+        let point = round * u64::from(group.rays) + (place - u64::from(group.first));
+        let mut sampler = PathSampler::numbered(point as u32, self.seed ^ mix(index));
+        // The place in the disc and the choice of the pixel are stratified together: they decide how much each pixel gets.
+        let [u0, u1, u_column, u_row] = sampler.next_4d();
+        let [u_source, u2, u3, u_set] = sampler.next_4d();
+        let source = group.sources[group.ends.partition_point(|end| *end <= u_source).min(group.sources.len() - 1)];
+        let numbers = [[u0, u1], [u2, u3], [u_column, u_row]];
+        let flight = self.lens_at(moment).fly(stage, raster, source, numbers, u_set, moment)?;
+        let density = self.rays_of[source.index()] * flight.density;
+        let splats = flight.splats.scaled(power_heuristic(density, flight.camera_density) / density);
+        Some((AimedRay { ray: flight.ray, source, splats }, sampler))
+    }
+
+    /// The weight of light that a camera ray, which the camera led to with a density per unit of etendue, finds at a point of a source.
+    pub fn weight(&self, stage: &PreparedScene, source: Source, ray: &Ray, at: Vec3A, camera_density: f32) -> f32 {
+        let rays = self.rays_of.get(source.index()).copied().unwrap_or(0.0);
+        if rays == 0.0 {
+            return 1.0;
+        }
+        let hit = stage.lights.aimed_hit(&stage.scene, source, (at, -ray.direction), ray.moment);
+        let Some((place, factor)) = hit else { return 1.0 };
+        let lens = self.lens_at(ray.moment);
+        let pdf = lens.lens.aim_pdf(lens.place(place), lens.direction(-ray.direction));
+        power_heuristic(camera_density, rays * factor * pdf)
+    }
+}
+
+/// What was measured of a group.
+struct Measured {
+    /// Camera rays that hit it in a sample of every pixel.
+    hits: f32,
+    /// Pixels that it lights.
+    pixels: f32,
+    /// Luminance that it adds to each of them.
+    light: f32,
+}
+
+impl Measured {
+    fn hits_per_pixel(&self) -> f32 {
+        self.hits / self.pixels
+    }
+
+    fn is_worth_it(&self, film_exposure: f32) -> bool {
+        let hits = self.hits_per_pixel();
+        // A pixel is hit with that probability: mean and variance of a sample.
+        let noise = self.light * film_exposure / hits.max(f32::MIN_POSITIVE).sqrt();
+        self.pixels >= LEAST_PIXELS && hits < FEW_HITS && noise > LEAST_NOISE
+    }
+}
+
+/// The circumstances of a render in which lights may be aimed from.
+pub struct AimingContext<'a> {
+    /// The scene.
+    pub stage: &'a PreparedScene,
+    /// The one lens of the render.
+    pub lens: &'a Arc<RealLens>,
+    /// Places of the lens while the shutter is open.
+    pub exposure: Option<&'a Exposure>,
+    /// The clip planes of the camera.
+    pub clip: Option<Clip>,
+    /// The picture.
+    pub raster: &'a Raster,
+    /// Limits of light transport.
+    pub limits: &'a Limits,
+    /// Factor of the finished light.
+    pub film_exposure: f32,
+    /// Seed of all random choices.
+    pub seed: u32,
+}
+
+impl AimingContext<'_> {
+    /// The lights that are worth it: small beside the blur that the lens makes of them, and bright enough for their noise to be seen.
+    /// `None` where there are none.
+    pub fn choose(&self) -> (Option<AimedLights>, AimedReport) {
+        let start = Instant::now();
+        let groups = self.stage.lights.seen_groups();
+        let lights = groups.len();
+        let mut groups: Vec<SourceGroup> = groups.into_iter().filter(|group| self.may_be_worth_it(group)).collect();
+        let power = |group: &SourceGroup| group.seen_area;
+        groups.sort_by(|a, b| power(b).total_cmp(&power(a)));
+        groups.truncate(MOST_GROUPS);
+        let (width, height) = self.raster.size();
+        let pixels = width as f32 * height as f32;
+        let mut chosen = Vec::new();
+        let mut camera_hits = f32::INFINITY;
+        let rays = MEASURED[0].min(MEASURED[1] / groups.len().max(1) as u32).max(16);
+        for group in &mut groups {
+            let lens = self.standing();
+            let Some((d, _)) = lens.lens.aim(lens.place(group.center), [0.5; 2]) else {
+                group.sources.clear();
+                continue;
+            };
+            let towards = lens.way.map_or(d, |way| way.transform_vector3a(d).normalize());
+            self.stage.lights.face(&self.stage.scene, group, towards);
+        }
+        for (number, group) in groups.iter().enumerate() {
+            let Some(measured) = self.measure(group, number as u32, rays) else { continue };
+            if measured.is_worth_it(self.film_exposure) {
+                camera_hits = camera_hits.min(measured.hits_per_pixel());
+                chosen.push((group, measured.pixels / pixels));
+            }
+        }
+        let mut report = AimedReport { lights, ..AimedReport::default() };
+        let wanted: f32 = chosen.iter().map(|(_, rays)| rays).sum();
+        let aimed = (wanted > 0.0).then(|| {
+            let exposure = self.exposure.cloned();
+            let mut aimed = AimedLights {
+                lens: Arc::clone(self.lens),
+                exposure,
+                groups: Vec::new(),
+                round: Vec::new(),
+                // At most one for each camera ray.
+                rays_per_sample: f64::from(wanted.min(1.0)),
+                rays_of: Vec::new(),
+                seed: self.seed ^ SEED,
+            };
+            chosen.iter().for_each(|(group, rays)| aimed.push(group, rays / wanted));
+            aimed.share_out();
+            aimed
+        });
+        if let Some(aimed) = &aimed {
+            report.aimed = chosen.len();
+            report.rays_per_sample = aimed.rays_per_sample as f32;
+            report.camera_hits = camera_hits;
+        }
+        report.seconds = start.elapsed().as_secs_f64();
+        (aimed, report)
+    }
+
+    fn standing(&self) -> StandingLens<'_> {
+        StandingLens { lens: self.lens, way: self.exposure.and_then(|exposure| exposure.way(MIDDLE)) }
+    }
+
+    /// Whether a group may be small beside its blur, as a thin lens would have it: this costs nothing, while measuring needs the map of
+    /// the entrance pupil.
+    fn may_be_worth_it(&self, group: &SourceGroup) -> bool {
+        let Some(blur) = self.lens.blur_at(self.standing().place(group.center)) else { return true };
+        let disc = FRAC_PI_4 * blur * blur;
+        // As far apart as they can be: the discs of all sources beside each other, but within the group's own bounds.
+        let within = PI * (group.radius + 0.5 * blur).powi(2);
+        let spread = (disc * group.sources.len() as f32).min(within);
+        group.seen_area < MAYBE_FEW_HITS * spread.max(disc)
+    }
+
+    /// Measures a group by rays from it; `None` where none of them is seen.
+    fn measure(&self, group: &SourceGroup, number: u32, rays: u32) -> Option<Measured> {
+        let lens = self.standing();
+        let area: f32 = group.sources.iter().map(|(_, area)| area).sum();
+        if area <= 0.0 {
+            return None;
+        }
+        let mut wave = Wavefront::<NoAovs, false>::default();
+        let mut flights = Vec::new();
+        for i in 0..rays {
+            let mut sampler = PathSampler::numbered(i, number ^ MEASURING_SEED);
+            let [u_source, u0, u1, u2] = sampler.next_4d();
+            let [u3, u_column, u_row, u_set] = sampler.next_4d();
+            let mut rest = u_source * area;
+            let place = group.sources.iter().position(|(_, its)| {
+                rest -= its;
+                rest < 0.0
+            });
+            let (source, its) = group.sources[place.unwrap_or(group.sources.len() - 1)];
+            let numbers = [[u0, u1], [u2, u3], [u_column, u_row]];
+            let Some(flight) = lens.fly(self.stage, self.raster, source, numbers, u_set, MIDDLE) else { continue };
+            let ray = self.clip.map_or(flight.ray, |clip| clip.cut(flight.ray));
+            let ray = self.exposure.map_or(ray, |exposure| exposure.sent(ray, MIDDLE));
+            wave.start_aimed(ray, sampler, source);
+            flights.push((flight, its / area));
+        }
+        wave.follow(self.stage, self.limits);
+        let (width, height) = self.raster.size();
+        let pixels = width as f32 * height as f32;
+        let per_ray = pixels / rays as f32;
+        let (mut hits, mut light) = (0.0, 0.0);
+        let mut places = Vec::new();
+        for (i, (flight, chance)) in flights.iter().enumerate() {
+            let radiance = wave.found(i).radiance;
+            let Some(splat) = flight.splats.as_slice().first() else { continue };
+            if !(radiance.is_finite() && luminance(radiance.abs()) > 0.0) {
+                continue;
+            }
+            let density = flight.density * chance;
+            hits += per_ray * flight.camera_density / density;
+            self.lens.expose(&flight.splats, radiance.abs(), |_, _, added| {
+                light += per_ray * luminance(added.truncate().into()) / density;
+            });
+            places.push(Vec2::new(splat.x as f32, splat.y as f32));
+        }
+        let lit = covered(&places)?;
+        Some(Measured { hits, pixels: lit.min(pixels), light: light / lit })
+    }
+}
+
+/// Pixels of an evenly lit ellipse with the mean and the variances of these; `None` of none.
+fn covered(places: &[Vec2]) -> Option<f32> {
+    let count = places.len() as f32;
+    let middle = places.iter().sum::<Vec2>() / count;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for place in places {
+        let d = *place - middle;
+        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
+    }
+    let determinant = ((xx * yy - xy * xy) / (count * count)).max(0.0);
+    (!places.is_empty()).then(|| (4.0 * PI * determinant.sqrt()).max(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_even_disc_covers_its_area() {
+        let disc = |radius: f32| {
+            let side = -40..=40;
+            let all = side.clone().flat_map(|y| side.clone().map(move |x| Vec2::new(x as f32, y as f32)));
+            all.filter(|place| place.length() <= radius).collect::<Vec<_>>()
+        };
+        for radius in [10.0f32, 40.0] {
+            let area = PI * radius * radius;
+            assert!((covered(&disc(radius)).unwrap() / area - 1.0).abs() < 0.02, "{radius}");
+        }
+        assert_eq!(covered(&[]), None);
+        assert_eq!(covered(&[Vec2::ONE]), Some(1.0));
+    }
+}
