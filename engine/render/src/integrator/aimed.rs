@@ -37,6 +37,12 @@ const LEAST_PIXELS: f32 = 4.0;
 const MEASURED: [u32; 2] = [128, 1 << 14];
 /// Groups that are measured, the brightest first.
 const MOST_GROUPS: usize = 512;
+/// One in this many pairs of places where rays arrive counts as near.
+const NEAR_PAIRS: usize = 64;
+/// Least distance of places that is looked at, pixels.
+const LEAST_DISTANCE_PX: f32 = 2.0;
+/// Most rays from lights for each camera ray.
+const MOST_RAYS: f32 = 0.5;
 /// Rays of a round, about: fewer share them out less well, more leave a group without light in a render's first samples.
 const ROUND: f32 = 256.0;
 /// The seed of the rays that measure, apart from those of the picture.
@@ -66,7 +72,7 @@ pub struct AimedLights {
     groups: Vec<AimedGroup>,
     /// The group of each ray of a round: every round has the same number of rays of each group.
     round: Vec<u32>,
-    /// Rays for each camera ray, at most one.
+    /// Rays for each camera ray.
     rays_per_sample: f64,
     /// By the number of a source, its rays for each camera ray.
     rays_of: Vec<f32>,
@@ -117,6 +123,12 @@ impl StandingLens<'_> {
         self.way.map_or(p, |way| way.inverse().transform_point3a(p))
     }
 
+    /// The middle of the entrance pupil.
+    fn at(self) -> Vec3A {
+        let at = self.lens.entrance_at();
+        self.way.map_or(at, |way| way.transform_point3a(at))
+    }
+
     fn direction(self, d: Vec3A) -> Vec3A {
         self.way.map_or(d, |way| way.inverse().transform_vector3a(d))
     }
@@ -132,18 +144,18 @@ impl StandingLens<'_> {
         moment: u16,
     ) -> Option<Flight> {
         let (lens, lights, scene) = (self.lens, &stage.lights, &stage.scene);
-        let place = lights.aim_place(scene, source, u_place, moment)?;
-        let (d, pdf) = lens.aim(self.place(place), u_direction)?;
+        let place = lights.aim_place(scene, source, u_place, self.at(), moment)?;
+        let origin = self.place(place);
+        let (d, pdf) = lens.aim(origin, u_direction)?;
         let there = self.way.map_or(d, |way| way.transform_vector3a(d).normalize());
-        let (origin, factor) = lights.aimed_ray(scene, source, (place, there), u_place, moment)?;
-        let origin = self.place(origin);
+        let (_, per_area) = lights.aimed_hit(scene, source, (place, there), self.at(), moment)?;
         let set = ((u_set * lens.sets() as f32) as usize).min(lens.sets() - 1);
         let Landed { splats, density } = lens.land(set, origin, d, raster, u_pixels)?;
         let front = origin + d * lens.distance_from(origin, d);
         let flight = Flight {
             ray: Ray::new(front, -d).at(moment),
             splats,
-            density: factor * pdf,
+            density: per_area * pdf,
             camera_density: density as f32,
         };
         (flight.density > 0.0 && flight.density.is_finite()).then_some(flight)
@@ -219,11 +231,11 @@ impl AimedLights {
         if rays == 0.0 {
             return 1.0;
         }
-        let hit = stage.lights.aimed_hit(&stage.scene, source, (at, -ray.direction), ray.moment);
-        let Some((place, factor)) = hit else { return 1.0 };
         let lens = self.lens_at(ray.moment);
+        let hit = stage.lights.aimed_hit(&stage.scene, source, (at, -ray.direction), lens.at(), ray.moment);
+        let Some((place, per_area)) = hit else { return 1.0 };
         let pdf = lens.lens.aim_pdf(lens.place(place), lens.direction(-ray.direction));
-        power_heuristic(camera_density, rays * factor * pdf)
+        power_heuristic(camera_density, rays * per_area * pdf)
     }
 }
 
@@ -287,12 +299,7 @@ impl AimingContext<'_> {
         let mut camera_hits = f32::INFINITY;
         let rays = MEASURED[0].min(MEASURED[1] / groups.len().max(1) as u32).max(16);
         for group in &mut groups {
-            let lens = self.standing();
-            let Some((d, _)) = lens.lens.aim(lens.place(group.center), [0.5; 2]) else {
-                group.sources.clear();
-                continue;
-            };
-            let towards = lens.way.map_or(d, |way| way.transform_vector3a(d).normalize());
+            let towards = (self.standing().at() - group.center).normalize_or_zero();
             self.stage.lights.face(&self.stage.scene, group, towards);
         }
         for (number, group) in groups.iter().enumerate() {
@@ -311,8 +318,7 @@ impl AimingContext<'_> {
                 exposure,
                 groups: Vec::new(),
                 round: Vec::new(),
-                // At most one for each camera ray.
-                rays_per_sample: f64::from(wanted.min(1.0)),
+                rays_per_sample: f64::from(wanted.min(MOST_RAYS)),
                 rays_of: Vec::new(),
                 seed: self.seed ^ SEED,
             };
@@ -354,7 +360,8 @@ impl AimingContext<'_> {
         let mut wave = Wavefront::<NoAovs, false>::default();
         let mut flights = Vec::new();
         for i in 0..rays {
-            let mut sampler = PathSampler::numbered(i, number ^ MEASURING_SEED);
+            // Independent of each other: what is stratified has fewer near pairs.
+            let mut sampler = PathSampler::numbered(0, i ^ mix(number ^ MEASURING_SEED));
             let [u_source, u0, u1, u2] = sampler.next_4d();
             let [u3, u_column, u_row, u_set] = sampler.next_4d();
             let mut rest = u_source * area;
@@ -394,33 +401,50 @@ impl AimingContext<'_> {
     }
 }
 
-/// Pixels of an evenly lit ellipse with the mean and the variances of these; `None` of none.
+/// Pixels that light of this distribution covers, as it would if it were even: one over the integral of the squared density; `None` of no
+/// light.
 fn covered(places: &[Vec2]) -> Option<f32> {
-    let count = places.len() as f32;
-    let middle = places.iter().sum::<Vec2>() / count;
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for place in places {
-        let d = *place - middle;
-        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
+    let mut distances: Vec<f32> = Vec::new();
+    for (i, a) in places.iter().enumerate() {
+        distances.extend(places[..i].iter().map(|b| a.distance_squared(*b)));
     }
-    let determinant = ((xx * yy - xy * xy) / (count * count)).max(0.0);
-    (!places.is_empty()).then(|| (4.0 * PI * determinant.sqrt()).max(1.0))
+    if distances.is_empty() {
+        return (!places.is_empty()).then_some(1.0);
+    }
+    // Two places are as near as this by chance: the area about one over all of it. Of whole pixels nothing nearer is told apart.
+    let near = (distances.len() / NEAR_PAIRS).min(distances.len() - 1);
+    let (_, nearest2, _) = distances.select_nth_unstable_by(near, f32::total_cmp);
+    let within2 = nearest2.max(LEAST_DISTANCE_PX * LEAST_DISTANCE_PX);
+    let count = distances.iter().filter(|distance2| **distance2 <= within2).count();
+    Some((PI * within2 * distances.len() as f32 / count.max(1) as f32).max(1.0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampler::warp;
 
-    #[test]
-    fn an_even_disc_covers_its_area() {
-        let disc = |radius: f32| {
-            let side = -40..=40;
-            let all = side.clone().flat_map(|y| side.clone().map(move |x| Vec2::new(x as f32, y as f32)));
-            all.filter(|place| place.length() <= radius).collect::<Vec<_>>()
+    /// Places at random on discs of a radius, in whole pixels.
+    fn on_discs(middles: &[Vec2], radius: f32) -> Vec<Vec2> {
+        let place = |i: u32| {
+            let [u0, u1, u2, _] = PathSampler::numbered(0, i).next_4d();
+            let disc = middles[(u0 * middles.len() as f32) as usize];
+            (disc + warp::sample_disk([u1, u2]) * radius).floor()
         };
-        for radius in [10.0f32, 40.0] {
+        (0..MEASURED[0]).map(place).collect()
+    }
+
+    /// By 128 places, of which a 64th of the pairs is near, to a tenth; and places at the edge of a disc have fewer near them, which makes a
+    /// sixth for the smallest.
+    #[test]
+    fn covered_pixels_are_those_of_discs_however_far_apart() {
+        for radius in [5.0f32, 10.0, 40.0] {
             let area = PI * radius * radius;
-            assert!((covered(&disc(radius)).unwrap() / area - 1.0).abs() < 0.02, "{radius}");
+            let one = covered(&on_discs(&[Vec2::ZERO], radius)).unwrap();
+            assert!((one / area - 1.0).abs() < 0.3, "{radius}: {one} {area}");
+            let apart: Vec<Vec2> = (0..5).map(|i| Vec2::new(i as f32 * 200.0, (i * i) as f32 * 50.0)).collect();
+            let five = covered(&on_discs(&apart, radius)).unwrap();
+            assert!((five / (5.0 * area) - 1.0).abs() < 0.3, "{radius}: {five} {area}");
         }
         assert_eq!(covered(&[]), None);
         assert_eq!(covered(&[Vec2::ONE]), Some(1.0));

@@ -1,8 +1,8 @@
 //! Rays that leave a source in a direction that is chosen elsewhere: towards the lens.
 //!
-//! The direction is chosen for a place of the source: for the very point of a triangle or a flat lamp, for the centre of a ball, whose
-//! rays of one direction fill a disk. The density of the ray, per unit of etendue, is that of the direction per steradian times a factor
-//! of the source.
+//! The place is chosen first: on a triangle or a flat lamp by area; of a ball on the disk through its centre that faces the lens, which
+//! holds nearly all of its rays to there. The density of the ray, per unit of etendue, is that of the place, per area at right angles to
+//! the ray, times that of the direction per steradian.
 
 use super::lamp::LampExtent;
 use super::lamp::shape::on_disk;
@@ -93,51 +93,47 @@ impl Lights {
         }
     }
 
-    /// The place of a source for which a direction is to be chosen, by two uniform numbers; `None` of a source without extent or at
-    /// infinity.
-    pub fn aim_place(&self, scene: &Scene, source: Source, u: [f32; 2], moment: u16) -> Option<Vec3A> {
+    /// The place at which a ray leaves a source towards a lens at `lens_at`, by two uniform numbers; `None` of a source without extent or
+    /// at infinity.
+    pub fn aim_place(&self, scene: &Scene, source: Source, u: [f32; 2], lens_at: Vec3A, moment: u16) -> Option<Vec3A> {
         if let Some(triangle) = self.triangle_at(scene, source, moment) {
             return Some(triangle.point(warp::sample_triangle(u)));
         }
-        self.extended(source).map(|(lamp, _)| lamp.place(u))
+        match self.extended(source)? {
+            (lamp, LampExtent::Ball { radius }) => {
+                let axis = (lens_at - lamp.center()).try_normalize()?;
+                Some(lamp.center() + on_disk(axis, radius, u))
+            }
+            (lamp, LampExtent::Flat { .. }) => Some(lamp.place(u)),
+        }
     }
 
-    /// The origin of a ray that leaves a source along `d`, which was chosen for `place`, and the factor of its density; `u` are the
-    /// numbers of [`Self::aim_place`].
-    pub fn aimed_ray(
-        &self,
-        scene: &Scene,
-        source: Source,
-        (place, d): (Vec3A, Vec3A),
-        u: [f32; 2],
-        moment: u16,
-    ) -> Option<(Vec3A, f32)> {
-        let (_, factor) = self.aimed_hit(scene, source, (place, d), moment)?;
-        let origin = match self.extended(source) {
-            Some((_, LampExtent::Ball { radius })) => place + on_disk(d, radius, u),
-            _ => place,
-        };
-        Some((origin, factor))
-    }
-
-    /// The place for which the direction `d` of a ray that left a source at `at` would have been chosen, and the factor of the ray's
-    /// density; `None` where the source sends no such ray.
+    /// The place at which a ray that comes through `at` along `d` would have left a source towards a lens at `lens_at`, and the density of
+    /// [`Self::aim_place`] per unit of area at right angles to the ray; `None` where it sends no such ray.
     pub fn aimed_hit(
         &self,
         scene: &Scene,
         source: Source,
         (at, d): (Vec3A, Vec3A),
+        lens_at: Vec3A,
         moment: u16,
     ) -> Option<(Vec3A, f32)> {
-        let (place, per_etendue) = if let Some(triangle) = self.triangle_at(scene, source, moment) {
+        let (place, per_area) = if let Some(triangle) = self.triangle_at(scene, source, moment) {
             (at, 1.0 / (triangle.area * triangle.normal().dot(d).abs()))
         } else {
             match self.extended(source)? {
-                (lamp, LampExtent::Ball { radius }) => (lamp.center(), 1.0 / (PI * radius * radius)),
-                (lamp, LampExtent::Flat { area }) => (at, 1.0 / (area * lamp.axis().dot(d).max(0.0))),
+                (lamp, LampExtent::Ball { radius }) => {
+                    let axis = (lens_at - lamp.center()).try_normalize()?;
+                    let cos = axis.dot(d);
+                    let place = at + d * ((lamp.center() - at).dot(axis) / cos);
+                    // A place that was chosen lies there but for rounding.
+                    let is_inside = (place - lamp.center()).length() <= radius * 1.0001;
+                    (place, if is_inside { 1.0 / (PI * radius * radius * cos) } else { 0.0 })
+                }
+                (lamp, LampExtent::Flat { area }) => (at, 1.0 / (area * lamp.axis().dot(d))),
             }
         };
-        per_etendue.is_finite().then_some((place, per_etendue))
+        (per_area > 0.0 && per_area.is_finite()).then_some((place, per_area))
     }
 
     /// A lamp with extent, if the source is one.

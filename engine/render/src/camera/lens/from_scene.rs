@@ -7,7 +7,7 @@
 use super::real_lens::RealLens;
 use super::real_lens::packet::{HeroSample, Splats};
 use crate::sampler::raster::Raster;
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 use petzval_optics::trace::Ray as LensRay;
 
 /// The contribution of a ray from the scene to the picture.
@@ -28,6 +28,11 @@ impl RealLens {
     /// Prepares the data that every light path needs.
     pub fn prepare_for_light_paths(&self) {
         self.entrance();
+    }
+
+    /// The middle of the entrance pupil, render space.
+    pub fn entrance_at(&self) -> Vec3A {
+        self.mount.to_render(&LensRay { origin: self.entrance().middle(), direction: DVec3::Z }).origin
     }
 
     /// A direction from a point to the lens, chosen by `u`, and its density per steradian; render space.
