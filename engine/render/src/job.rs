@@ -20,7 +20,7 @@ use crate::camera::lens::real_lens::RealLens;
 use crate::camera::{Camera, CameraDescription};
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
-use crate::film::{Film, FilmChannels, TilePixels};
+use crate::film::{Film, FilmChannels, TilePixels, TileRect};
 use crate::integrator::aimed::{AimedLights, AimedReport, AimingContext};
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
@@ -452,6 +452,16 @@ impl Shared {
         *self.limits.get_or_init(|| self.find_limits())
     }
 
+    /// The part of the picture's pixels that has samples.
+    fn rendered_part(&self) -> f32 {
+        if self.adaptive.is_some() {
+            return 1.0;
+        }
+        let area = |rect: TileRect| rect.width as f32 * rect.height as f32;
+        let rendered: f32 = self.tiles.iter().map(|&tile| area(self.film.rect(tile))).sum();
+        rendered / (self.settings.width as f32 * self.settings.height as f32)
+    }
+
     /// The lights that send rays to the lens, if the render is one that can have them: through one lens that is traced at several
     /// wavelengths, without anything in the air.
     fn find_aimed(&self) -> (Option<Arc<AimedLights>>, AimedReport) {
@@ -469,6 +479,7 @@ impl Shared {
             raster: &self.raster,
             limits: &self.limits(),
             film_exposure: s.film_exposure,
+            rendered: self.rendered_part(),
             seed: s.seed,
         };
         let (aimed, report) = context.choose();

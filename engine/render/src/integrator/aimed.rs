@@ -74,7 +74,7 @@ pub struct AimedLights {
     round: Vec<u32>,
     /// Rays for each camera ray.
     rays_per_sample: f64,
-    /// By the number of a source, its rays for each camera ray.
+    /// By the number of a source, its rays for each pixel of the picture and sample.
     rays_of: Vec<f32>,
     seed: u32,
 }
@@ -178,9 +178,9 @@ impl AimedLights {
         self.groups.push(AimedGroup { sources, ends, first, rays });
     }
 
-    /// Works out the rays of each source, when all groups are there.
-    fn share_out(&mut self) {
-        let per_ray = self.rays_per_sample as f32 / self.round.len() as f32;
+    /// Works out the rays of each source, when all groups are there; camera rays come from a part of the picture.
+    fn share_out(&mut self, rendered: f32) {
+        let per_ray = self.rays_per_sample as f32 * rendered / self.round.len() as f32;
         for group in &self.groups {
             let mut before = 0.0;
             for (source, end) in group.sources.iter().zip(&group.ends) {
@@ -278,6 +278,8 @@ pub struct AimingContext<'a> {
     pub limits: &'a Limits,
     /// Factor of the finished light.
     pub film_exposure: f32,
+    /// The part of the picture's pixels that has samples.
+    pub rendered: f32,
     /// Seed of all random choices.
     pub seed: u32,
 }
@@ -318,12 +320,12 @@ impl AimingContext<'_> {
                 exposure,
                 groups: Vec::new(),
                 round: Vec::new(),
-                rays_per_sample: f64::from(wanted.min(MOST_RAYS)),
+                rays_per_sample: f64::from((wanted / self.rendered).min(MOST_RAYS)),
                 rays_of: Vec::new(),
                 seed: self.seed ^ SEED,
             };
             chosen.iter().for_each(|(group, rays)| aimed.push(group, rays / wanted));
-            aimed.share_out();
+            aimed.share_out(self.rendered);
             aimed
         });
         if let Some(aimed) = &aimed {

@@ -184,6 +184,28 @@ fn what_the_camera_does_not_see_is_not_traced() {
     agree("emission", &with[1], &without[1]);
 }
 
+/// Where a part of the picture is rendered, it has the light that it has in the whole.
+#[test]
+fn a_part_of_the_picture_has_its_light() {
+    let stage = lights(0.006);
+    let d = description();
+    // A larger picture, so that tiles are left out; about the lamp above on the right.
+    let s = |window, seed| Settings { width: 192, height: 128, window, ..settings(true, 8, seed) };
+    let window = [128, 66, 40, 40];
+    let light = |picture: &[[f32; 4]]| -> f64 {
+        let [left, bottom, width, height] = window.map(|pixels| pixels as usize);
+        let rows = picture.chunks(192).skip(bottom).take(height);
+        rows.flat_map(|row| &row[left..left + width]).map(|pixel| f64::from(pixel[1])).sum()
+    };
+    let (whole, report) = render(&stage, &d, s(None, 1));
+    let (part, of_part) = render(&stage, &d, s(Some(window), 2));
+    assert!(report.aimed == 6 && of_part.aimed == 6, "{report:?} {of_part:?}");
+    assert!(part[..192 * 8].iter().all(|pixel| pixel[1] == 0.0), "nothing far from the window is rendered");
+    // The disc takes 600 pixels, each with eight rays or more.
+    let ratio = light(&part) / light(&whole);
+    assert!(light(&whole) > 10.0 && (ratio - 1.0).abs() < 0.02, "{ratio}");
+}
+
 /// The smaller a light, the more is won: one of 2 mm before a pupil of 24 mm is hit 0.002 times a sample, whose variance is 500 times its
 /// square, and more where the rays of lights are stratified. Measured: 1500.
 #[test]
