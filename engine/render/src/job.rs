@@ -21,7 +21,7 @@ use crate::camera::{Camera, CameraDescription};
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, FilmChannels, TilePixels, TileRect};
-use crate::integrator::aimed::{AimedLights, AimedReport, AimingContext};
+use crate::integrator::aimed::{self, AimedLights, AimedReport, AimingContext};
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, PreparedScene, bidirectional::Techniques};
@@ -324,7 +324,15 @@ impl Shared {
         settings.check_integrator(first)?;
         let is_bidirectional = settings.integrator == Integrator::Bidirectional;
         let asked = if is_bidirectional { Pipeline::Hero } else { settings.pipeline };
-        let pipeline = asked.with(first);
+        let mut pipeline = asked.with(first);
+        if pipeline == Pipeline::FilmFirst
+            && asked != Pipeline::FilmFirst
+            && aimable(&cameras, &settings, &stage)
+                .is_some_and(|lens| aimed::may_be_worth_it(&stage, lens, beside.exposure.as_ref()))
+        {
+            // With one wavelength both are the same, but hero knows the densities of its rays.
+            pipeline = Pipeline::Hero;
+        }
         let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
         let (width, height) = (settings.width, settings.height);
         let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
@@ -462,15 +470,11 @@ impl Shared {
         rendered / (self.settings.width as f32 * self.settings.height as f32)
     }
 
-    /// The lights that send rays to the lens, if the render is one that can have them: through one lens that is traced at several
-    /// wavelengths, without anything in the air.
+    /// The lights that send rays to the lens, and the decision on them.
     fn find_aimed(&self) -> (Option<Arc<AimedLights>>, AimedReport) {
         let s = &self.settings;
-        let [Camera::Lens(lens)] = self.cameras.as_slice() else { return Default::default() };
-        let is_path = s.integrator == Integrator::Path && self.pipeline == Pipeline::Hero;
-        if !(s.light_tracing && is_path && lens.takes_light_paths() && self.stage.media.is_empty()) {
-            return Default::default();
-        }
+        let lens = aimable(&self.cameras, s, &self.stage).filter(|_| self.pipeline == Pipeline::Hero);
+        let Some(lens) = lens else { return Default::default() };
         let context = AimingContext {
             stage: &self.stage,
             lens,
@@ -568,6 +572,13 @@ impl Shared {
         self.film.end_pass(tile);
         Some(())
     }
+}
+
+/// The lens to which lights may send rays, if the render is one that can have that: through one lens that is traced, without volumes.
+fn aimable<'a>(cameras: &'a [Camera], s: &Settings, stage: &PreparedScene) -> Option<&'a Arc<RealLens>> {
+    let [Camera::Lens(lens)] = cameras else { return None };
+    let is_possible = s.integrator == Integrator::Path && lens.takes_light_paths() && stage.media.is_empty();
+    (s.light_tracing && is_possible).then_some(lens)
 }
 
 /// First sample and count of each pass: one sample first, for something to look at, then twice as many each time.

@@ -10,25 +10,28 @@
 use super::PreparedScene;
 use super::path::{Limits, NoAovs, Wavefront, power_heuristic};
 use crate::accel::Ray;
-use crate::camera::clip::Clip;
 use crate::camera::lens::from_scene::Landed;
 use crate::camera::lens::real_lens::RealLens;
 use crate::camera::lens::real_lens::packet::Splats;
+use crate::camera::lens::setup::LensInfo;
+use crate::camera::{CameraDescription, Model, clip::Clip, lens_info};
 use crate::lights::{Source, SourceGroup};
 use crate::luminance;
 use crate::pipeline::exposure::Exposure;
 use crate::sampler::{PathSampler, mix, raster::Raster};
 use crate::scene::motion::MIDDLE;
-use glam::{Affine3A, Vec2, Vec3A};
+use glam::{Affine3A, DMat3, DVec3, Vec2, Vec3A};
 use serde::Serialize;
-use std::f32::consts::{FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Camera rays that hit a group, for each pixel that it lights and sample of the pixel, up to which the group is aimed from.
 const FEW_HITS: f32 = 0.25;
 /// The same as geometry tells it, up to which a group is measured at all.
-const MAYBE_FEW_HITS: f32 = 1.0;
+const MAYBE_FEW_HITS: f64 = 1.0;
+/// Whole angle of view from which on anything may be in the picture.
+const WIDE_RAD: f64 = 2.4;
 /// Noise of a group in one sample of a pixel, scene-linear, below which nobody sees it.
 const LEAST_NOISE: f32 = 0.02;
 /// Pixels that a group has to light.
@@ -127,6 +130,10 @@ impl StandingLens<'_> {
     fn at(self) -> Vec3A {
         let at = self.lens.entrance_at();
         self.way.map_or(at, |way| way.transform_point3a(at))
+    }
+
+    fn may_be_worth_it(self, group: &SourceGroup) -> bool {
+        may_be_small(group, self.lens.info(), self.lens.scale_mm(), self.lens.in_lens_space(self.place(group.center)))
     }
 
     fn direction(self, d: Vec3A) -> Vec3A {
@@ -284,6 +291,58 @@ pub struct AimingContext<'a> {
     pub seed: u32,
 }
 
+/// Whether a group may be small beside its blur and in the picture, as a thin lens in the entrance pupil would have it: this costs nothing,
+/// while measuring needs the map of the entrance pupil. `at` is the middle of the group in lens space, mm.
+fn may_be_small(group: &SourceGroup, info: &LensInfo, scale_mm: f64, at: DVec3) -> bool {
+    let Some(pupil_mm) = info.entrance_pupil_diameter_mm else { return true };
+    let distance_mm = -at.z;
+    let radius_mm = f64::from(group.radius) * scale_mm;
+    let sharp = info.focus_distance_mm.map_or(0.0, f64::recip);
+    let blur_mm = pupil_mm * (1.0 - distance_mm * sharp).abs();
+    let reach_mm = radius_mm + 0.5 * blur_mm;
+    match info.fov_diagonal_rad {
+        // A group that is so near may be anywhere.
+        Some(whole) if whole < WIDE_RAD && at.length() > 2.0 * reach_mm => {
+            let off_axis = at.truncate().length().atan2(distance_mm);
+            if off_axis - (reach_mm / at.length()).asin() > 0.5 * whole {
+                return false;
+            }
+        }
+        _ => {}
+    }
+    let disc = FRAC_PI_4 * blur_mm * blur_mm;
+    // As far apart as they can be: the discs of all sources beside each other, but within the group's own bounds.
+    let spread = (disc * group.sources.len() as f64).min(PI * reach_mm * reach_mm).max(disc);
+    f64::from(group.seen_area) * scale_mm * scale_mm < MAYBE_FEW_HITS * spread
+}
+
+/// Whether any light of a scene may be worth aiming from in a picture of that size, by its size and place alone.
+pub fn may_be_worth_it_through(stage: &PreparedScene, d: &CameraDescription, [width, height]: [u32; 2]) -> bool {
+    let scale = d.scale_mm_per_unit;
+    if d.model != Model::Lens || scale.x != scale.y || scale.y != scale.z || !stage.media.is_empty() {
+        return false;
+    }
+    let groups = stage.lights.seen_groups();
+    // What is wrong with the lens is told by who makes the camera.
+    if groups.is_empty() || !d.matrix_world.is_finite() {
+        return false;
+    }
+    let Ok(info) = lens_info(d, width, height) else { return false };
+    let axes = DMat3::from_mat4(d.matrix_world);
+    let Some(axes) = axes.determinant().ne(&0.0).then(|| axes.inverse()) else { return false };
+    let scaled = |p: DVec3| {
+        let away = p + stage.scene.origin - d.position();
+        (axes * away).normalize_or_zero() * away.length() * scale.x
+    };
+    groups.iter().any(|group| may_be_small(group, &info, scale.x, scaled(group.center.as_dvec3())))
+}
+
+/// Whether any light of a scene may be worth aiming from, by its size and place alone.
+pub fn may_be_worth_it(stage: &PreparedScene, lens: &RealLens, exposure: Option<&Exposure>) -> bool {
+    let lens = StandingLens { lens, way: exposure.and_then(|exposure| exposure.way(MIDDLE)) };
+    stage.lights.seen_groups().iter().any(|group| lens.may_be_worth_it(group))
+}
+
 impl AimingContext<'_> {
     /// The lights that are worth it: small beside the blur that the lens makes of them, and bright enough for their noise to be seen.
     /// `None` where there are none.
@@ -291,7 +350,8 @@ impl AimingContext<'_> {
         let start = Instant::now();
         let groups = self.stage.lights.seen_groups();
         let lights = groups.len();
-        let mut groups: Vec<SourceGroup> = groups.into_iter().filter(|group| self.may_be_worth_it(group)).collect();
+        let mut groups: Vec<SourceGroup> =
+            groups.into_iter().filter(|group| self.standing().may_be_worth_it(group)).collect();
         let power = |group: &SourceGroup| group.seen_area;
         groups.sort_by(|a, b| power(b).total_cmp(&power(a)));
         groups.truncate(MOST_GROUPS);
@@ -339,17 +399,6 @@ impl AimingContext<'_> {
 
     fn standing(&self) -> StandingLens<'_> {
         StandingLens { lens: self.lens, way: self.exposure.and_then(|exposure| exposure.way(MIDDLE)) }
-    }
-
-    /// Whether a group may be small beside its blur, as a thin lens would have it: this costs nothing, while measuring needs the map of
-    /// the entrance pupil.
-    fn may_be_worth_it(&self, group: &SourceGroup) -> bool {
-        let Some(blur) = self.lens.blur_at(self.standing().place(group.center)) else { return true };
-        let disc = FRAC_PI_4 * blur * blur;
-        // As far apart as they can be: the discs of all sources beside each other, but within the group's own bounds.
-        let within = PI * (group.radius + 0.5 * blur).powi(2);
-        let spread = (disc * group.sources.len() as f32).min(within);
-        group.seen_area < MAYBE_FEW_HITS * spread.max(disc)
     }
 
     /// Measures a group by rays from it; `None` where none of them is seen.
@@ -418,7 +467,7 @@ fn covered(places: &[Vec2]) -> Option<f32> {
     let (_, nearest2, _) = distances.select_nth_unstable_by(near, f32::total_cmp);
     let within2 = nearest2.max(LEAST_DISTANCE_PX * LEAST_DISTANCE_PX);
     let count = distances.iter().filter(|distance2| **distance2 <= within2).count();
-    Some((PI * within2 * distances.len() as f32 / count.max(1) as f32).max(1.0))
+    Some((std::f32::consts::PI * within2 * distances.len() as f32 / count.max(1) as f32).max(1.0))
 }
 
 #[cfg(test)]
@@ -441,7 +490,7 @@ mod tests {
     #[test]
     fn covered_pixels_are_those_of_discs_however_far_apart() {
         for radius in [5.0f32, 10.0, 40.0] {
-            let area = PI * radius * radius;
+            let area = std::f32::consts::PI * radius * radius;
             let one = covered(&on_discs(&[Vec2::ZERO], radius)).unwrap();
             assert!((one / area - 1.0).abs() < 0.3, "{radius}: {one} {area}");
             let apart: Vec<Vec2> = (0..5).map(|i| Vec2::new(i as f32 * 200.0, (i * i) as f32 * 50.0)).collect();

@@ -11,6 +11,7 @@ use petzval_render::integrator::PreparedScene;
 use petzval_render::integrator::aimed::AimedReport;
 use petzval_render::integrator::path::parts::{LightPass, Parts, Seen};
 use petzval_render::job::{Job, OutputOptions, Settings};
+use petzval_render::pipeline::Pipeline;
 use petzval_render::pipeline::exposure::{Exposure, Shutter};
 use petzval_render::scene::closure::Closure;
 use petzval_render::scene::lamp::{Lamp, LampKind};
@@ -145,16 +146,21 @@ const RENDERS: u32 = 12;
 #[test]
 fn the_picture_is_that_of_camera_rays_alone() {
     let stage = lights(0.012);
-    let d = description();
-    let many = |traced: bool, samples: u32, first: u32| -> Vec<Vec<f64>> {
+    let many = |d: &CameraDescription, traced: bool, samples: u32, first: u32| -> Vec<Vec<f64>> {
         let one = |k| {
-            let (picture, report) = render(&stage, &d, settings(traced, samples, first + k));
+            let (picture, report) = render(&stage, d, settings(traced, samples, first + k));
             assert_eq!((report.lights, report.aimed), if traced { (6, 6) } else { (0, 0) }, "{report:?}");
             blocks(&picture)
         };
         (0..RENDERS).map(one).collect()
     };
-    agree("all kinds", &many(true, 32, 1), &many(false, 128, 101));
+    let d = description();
+    agree("all kinds", &many(&d, true, 32, 1), &many(&d, false, 128, 101));
+    // One wavelength, which camera rays without light tracing follow film-first.
+    let grey = CameraDescription { wavelength_nm: Some(550.0), ..d };
+    agree("one wavelength", &many(&grey, true, 32, 1), &many(&grey, false, 128, 101));
+    let film_first = Settings { pipeline: Pipeline::FilmFirst, ..settings(true, 1, 1) };
+    assert_eq!(render(&stage, &grey, film_first).1.aimed, 0, "the user has asked for another pipeline");
 }
 
 /// Through a clip plane, from a place beside render space's origin, and in the pass of emission.

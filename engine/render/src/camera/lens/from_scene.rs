@@ -47,15 +47,14 @@ impl RealLens {
         self.entrance().pdf(place, self.mount.direction_to_lens(direction.as_dvec3())) as f32
     }
 
-    /// Diameter of the disc that the blur of a point takes at the point's own distance, as a thin lens in the entrance pupil would have
-    /// it; Blender units. `None` where the lens has no such pupil, or the point lies beside or behind it.
-    pub fn blur_at(&self, point: Vec3A) -> Option<f32> {
-        let info = self.info();
-        let pupil_mm = info.entrance_pupil_diameter_mm?;
-        let distance_mm = -self.mount.to_lens(point.as_dvec3()).z;
-        let sharp = info.focus_distance_mm.map_or(0.0, f64::recip);
-        let blur_mm = pupil_mm * (1.0 - distance_mm * sharp).abs();
-        (distance_mm > 0.0).then_some((blur_mm / self.mount.scale()?) as f32)
+    /// Millimetres of the lens in a Blender unit, where all axes have one scale.
+    pub fn scale_mm(&self) -> f64 {
+        self.mount.scale().unwrap_or(1.0)
+    }
+
+    /// A point of render space in lens space, mm: light comes along +z.
+    pub fn in_lens_space(&self, point: Vec3A) -> DVec3 {
+        self.mount.to_lens(point.as_dvec3())
     }
 
     /// Number of sets of wavelengths to choose from.
