@@ -4,6 +4,7 @@
 //! them, so that the same seed gives the same bits for any number of threads.
 
 mod adaptive;
+mod aimed;
 pub mod catcher;
 pub mod checkpoint;
 pub mod denoise;
@@ -20,8 +21,8 @@ use crate::camera::lens::real_lens::RealLens;
 use crate::camera::{Camera, CameraDescription};
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
-use crate::film::{Film, FilmChannels, TilePixels, TileRect};
-use crate::integrator::aimed::{self, AimedLights, AimedReport, AimingContext};
+use crate::film::{Film, FilmChannels, TilePixels};
+use crate::integrator::aimed::{AimedLights, AimedReport};
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, PreparedScene, bidirectional::Techniques};
@@ -323,16 +324,7 @@ impl Shared {
         let first = cameras.first().ok_or(SettingsError::Camera)?;
         settings.check_integrator(first)?;
         let is_bidirectional = settings.integrator == Integrator::Bidirectional;
-        let asked = if is_bidirectional { Pipeline::Hero } else { settings.pipeline };
-        let mut pipeline = asked.with(first);
-        if pipeline == Pipeline::FilmFirst
-            && asked != Pipeline::FilmFirst
-            && aimable(&cameras, &settings, &stage)
-                .is_some_and(|lens| aimed::may_be_worth_it(&stage, lens, beside.exposure.as_ref()))
-        {
-            // With one wavelength both are the same, but hero knows the densities of its rays.
-            pipeline = Pipeline::Hero;
-        }
+        let pipeline = aimed::pipeline(&stage, &cameras, first, &settings, beside.exposure.as_ref());
         let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
         let (width, height) = (settings.width, settings.height);
         let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
@@ -460,36 +452,6 @@ impl Shared {
         *self.limits.get_or_init(|| self.find_limits())
     }
 
-    /// The part of the picture's pixels that has samples.
-    fn rendered_part(&self) -> f32 {
-        if self.adaptive.is_some() {
-            return 1.0;
-        }
-        let area = |rect: TileRect| rect.width as f32 * rect.height as f32;
-        let rendered: f32 = self.tiles.iter().map(|&tile| area(self.film.rect(tile))).sum();
-        rendered / (self.settings.width as f32 * self.settings.height as f32)
-    }
-
-    /// The lights that send rays to the lens, and the decision on them.
-    fn find_aimed(&self) -> (Option<Arc<AimedLights>>, AimedReport) {
-        let s = &self.settings;
-        let lens = aimable(&self.cameras, s, &self.stage).filter(|_| self.pipeline == Pipeline::Hero);
-        let Some(lens) = lens else { return Default::default() };
-        let context = AimingContext {
-            stage: &self.stage,
-            lens,
-            exposure: self.exposure.as_ref(),
-            clip: self.clip,
-            raster: &self.raster,
-            limits: &self.limits(),
-            film_exposure: s.film_exposure,
-            rendered: self.rendered_part(),
-            seed: s.seed,
-        };
-        let (aimed, report) = context.choose();
-        (aimed.map(Arc::new), report)
-    }
-
     fn render(&self) {
         let s = &self.settings;
         let shot = self.shot();
@@ -572,13 +534,6 @@ impl Shared {
         self.film.end_pass(tile);
         Some(())
     }
-}
-
-/// The lens to which lights may send rays, if the render is one that can have that: through one lens that is traced, without volumes.
-fn aimable<'a>(cameras: &'a [Camera], s: &Settings, stage: &PreparedScene) -> Option<&'a Arc<RealLens>> {
-    let [Camera::Lens(lens)] = cameras else { return None };
-    let is_possible = s.integrator == Integrator::Path && lens.takes_light_paths() && stage.media.is_empty();
-    (s.light_tracing && is_possible).then_some(lens)
 }
 
 /// First sample and count of each pass: one sample first, for something to look at, then twice as many each time.

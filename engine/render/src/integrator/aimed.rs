@@ -443,7 +443,7 @@ impl AimingContext<'_> {
             let density = flight.density * chance;
             hits += per_ray * flight.camera_density / density;
             self.lens.expose(&flight.splats, radiance.abs(), |_, _, added| {
-                light += per_ray * luminance(added.truncate().into()) / density;
+                light += per_ray * luminance(added.truncate()) / density;
             });
             places.push(Vec2::new(splat.x as f32, splat.y as f32));
         }

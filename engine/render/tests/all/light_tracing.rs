@@ -77,24 +77,30 @@ fn lights(radius: f32) -> Arc<PreparedScene> {
     room.finish()
 }
 
-/// A picture, and the decision on the lights.
-fn render_with(
-    stage: &Arc<PreparedScene>,
-    d: &CameraDescription,
-    s: Settings,
-    beside: OutputOptions,
-) -> (Vec<[f32; 4]>, AimedReport, Option<Vec<[f32; 3]>>) {
+/// The results of a render.
+struct Rendered {
+    picture: Vec<[f32; 4]>,
+    report: AimedReport,
+    emission: Option<Vec<[f32; 3]>>,
+}
+
+fn render_with(stage: &Arc<PreparedScene>, d: &CameraDescription, s: Settings, beside: OutputOptions) -> Rendered {
     let camera: Camera = camera(d, s.width, s.height);
     let beside = OutputOptions { clip: Clip::new(d, &camera), ..beside };
     let job = Job::start_with(stage.clone(), vec![camera], s, beside).unwrap();
     assert!(job.wait(Duration::from_secs(600)));
     let statistics = job.statistics();
     assert!(statistics.failure.is_none() && statistics.counts.non_finite == 0, "{statistics:?}");
-    (job.film().picture(), job.report().light_tracing, job.part(LightPass::Emission))
+    Rendered {
+        picture: job.film().picture(),
+        report: job.report().light_tracing,
+        emission: job.part(LightPass::Emission),
+    }
 }
 
+/// A picture, and the decision on the lights.
 fn render(stage: &Arc<PreparedScene>, d: &CameraDescription, s: Settings) -> (Vec<[f32; 4]>, AimedReport) {
-    let (picture, report, _) = render_with(stage, d, s, OutputOptions::default());
+    let Rendered { picture, report, .. } = render_with(stage, d, s, OutputOptions::default());
     (picture, report)
 }
 
@@ -177,7 +183,8 @@ fn what_the_camera_does_not_see_is_not_traced() {
                 parts: Parts::new(&[LightPass::Emission], seen()),
                 ..OutputOptions::default()
             };
-            let (picture, report, emission) = render_with(&stage, &d, settings(traced, samples, first + k), beside);
+            let Rendered { picture, report, emission } =
+                render_with(&stage, &d, settings(traced, samples, first + k), beside);
             // The others lie beyond the plane.
             assert_eq!(report.aimed, if traced { 2 } else { 0 }, "{report:?}");
             [blocks(&picture), blocks(&emission.unwrap())]
