@@ -18,15 +18,16 @@ mod settings;
 
 use crate::camera::clip::Clip;
 use crate::camera::lens::real_lens::RealLens;
+use crate::camera::shutter::Exposure;
 use crate::camera::{Camera, CameraDescription};
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, FilmChannels, TilePixels};
-use crate::integrator::aimed::{AimedLights, AimedReport};
+use crate::integrator::aimed::AimedLights;
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, PreparedScene, bidirectional::Techniques};
-use crate::pipeline::exposure::Exposure;
+use crate::pipeline::aiming::AimedReport;
 use crate::pipeline::motion::Motion;
 use crate::pipeline::{Counts, Pipeline, RenderContext, render_pixels, render_tile};
 use crate::plan::Plan;

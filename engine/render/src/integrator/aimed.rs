@@ -5,68 +5,24 @@
 //! them arrives on the film. Its density and that with which the camera leads to the same ray are both known per unit of etendue
 //! ([`crate::camera::lens::from_scene`]), so that camera rays and these share the light by the power heuristic, source by source.
 //!
-//! Which sources are worth it is measured before the render ([`AimedLights::choose`]).
+//! Which sources are worth it is measured before the render (`pipeline/aiming.rs`).
 
 use super::PreparedScene;
-use super::path::{Limits, NoAovs, Wavefront, power_heuristic};
+use super::mis::power_heuristic;
 use crate::accel::Ray;
 use crate::camera::lens::from_scene::Landed;
 use crate::camera::lens::real_lens::RealLens;
 use crate::camera::lens::real_lens::packet::Splats;
-use crate::camera::lens::setup::LensInfo;
-use crate::camera::{CameraDescription, Model, clip::Clip, lens_info};
+use crate::camera::shutter::Exposure;
 use crate::lights::{Source, SourceGroup};
-use crate::luminance;
-use crate::pipeline::exposure::Exposure;
 use crate::sampler::{PathSampler, mix, raster::Raster};
-use crate::scene::motion::MIDDLE;
-use glam::{Affine3A, DMat3, DVec3, Vec2, Vec3A};
-use serde::Serialize;
-use std::f64::consts::{FRAC_PI_4, PI};
+use glam::{Affine3A, Vec3A};
 use std::sync::Arc;
-use std::time::Instant;
 
-/// Camera rays that hit a group, for each pixel that it lights and sample of the pixel, up to which the group is aimed from.
-const FEW_HITS: f32 = 0.25;
-/// The same as geometry tells it, up to which a group is measured at all.
-const MAYBE_FEW_HITS: f64 = 1.0;
-/// Whole angle of view from which on anything may be in the picture.
-const WIDE_RAD: f64 = 2.4;
-/// Noise of a group in one sample of a pixel, scene-linear, below which nobody sees it.
-const LEAST_NOISE: f32 = 0.02;
-/// Pixels that a group has to light.
-const LEAST_PIXELS: f32 = 4.0;
-/// Rays from each group by which it is measured, and from all.
-const MEASURED: [u32; 2] = [128, 1 << 14];
-/// Groups that are measured, the brightest first.
-const MOST_GROUPS: usize = 512;
-/// One in this many pairs of places where rays arrive counts as near.
-const NEAR_PAIRS: usize = 64;
-/// Least distance of places that is looked at, pixels.
-const LEAST_DISTANCE_PX: f32 = 2.0;
-/// Most rays from lights for each camera ray.
-const MOST_RAYS: f32 = 0.5;
 /// Rays of a round, about: fewer share them out less well, more leave a group without light in a render's first samples.
 const ROUND: f32 = 256.0;
-/// The seed of the rays that measure, apart from those of the picture.
-const MEASURING_SEED: u32 = 0x2545_f491;
 /// The seed of the numbers of aimed rays.
 const SEED: u32 = 0x6d2b_79f5;
-
-/// The decision on a scene's lights.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct AimedReport {
-    /// Lamps and objects that glow, as the camera could see them.
-    pub lights: usize,
-    /// Those that send rays to the lens.
-    pub aimed: usize,
-    /// Rays from them for each camera ray.
-    pub rays_per_sample: f32,
-    /// Camera rays that would hit the most seldom hit of them, for each pixel that it lights and sample.
-    pub camera_hits: f32,
-    /// Wall time of the decision, s.
-    pub seconds: f64,
-}
 
 /// The lights that send rays to the lens.
 pub struct AimedLights {
@@ -104,36 +60,37 @@ pub struct AimedRay {
 }
 
 /// A ray from a source with its densities.
-struct Flight {
-    ray: Ray,
-    splats: Splats,
+pub(crate) struct Flight {
+    pub(crate) ray: Ray,
+    pub(crate) splats: Splats,
     /// Of the choice of the ray, the source given.
-    density: f32,
+    pub(crate) density: f32,
     /// With which the camera leads to it.
-    camera_density: f32,
+    pub(crate) camera_density: f32,
 }
 
 /// The lens, where it stands.
 #[derive(Clone, Copy)]
-struct StandingLens<'a> {
-    lens: &'a RealLens,
+pub(crate) struct StandingLens<'a> {
+    pub(crate) lens: &'a RealLens,
     way: Option<Affine3A>,
 }
 
-impl StandingLens<'_> {
+impl<'a> StandingLens<'a> {
+    /// The lens at a moment of the exposure.
+    pub(crate) fn at_moment(lens: &'a RealLens, exposure: Option<&Exposure>, moment: u16) -> Self {
+        Self { lens, way: exposure.and_then(|exposure| exposure.way(moment)) }
+    }
+
     /// A place as the lens would have it if it stood still.
-    fn place(self, p: Vec3A) -> Vec3A {
+    pub(crate) fn place(self, p: Vec3A) -> Vec3A {
         self.way.map_or(p, |way| way.inverse().transform_point3a(p))
     }
 
     /// The middle of the entrance pupil.
-    fn at(self) -> Vec3A {
+    pub(crate) fn at(self) -> Vec3A {
         let at = self.lens.entrance_at();
         self.way.map_or(at, |way| way.transform_point3a(at))
-    }
-
-    fn may_be_worth_it(self, group: &SourceGroup) -> bool {
-        may_be_small(group, self.lens.info(), self.lens.scale_mm(), self.lens.in_lens_space(self.place(group.center)))
     }
 
     fn direction(self, d: Vec3A) -> Vec3A {
@@ -141,7 +98,7 @@ impl StandingLens<'_> {
     }
 
     /// A ray of a source to the lens. `u` chooses the direction, the place and the pixels.
-    fn fly(
+    pub(crate) fn fly(
         self,
         stage: &PreparedScene,
         raster: &Raster,
@@ -170,6 +127,24 @@ impl StandingLens<'_> {
 }
 
 impl AimedLights {
+    /// No lights yet, and so many rays from them for each camera ray.
+    pub(crate) fn new(lens: &Arc<RealLens>, exposure: Option<&Exposure>, rays_per_sample: f32, seed: u32) -> Self {
+        Self {
+            lens: Arc::clone(lens),
+            exposure: exposure.cloned(),
+            groups: Vec::new(),
+            round: Vec::new(),
+            rays_per_sample: f64::from(rays_per_sample),
+            rays_of: Vec::new(),
+            seed: seed ^ SEED,
+        }
+    }
+
+    /// Rays from the lights for each camera ray.
+    pub fn rays_per_sample(&self) -> f32 {
+        self.rays_per_sample as f32
+    }
+
     /// Adds a group, with its part of all rays.
     fn push(&mut self, group: &SourceGroup, part: f32) {
         let area: f32 = group.sources.iter().map(|(_, area)| area).sum();
@@ -185,9 +160,10 @@ impl AimedLights {
         self.groups.push(AimedGroup { sources, ends, first, rays });
     }
 
-    /// Works out the rays of each source, when all groups are there; camera rays come from a part of the picture.
-    fn share_out(&mut self, rendered: f32) {
-        let per_ray = self.rays_per_sample as f32 * rendered / self.round.len() as f32;
+    /// Shares out the rays among groups, each with its part of them; camera rays come from a part of the picture.
+    pub(crate) fn share_out<'a>(&mut self, groups: impl Iterator<Item = (&'a SourceGroup, f32)>, rendered: f32) {
+        groups.for_each(|(group, part)| self.push(group, part));
+        let per_ray = self.rays_per_sample() * rendered / self.round.len() as f32;
         for group in &self.groups {
             let mut before = 0.0;
             for (source, end) in group.sources.iter().zip(&group.ends) {
@@ -199,7 +175,7 @@ impl AimedLights {
     }
 
     fn lens_at(&self, moment: u16) -> StandingLens<'_> {
-        StandingLens { lens: &self.lens, way: self.exposure.as_ref().and_then(|exposure| exposure.way(moment)) }
+        StandingLens::at_moment(&self.lens, self.exposure.as_ref(), moment)
     }
 
     /// The ray that belongs to a camera ray, by its number among all of the picture; `None` for most, where they are few.
@@ -243,261 +219,5 @@ impl AimedLights {
         let Some((place, per_area)) = hit else { return 1.0 };
         let pdf = lens.lens.aim_pdf(lens.place(place), lens.direction(-ray.direction));
         power_heuristic(camera_density, rays * per_area * pdf)
-    }
-}
-
-/// What was measured of a group.
-struct Measured {
-    /// Camera rays that hit it in a sample of every pixel.
-    hits: f32,
-    /// Pixels that it lights.
-    pixels: f32,
-    /// Luminance that it adds to each of them.
-    light: f32,
-}
-
-impl Measured {
-    fn hits_per_pixel(&self) -> f32 {
-        self.hits / self.pixels
-    }
-
-    fn is_worth_it(&self, film_exposure: f32) -> bool {
-        let hits = self.hits_per_pixel();
-        // A pixel is hit with that probability: mean and variance of a sample.
-        let noise = self.light * film_exposure / hits.max(f32::MIN_POSITIVE).sqrt();
-        self.pixels >= LEAST_PIXELS && hits < FEW_HITS && noise > LEAST_NOISE
-    }
-}
-
-/// The circumstances of a render in which lights may be aimed from.
-pub struct AimingContext<'a> {
-    /// The scene.
-    pub stage: &'a PreparedScene,
-    /// The one lens of the render.
-    pub lens: &'a Arc<RealLens>,
-    /// Places of the lens while the shutter is open.
-    pub exposure: Option<&'a Exposure>,
-    /// The clip planes of the camera.
-    pub clip: Option<Clip>,
-    /// The picture.
-    pub raster: &'a Raster,
-    /// Limits of light transport.
-    pub limits: &'a Limits,
-    /// Factor of the finished light.
-    pub film_exposure: f32,
-    /// The part of the picture's pixels that has samples.
-    pub rendered: f32,
-    /// Seed of all random choices.
-    pub seed: u32,
-}
-
-/// Whether a group may be small beside its blur and in the picture, as a thin lens in the entrance pupil would have it: this costs nothing,
-/// while measuring needs the map of the entrance pupil. `at` is the middle of the group in lens space, mm.
-fn may_be_small(group: &SourceGroup, info: &LensInfo, scale_mm: f64, at: DVec3) -> bool {
-    let Some(pupil_mm) = info.entrance_pupil_diameter_mm else { return true };
-    let distance_mm = -at.z;
-    let radius_mm = f64::from(group.radius) * scale_mm;
-    let sharp = info.focus_distance_mm.map_or(0.0, f64::recip);
-    let blur_mm = pupil_mm * (1.0 - distance_mm * sharp).abs();
-    let reach_mm = radius_mm + 0.5 * blur_mm;
-    match info.fov_diagonal_rad {
-        // A group that is so near may be anywhere.
-        Some(whole) if whole < WIDE_RAD && at.length() > 2.0 * reach_mm => {
-            let off_axis = at.truncate().length().atan2(distance_mm);
-            if off_axis - (reach_mm / at.length()).asin() > 0.5 * whole {
-                return false;
-            }
-        }
-        _ => {}
-    }
-    let disc = FRAC_PI_4 * blur_mm * blur_mm;
-    // As far apart as they can be: the discs of all sources beside each other, but within the group's own bounds.
-    let spread = (disc * group.sources.len() as f64).min(PI * reach_mm * reach_mm).max(disc);
-    f64::from(group.seen_area) * scale_mm * scale_mm < MAYBE_FEW_HITS * spread
-}
-
-/// Whether any light of a scene may be worth aiming from in a picture of that size, by its size and place alone.
-pub fn may_be_worth_it_through(stage: &PreparedScene, d: &CameraDescription, [width, height]: [u32; 2]) -> bool {
-    let scale = d.scale_mm_per_unit;
-    if d.model != Model::Lens || scale.x != scale.y || scale.y != scale.z || !stage.media.is_empty() {
-        return false;
-    }
-    let groups = stage.lights.seen_groups();
-    // What is wrong with the lens is told by who makes the camera.
-    if groups.is_empty() || !d.matrix_world.is_finite() {
-        return false;
-    }
-    let Ok(info) = lens_info(d, width, height) else { return false };
-    let axes = DMat3::from_mat4(d.matrix_world);
-    let Some(axes) = axes.determinant().ne(&0.0).then(|| axes.inverse()) else { return false };
-    let scaled = |p: DVec3| {
-        let away = p + stage.scene.origin - d.position();
-        (axes * away).normalize_or_zero() * away.length() * scale.x
-    };
-    groups.iter().any(|group| may_be_small(group, &info, scale.x, scaled(group.center.as_dvec3())))
-}
-
-/// Whether any light of a scene may be worth aiming from, by its size and place alone.
-pub fn may_be_worth_it(stage: &PreparedScene, lens: &RealLens, exposure: Option<&Exposure>) -> bool {
-    let lens = StandingLens { lens, way: exposure.and_then(|exposure| exposure.way(MIDDLE)) };
-    stage.lights.seen_groups().iter().any(|group| lens.may_be_worth_it(group))
-}
-
-impl AimingContext<'_> {
-    /// The lights that are worth it: small beside the blur that the lens makes of them, and bright enough for their noise to be seen.
-    /// `None` where there are none.
-    pub fn choose(&self) -> (Option<AimedLights>, AimedReport) {
-        let start = Instant::now();
-        let groups = self.stage.lights.seen_groups();
-        let lights = groups.len();
-        let mut groups: Vec<SourceGroup> =
-            groups.into_iter().filter(|group| self.standing().may_be_worth_it(group)).collect();
-        let power = |group: &SourceGroup| group.seen_area;
-        groups.sort_by(|a, b| power(b).total_cmp(&power(a)));
-        groups.truncate(MOST_GROUPS);
-        let (width, height) = self.raster.size();
-        let pixels = width as f32 * height as f32;
-        let mut chosen = Vec::new();
-        let mut camera_hits = f32::INFINITY;
-        let rays = MEASURED[0].min(MEASURED[1] / groups.len().max(1) as u32).max(16);
-        for group in &mut groups {
-            let towards = (self.standing().at() - group.center).normalize_or_zero();
-            self.stage.lights.face(&self.stage.scene, group, towards);
-        }
-        for (number, group) in groups.iter().enumerate() {
-            let Some(measured) = self.measure(group, number as u32, rays) else { continue };
-            if measured.is_worth_it(self.film_exposure) {
-                camera_hits = camera_hits.min(measured.hits_per_pixel());
-                chosen.push((group, measured.pixels / pixels));
-            }
-        }
-        let mut report = AimedReport { lights, ..AimedReport::default() };
-        let wanted: f32 = chosen.iter().map(|(_, rays)| rays).sum();
-        let aimed = (wanted > 0.0).then(|| {
-            let exposure = self.exposure.cloned();
-            let mut aimed = AimedLights {
-                lens: Arc::clone(self.lens),
-                exposure,
-                groups: Vec::new(),
-                round: Vec::new(),
-                rays_per_sample: f64::from((wanted / self.rendered).min(MOST_RAYS)),
-                rays_of: Vec::new(),
-                seed: self.seed ^ SEED,
-            };
-            chosen.iter().for_each(|(group, rays)| aimed.push(group, rays / wanted));
-            aimed.share_out(self.rendered);
-            aimed
-        });
-        if let Some(aimed) = &aimed {
-            report.aimed = chosen.len();
-            report.rays_per_sample = aimed.rays_per_sample as f32;
-            report.camera_hits = camera_hits;
-        }
-        report.seconds = start.elapsed().as_secs_f64();
-        (aimed, report)
-    }
-
-    fn standing(&self) -> StandingLens<'_> {
-        StandingLens { lens: self.lens, way: self.exposure.and_then(|exposure| exposure.way(MIDDLE)) }
-    }
-
-    /// Measures a group by rays from it; `None` where none of them is seen.
-    fn measure(&self, group: &SourceGroup, number: u32, rays: u32) -> Option<Measured> {
-        let lens = self.standing();
-        let area: f32 = group.sources.iter().map(|(_, area)| area).sum();
-        if area <= 0.0 {
-            return None;
-        }
-        let mut wave = Wavefront::<NoAovs, false>::default();
-        let mut flights = Vec::new();
-        for i in 0..rays {
-            // Independent of each other: what is stratified has fewer near pairs.
-            let mut sampler = PathSampler::numbered(0, i ^ mix(number ^ MEASURING_SEED));
-            let [u_source, u0, u1, u2] = sampler.next_4d();
-            let [u3, u_column, u_row, u_set] = sampler.next_4d();
-            let mut rest = u_source * area;
-            let place = group.sources.iter().position(|(_, its)| {
-                rest -= its;
-                rest < 0.0
-            });
-            let (source, its) = group.sources[place.unwrap_or(group.sources.len() - 1)];
-            let numbers = [[u0, u1], [u2, u3], [u_column, u_row]];
-            let Some(flight) = lens.fly(self.stage, self.raster, source, numbers, u_set, MIDDLE) else { continue };
-            let ray = self.clip.map_or(flight.ray, |clip| clip.cut(flight.ray));
-            let ray = self.exposure.map_or(ray, |exposure| exposure.sent(ray, MIDDLE));
-            wave.start_aimed(ray, sampler, source);
-            flights.push((flight, its / area));
-        }
-        wave.follow(self.stage, self.limits);
-        let (width, height) = self.raster.size();
-        let pixels = width as f32 * height as f32;
-        let per_ray = pixels / rays as f32;
-        let (mut hits, mut light) = (0.0, 0.0);
-        let mut places = Vec::new();
-        for (i, (flight, chance)) in flights.iter().enumerate() {
-            let radiance = wave.found(i).radiance;
-            let Some(splat) = flight.splats.as_slice().first() else { continue };
-            if !(radiance.is_finite() && luminance(radiance.abs()) > 0.0) {
-                continue;
-            }
-            let density = flight.density * chance;
-            hits += per_ray * flight.camera_density / density;
-            self.lens.expose(&flight.splats, radiance.abs(), |_, _, added| {
-                light += per_ray * luminance(added.truncate()) / density;
-            });
-            places.push(Vec2::new(splat.x as f32, splat.y as f32));
-        }
-        let lit = covered(&places)?;
-        Some(Measured { hits, pixels: lit.min(pixels), light: light / lit })
-    }
-}
-
-/// Pixels that light of this distribution covers, as it would if it were even: one over the integral of the squared density; `None` of no
-/// light.
-fn covered(places: &[Vec2]) -> Option<f32> {
-    let mut distances: Vec<f32> = Vec::new();
-    for (i, a) in places.iter().enumerate() {
-        distances.extend(places[..i].iter().map(|b| a.distance_squared(*b)));
-    }
-    if distances.is_empty() {
-        return (!places.is_empty()).then_some(1.0);
-    }
-    // Two places are as near as this by chance: the area about one over all of it. Of whole pixels nothing nearer is told apart.
-    let near = (distances.len() / NEAR_PAIRS).min(distances.len() - 1);
-    let (_, nearest2, _) = distances.select_nth_unstable_by(near, f32::total_cmp);
-    let within2 = nearest2.max(LEAST_DISTANCE_PX * LEAST_DISTANCE_PX);
-    let count = distances.iter().filter(|distance2| **distance2 <= within2).count();
-    Some((std::f32::consts::PI * within2 * distances.len() as f32 / count.max(1) as f32).max(1.0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sampler::warp;
-
-    /// Places at random on discs of a radius, in whole pixels.
-    fn on_discs(middles: &[Vec2], radius: f32) -> Vec<Vec2> {
-        let place = |i: u32| {
-            let [u0, u1, u2, _] = PathSampler::numbered(0, i).next_4d();
-            let disc = middles[(u0 * middles.len() as f32) as usize];
-            (disc + warp::sample_disk([u1, u2]) * radius).floor()
-        };
-        (0..MEASURED[0]).map(place).collect()
-    }
-
-    /// By 128 places, of which a 64th of the pairs is near, to a tenth; and places at the edge of a disc have fewer near them, which makes a
-    /// sixth for the smallest.
-    #[test]
-    fn covered_pixels_are_those_of_discs_however_far_apart() {
-        for radius in [5.0f32, 10.0, 40.0] {
-            let area = std::f32::consts::PI * radius * radius;
-            let one = covered(&on_discs(&[Vec2::ZERO], radius)).unwrap();
-            assert!((one / area - 1.0).abs() < 0.3, "{radius}: {one} {area}");
-            let apart: Vec<Vec2> = (0..5).map(|i| Vec2::new(i as f32 * 200.0, (i * i) as f32 * 50.0)).collect();
-            let five = covered(&on_discs(&apart, radius)).unwrap();
-            assert!((five / (5.0 * area) - 1.0).abs() < 0.3, "{radius}: {five} {area}");
-        }
-        assert_eq!(covered(&[]), None);
-        assert_eq!(covered(&[Vec2::ONE]), Some(1.0));
     }
 }

@@ -3,6 +3,7 @@
 pub mod aimed;
 pub mod bidirectional;
 pub mod media;
+mod mis;
 pub mod path;
 mod subsurface;
 

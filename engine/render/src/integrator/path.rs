@@ -13,7 +13,6 @@ mod terminator;
 mod wave;
 
 pub use approximations::{Approximations, FastGi};
-pub(super) use choice::power_heuristic;
 pub use notes::{AovBuffers, AovSink, NoAovs};
 pub use pilot::{openness, roulette};
 pub use wave::Wavefront;

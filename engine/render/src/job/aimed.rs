@@ -3,11 +3,12 @@
 use super::{Settings, Shared};
 use crate::camera::Camera;
 use crate::camera::lens::real_lens::RealLens;
+use crate::camera::shutter::Exposure;
 use crate::film::TileRect;
-use crate::integrator::aimed::{self, AimedLights, AimedReport, AimingContext};
+use crate::integrator::aimed::AimedLights;
 use crate::integrator::{Integrator, PreparedScene};
 use crate::pipeline::Pipeline;
-use crate::pipeline::exposure::Exposure;
+use crate::pipeline::aiming::{self, AimedReport, AimingContext};
 use std::sync::Arc;
 
 impl Shared {
@@ -59,7 +60,7 @@ pub(super) fn pipeline(
     }
     // With one wavelength both are the same, but hero knows the densities of its rays.
     let lens = aimable(cameras, s, stage);
-    let may_aim = lens.is_some_and(|lens| aimed::may_be_worth_it(stage, lens, exposure));
+    let may_aim = lens.is_some_and(|lens| aiming::may_be_worth_it(stage, lens, exposure));
     if may_aim { Pipeline::Hero } else { found }
 }
 

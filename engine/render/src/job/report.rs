@@ -3,7 +3,7 @@
 use super::{Job, Kept};
 use crate::camera::lens::real_lens::RealLens;
 use crate::camera::lens::real_lens::precision::TOLERANCE_PX;
-use crate::integrator::aimed::AimedReport;
+use crate::pipeline::aiming::AimedReport;
 use crate::stray::ghosts;
 use serde::Serialize;
 use std::collections::BTreeMap;

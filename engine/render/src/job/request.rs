@@ -5,15 +5,15 @@ pub use super::error::RequestError;
 use super::forecast::{self, Forecast};
 use super::{Job, OutputOptions, Settings, catcher};
 use crate::camera::clip::Clip;
+use crate::camera::shutter::{Exposure, Shutter};
 use crate::camera::tools::imaging::Imaging;
 use crate::camera::tools::shade;
 use crate::camera::{Camera, CameraDescription, CameraError};
 use crate::film::cryptomatte::MatteLayer;
 use crate::integrator::path::parts::{LightPass, Parts, Seen};
-use crate::integrator::{Integrator, PreparedScene, aimed};
-use crate::pipeline::Pipeline;
-use crate::pipeline::exposure::{Exposure, Shutter};
+use crate::integrator::{Integrator, PreparedScene};
 use crate::pipeline::motion::Motion;
+use crate::pipeline::{Pipeline, aiming};
 use crate::plan::report::{PlanReport, Predicted};
 use crate::plan::{LensNeed, Plan, PlanError, PlanOptions};
 use glam::DVec3;
@@ -118,7 +118,7 @@ impl Settings {
     ) -> Result<Plan, PlanError> {
         options.pipeline = self.pipeline;
         // Small lights need rays that go both ways.
-        let is_wanted = || self.light_tracing && aimed::may_be_worth_it_through(stage, d, [self.width, self.height]);
+        let is_wanted = || self.light_tracing && aiming::may_be_worth_it_through(stage, d, [self.width, self.height]);
         let lens_need = match self.integrator {
             Integrator::Bidirectional => LensNeed::Required,
             Integrator::Path if is_wanted() => LensNeed::Wanted,

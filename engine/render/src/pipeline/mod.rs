@@ -1,7 +1,7 @@
 //! Ways from the film to the scene and back: which rays are followed, and where what they find is added up.
 
+pub mod aiming;
 pub mod bidirectional;
-pub mod exposure;
 pub mod film_first;
 pub mod hero;
 pub mod motion;
@@ -14,6 +14,7 @@ use crate::camera::Camera;
 use crate::camera::clip::Clip;
 use crate::camera::lens::real_lens::RealLens;
 use crate::camera::lens::real_lens::packet::Splats;
+use crate::camera::shutter::Exposure;
 use crate::film::{TileAccumulator, TileRect};
 use crate::integrator::PreparedScene;
 use crate::integrator::aimed::AimedLights;
@@ -22,7 +23,6 @@ use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, pattern::Pattern, raster::Raster};
 use crate::scene::motion::moment;
-use exposure::Exposure;
 use film_first::FilmFirst;
 use hero::Hero;
 use motion::Motion;

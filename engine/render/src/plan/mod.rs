@@ -20,12 +20,12 @@ mod words;
 
 use crate::Rgb;
 use crate::camera::clip::Clip;
+use crate::camera::shutter::Exposure;
 use crate::camera::tools::straying::StrayLens;
 use crate::camera::tools::survey::{GRID, LensMeasures, Survey, Worst};
 use crate::camera::{Camera, CameraDescription, CameraError, Model};
 use crate::integrator::PreparedScene;
 use crate::pipeline::Pipeline;
-use crate::pipeline::exposure::Exposure;
 use crate::stray::diffraction::Diffraction;
 use crate::stray::glare::Glare;
 use crate::stray::{Ghosts, Reflections, Strays, ghosts, sources::Source};

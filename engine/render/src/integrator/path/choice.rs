@@ -1,5 +1,6 @@
 //! The choice of a ray, and the weight of the light that it finds beside light samples.
 
+use crate::integrator::mis::power_heuristic;
 use crate::lights::Source;
 use crate::lights::receiver::LightSampleContext;
 
@@ -52,15 +53,4 @@ impl MisContext {
             Self::WithPdf(_, to) => Some(to),
         }
     }
-}
-
-/// Weight of a sample of density `a` where another technique has density `b` (exponent 2).
-#[inline]
-pub(in crate::integrator) fn power_heuristic(a: f32, b: f32) -> f32 {
-    if b == 0.0 {
-        return 1.0;
-    }
-    // As a ratio: squares of large densities overflow.
-    let r = b / a;
-    1.0 / (1.0 + r * r)
 }
