@@ -127,7 +127,7 @@ impl Lights {
                     let cos = axis.dot(d);
                     let place = at + d * ((lamp.center() - at).dot(axis) / cos);
                     // A place that was chosen lies there but for rounding.
-                    let is_inside = (place - lamp.center()).length() <= radius * 1.0001;
+                    let is_inside = (place - lamp.center()).length() <= radius + lamp.rounding();
                     (place, if is_inside { 1.0 / (PI * radius * radius * cos) } else { 0.0 })
                 }
                 (lamp, LampExtent::Flat { area }) => (at, 1.0 / (area * lamp.axis().dot(d))),

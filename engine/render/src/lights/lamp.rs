@@ -133,6 +133,11 @@ impl PreparedLamp {
         -self.frame.axes.z_axis
     }
 
+    /// Bound of the rounding of coordinates about the lamp, Blender units.
+    pub(super) fn rounding(&self) -> f32 {
+        self.frame.rounding
+    }
+
     /// The centre of the lamp, render space.
     pub(super) fn center(&self) -> Vec3A {
         self.frame.center

@@ -29,7 +29,7 @@ const LEAST_NOISE: f32 = 0.02;
 const LEAST_PIXELS: f32 = 4.0;
 /// Rays from each group by which it is measured, and from all.
 const MEASURED: [u32; 2] = [128, 1 << 14];
-/// Groups that are measured, the brightest first.
+/// Groups that are measured, the largest first.
 const MOST_GROUPS: usize = 512;
 /// One in this many pairs of places where rays arrive counts as near.
 const NEAR_PAIRS: usize = 64;
@@ -165,8 +165,7 @@ impl AimingContext<'_> {
         let lights = groups.len();
         let mut groups: Vec<SourceGroup> =
             groups.into_iter().filter(|group| may_be_worth_it_from(self.standing(), group)).collect();
-        let power = |group: &SourceGroup| group.seen_area;
-        groups.sort_by(|a, b| power(b).total_cmp(&power(a)));
+        groups.sort_by(|a, b| b.seen_area.total_cmp(&a.seen_area));
         groups.truncate(MOST_GROUPS);
         let (width, height) = self.raster.size();
         let pixels = width as f32 * height as f32;
