@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Camera rays that hit a group, for each pixel that it lights and sample of the pixel, up to which the group is aimed from.
-const FEW_HITS: f32 = 0.25;
+const FEW_HITS: f32 = 0.5;
 /// The same as geometry tells it, up to which a group is measured at all.
 const MAYBE_FEW_HITS: f64 = 1.0;
 /// Whole angle of view from which on anything may be in the picture.
@@ -172,15 +172,17 @@ impl AimingContext<'_> {
         let mut chosen = Vec::new();
         let mut camera_hits = f32::INFINITY;
         let rays = MEASURED[0].min(MEASURED[1] / groups.len().max(1) as u32).max(16);
-        for group in &mut groups {
+        for (number, group) in (0..).zip(&mut groups) {
             let towards = (self.standing().at() - group.center).normalize_or_zero();
-            self.stage.lights.face(&self.stage.scene, group, towards);
-        }
-        for (number, group) in groups.iter().enumerate() {
-            let Some(measured) = self.measure(group, number as u32, rays) else { continue };
+            // A closed surface may be turned inside out.
+            let measured = [towards, -towards].into_iter().find_map(|towards| {
+                self.stage.lights.face(&self.stage.scene, group, towards);
+                self.measure(group, number, rays)
+            });
+            let Some(measured) = measured else { continue };
             if measured.is_worth_it(self.film_exposure) {
                 camera_hits = camera_hits.min(measured.hits_per_pixel());
-                chosen.push((group, measured.pixels / pixels));
+                chosen.push((&*group, measured.pixels / pixels));
             }
         }
         let mut report = AimedReport { lights, ..AimedReport::default() };

@@ -256,6 +256,24 @@ fn large_and_dim_lights_are_left_to_the_camera() {
     assert_eq!(render(&lights(0.012), &sharp, settings(true, 1, 1)).1.aimed, 0);
 }
 
+/// A ball whose normals point inwards glows as well.
+#[test]
+fn a_ball_may_be_inside_out() {
+    let mut room = Room::new();
+    let mut ball = scenes::ball(6);
+    ball.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    ball.corner_normals = None;
+    let glowing = Material::diffuse("glowing", Rgb::splat(0.5), Rgb::splat(20.0));
+    room.put(ball, glowing, scenes::place([0.0, 0.0, -4.5], [0.0; 3], 0.004));
+    let (picture, report) = render(&room.finish(), &description(), settings(true, 64, 1));
+    assert_eq!(report.aimed, 1, "{report:?}");
+    // The area of its image, by the magnification of 80 mm, which are 87 mm focused at 1 m, for 4.5 m, and 48 pixels on 12 mm. The wall
+    // that it lights adds some of a tenth.
+    let light: f64 = picture.iter().map(|pixel| f64::from(pixel[1])).sum();
+    let expected = 20.0 * PI * (0.004_f64 * 87.0 / 4.5 * 48.0 / 12.0).powi(2);
+    assert!((light / expected - 1.05).abs() < 0.08, "{light} {expected}");
+}
+
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let stage = lights(0.004);
