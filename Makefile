@@ -19,7 +19,7 @@ SCENES = $(PETZVAL_SCENES)
 OTHER_SCENES_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 GPU_OPTIONS =
-# Of a 3D view in the pictures of Blender's window.
+# Of a 3D view in the pictures of Blender's window, which is denoised there.
 UI_SAMPLES = 16
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
@@ -97,7 +97,8 @@ newcomer: $(ENGINE) extension ## time a newcomer's path: install the extension, 
 
 ui-pictures: extension ## what the tests of Blender's window see, into docs/ui
 	@tools/setup-python.sh bench
-	@PETZVAL_PICTURE_SAMPLES=$(UI_SAMPLES) $(dir $(PETZVAL))python -m pytest -q -m window
+	@mkdir -p output/packages && ln -sfn $$(.venv-bench/bin/python -c 'import importlib.util; print(importlib.util.find_spec("pyoidn").submodule_search_locations[0])') output/packages/pyoidn
+	@PETZVAL_PICTURE_SAMPLES=$(UI_SAMPLES) PETZVAL_PICTURE_PACKAGES=$(CURDIR)/output/packages $(dir $(PETZVAL))python -m pytest -q -m window
 	@.venv-bench/bin/python tools/ui-pictures.py
 
 panel-pictures: extension ## the pictures of panels in docs/panel.md and README.md, in Blender's window

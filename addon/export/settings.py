@@ -42,6 +42,7 @@ def describe(
         pipeline=own.pipeline,
         with_data=with_data,
         integrator=own.integrator,
+        light_tracing=own.use_light_tracing,
         transparent_film=render.film_transparent,
     )
 

@@ -43,6 +43,12 @@ class LastRender:
             after = predicted["after_seconds"]
             of_it = f", {after:.1f} s of it after the samples" if after else ""
             lines.append(f"the plan foretold {predicted['seconds']:.1f} s{of_it}")
+        traced = self.stats["light_tracing"]
+        if traced["aimed"]:
+            lines.append(
+                f"{traced['aimed']} of {traced['lights']} lights are traced to the lens, {traced['rays_per_sample']:.2g} rays a sample: "
+                f"camera rays would hit the smallest {traced['camera_hits']:.2g} times a sample in its disc"
+            )
         if kept := (self.stats.get("checkpoint") or {}).get("resumed_samples"):
             seconds = self.stats["checkpoint"]["resumed_seconds"]
             lines.append(f"taken up at {kept:.1f} samples, which had taken {seconds:.0f} s")

@@ -138,6 +138,9 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
         row = layout.row()
         row.active = is_path and is_lens
         row.prop(settings, "pipeline")
+        row = layout.row()
+        row.active = is_path and is_lens and settings.pipeline in {"AUTO", "HERO"}
+        row.prop(settings, "use_light_tracing")
         cycles = getattr(context.scene, "cycles", None)
         own = cycles is None or settings.is_property_set("max_bounces")
         column = layout.column(align=True)

@@ -55,9 +55,10 @@ def test_a_lens_as_a_table(cli_renders):
 @pytest.mark.once
 def test_light_paths(blender, cli_renders):
     lens = ("--lens", "cooke-triplet-50mm", "--samples", 64)
-    one, two = cli_renders(lens, (*lens, "--integrator", "bdpt"))
+    one, two, plain = cli_renders(lens, (*lens, "--integrator", "bdpt"), (*lens, "--light-tracing", "off"))
     assert one.returncode == 0 and one.stats["integrator"] == "path"
     assert two.returncode == 0 and two.stats["integrator"] == "bdpt"
+    assert plain.returncode == 0 and plain.stats["light_tracing"]["aimed"] == 0
     # Two ways to one picture: means of thousands of pixels, with the noise of a few hundredths in each.
     assert picture(two.out)[..., :3].mean() == pytest.approx(picture(one.out)[..., :3].mean(), rel=0.02)
 

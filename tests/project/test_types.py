@@ -36,7 +36,7 @@ READERS = {
     "Approximations": ("Approximations", "render/src/integrator/path/approximations.rs"),
     "SettingsDescription": ("Settings", "render/src/job/settings.rs"),
     "DenoisingDescription": ("Denoising", "render/src/job/denoise.rs"),
-    "ShutterDescription": ("Shutter", "render/src/pipeline/exposure.rs"),
+    "ShutterDescription": ("Shutter", "render/src/camera/shutter.rs"),
     "MaterialDescription": ("PyMaterial", "python/src/material.rs"),
     "LightDescription": ("PyLight", "python/src/material.rs"),
     "WorldDescription": ("PyWorld", "python/src/material.rs"),

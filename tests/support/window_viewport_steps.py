@@ -27,6 +27,8 @@ TURNS = 20 if os.environ.get("PETZVAL_TEST_ALL") else 12
 # A test takes few; for pictures that are shown `make ui-pictures` asks for more.
 SAMPLES = int(os.environ.get("PETZVAL_PICTURE_SAMPLES", "4"))
 PIXEL_SIZE = "4" if SAMPLES == 4 else "2"
+# A folder with pyoidn, for a Blender without Open Image Denoise; pictures that are shown are denoised then.
+PACKAGES = os.environ.get("PETZVAL_PICTURE_PACKAGES", "")
 seen = {"shown": {}, "seconds": {}}
 views, sessions = [], []
 
@@ -156,6 +158,10 @@ def steps():
     scene = bpy.context.scene
     scene.render.engine = "PETZVAL"
     scene.petzval.preview_samples, scene.petzval.preview_pixel_size = SAMPLES, PIXEL_SIZE
+    if PACKAGES:
+        sys.path.append(PACKAGES)
+        scene.cycles.use_preview_denoising, scene.cycles.preview_denoising_start_sample = True, SAMPLES
+        scene.cycles.preview_denoising_input_passes = "RGB_ALBEDO_NORMAL"
     watch_views()
     view().spaces.active.region_3d.view_perspective = "CAMERA"
     with override():

@@ -66,14 +66,19 @@ functions! {
 }
 
 /// A device that computes.
-pub(crate) struct Device<'a> {
-    functions: &'a Functions,
+pub(crate) struct Device {
+    functions: &'static Functions,
     handle: Handle,
 }
 
-impl<'a> Device<'a> {
+// SAFETY: all calls of the library may come from any thread; it serialises those that use one device (its manual, "Device").
+unsafe impl Send for Device {}
+// SAFETY: as above.
+unsafe impl Sync for Device {}
+
+impl Device {
     /// The graphics card where it is asked for and there is one; else the processor, with so many threads.
-    pub(crate) fn new(functions: &'a Functions, use_gpu: bool, threads: usize) -> Result<Self, DenoiseError> {
+    pub(crate) fn new(functions: &'static Functions, use_gpu: bool, threads: usize) -> Result<Self, DenoiseError> {
         // SAFETY: all handles are those that the library gave; names end in a zero.
         unsafe {
             let handle = (functions.new_device)(if use_gpu { FASTEST } else { CPU });
@@ -94,7 +99,8 @@ impl<'a> Device<'a> {
         }
     }
 
-    fn is_cpu(&self) -> bool {
+    /// True for the processor.
+    pub(crate) fn is_cpu(&self) -> bool {
         self.property(c"type") == CPU
     }
 
@@ -155,7 +161,7 @@ impl<'a> Device<'a> {
     }
 }
 
-impl Drop for Device<'_> {
+impl Drop for Device {
     fn drop(&mut self) {
         if !self.handle.is_null() {
             // SAFETY: the handle is the library's, and is not used again.
@@ -166,7 +172,7 @@ impl Drop for Device<'_> {
 
 /// Memory of a device.
 pub(crate) struct Buffer<'a> {
-    device: &'a Device<'a>,
+    device: &'a Device,
     handle: Handle,
     numbers: usize,
 }
@@ -194,7 +200,7 @@ impl Drop for Buffer<'_> {
 
 /// The filter of ray-traced pictures.
 pub(crate) struct Filter<'a> {
-    device: &'a Device<'a>,
+    device: &'a Device,
     handle: Handle,
 }
 

@@ -119,8 +119,15 @@ pub struct Request<'a> {
     pub memory_mb: Option<usize>,
 }
 
-/// Processor time of a pixel in one run of the filter, s: as it was measured last, or on two cores of an AMD EPYC of 2023.
-static PIXEL_S: Mutex<[f64; 3]> = Mutex::new([2.7e-6, 3.1e-6, 6.8e-6]);
+/// Time of a pixel in one run of the filter, s, of each quality.
+struct PixelTimes {
+    /// Of one thread of the processor: as it was measured last, or on two cores of an AMD EPYC of 2023.
+    processor: [f64; 3],
+    /// Of a graphics card, as it was measured last.
+    card: [Option<f64>; 3],
+}
+
+static PIXEL_S: Mutex<PixelTimes> = Mutex::new(PixelTimes { processor: [2.7e-6, 3.1e-6, 6.8e-6], card: [None; 3] });
 /// Pictures with fewer pixels say nothing of the time of a pixel.
 const LEAST_PIXELS: usize = 50_000;
 
@@ -131,16 +138,39 @@ impl Request<'_> {
     }
 }
 
-/// Wall time that [`Denoiser::denoise`] will take of so many pixels by so many threads, s, about: by the last picture of this quality.
-pub fn expected_seconds(quality: Quality, prefilter: Prefilter, guides: usize, pixels: usize, threads: usize) -> f64 {
-    let pixel_s = PIXEL_S.lock().unwrap_or_else(PoisonError::into_inner)[quality as usize];
-    pixel_s * (pixels * Request::runs(prefilter, guides)) as f64 / threads.max(1) as f64
+/// What [`expected_seconds`] goes by.
+#[derive(Clone, Copy, Debug)]
+pub struct Work {
+    /// The quality.
+    pub quality: Quality,
+    /// What becomes of the noise of the guides.
+    pub prefilter: Prefilter,
+    /// Albedo and normal, as many as there are.
+    pub guides: usize,
+    /// Pixels of the picture.
+    pub pixels: usize,
+    /// True if a graphics card may compute.
+    pub use_gpu: bool,
+    /// Threads that compute where none does.
+    pub threads: usize,
+}
+
+/// Wall time that [`Denoiser::denoise`] will take, s, about: by the last picture of this quality. A card of which none is known yet is
+/// taken for the processor.
+pub fn expected_seconds(work: Work) -> f64 {
+    let known = PIXEL_S.lock().unwrap_or_else(PoisonError::into_inner);
+    let quality = work.quality as usize;
+    let pixel_s = known.card[quality].filter(|_| work.use_gpu);
+    let pixel_s = pixel_s.unwrap_or_else(|| known.processor[quality] / work.threads.max(1) as f64);
+    pixel_s * (work.pixels * Request::runs(work.prefilter, work.guides)) as f64
 }
 
 /// The library, loaded.
 pub struct Denoiser {
-    functions: Functions,
+    functions: &'static Functions,
     version: [i32; 3],
+    /// The graphics card, once it is used: it is ready after a fifth of a second, in which a view would have been denoised.
+    card: Mutex<Option<Arc<Device>>>,
 }
 
 /// The libraries that are loaded. They stay so: loading takes longer than a small picture, and their threads outlive a render.
@@ -156,13 +186,14 @@ impl Denoiser {
         if let Some((_, found)) = loaded.iter().find(|(known, _)| known == path) {
             return Ok(Arc::clone(found));
         }
-        let functions = Functions::load(path)?;
-        let version = Device::new(&functions, false, 1)?.version();
+        // It is never unloaded.
+        let functions: &'static Functions = Box::leak(Box::new(Functions::load(path)?));
+        let version = Device::new(functions, false, 1)?.version();
         let [major, minor, _] = version;
         if major < MAJOR {
             return Err(DenoiseError::TooOld { major, minor });
         }
-        let found = Arc::new(Self { functions, version });
+        let found = Arc::new(Self { functions, version, card: Mutex::new(None) });
         loaded.push((path.to_owned(), Arc::clone(&found)));
         Ok(found)
     }
@@ -174,11 +205,42 @@ impl Denoiser {
 
     /// The picture without its noise. `watch` is called now and then with the part that is done, and returns false to stop.
     ///
-    /// Numbers that are not finite are taken for black: the filter would spread them.
+    /// Numbers that are not finite are taken for black: the filter would spread them. Where a graphics card has not enough memory, the
+    /// processor computes.
     ///
     /// # Errors
     /// [`DenoiseError`]; nothing is lost by one.
     pub fn denoise(&self, request: &Request<'_>, watch: &dyn Fn(f64) -> bool) -> Result<Vec<f32>, DenoiseError> {
+        let done = self.attempt(request, watch);
+        if request.use_gpu && !matches!(done, Ok(_) | Err(DenoiseError::Stopped)) {
+            // Whatever is wrong with the card, the next picture begins with a new device.
+            *self.card.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        }
+        match done {
+            Err(DenoiseError::OutOfMemory) if request.use_gpu => {
+                self.attempt(&Request { use_gpu: false, ..*request }, watch)
+            }
+            done => done,
+        }
+    }
+
+    /// The device for a picture.
+    fn device(&self, use_gpu: bool, threads: usize) -> Result<Arc<Device>, DenoiseError> {
+        let new = || Device::new(self.functions, use_gpu, threads).map(Arc::new);
+        if !use_gpu {
+            return new();
+        }
+        let mut card = self.card.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(card) = &*card {
+            return Ok(Arc::clone(card));
+        }
+        let device = new()?;
+        // The processor in place of a card has the threads of this picture.
+        *card = Some(Arc::clone(&device)).filter(|device| !device.is_cpu());
+        Ok(device)
+    }
+
+    fn attempt(&self, request: &Request<'_>, watch: &dyn Fn(f64) -> bool) -> Result<Vec<f32>, DenoiseError> {
         let Request { width, height, .. } = *request;
         let expected = width * height * 3;
         let checked = |name: &'static str, pixels: &[f32]| match pixels.len() == expected {
@@ -197,7 +259,7 @@ impl Denoiser {
             return Ok(colour);
         }
         let began = Instant::now();
-        let device = Device::new(&self.functions, request.use_gpu, request.threads)?;
+        let device = self.device(request.use_gpu, request.threads)?;
         let runs = Request::runs(request.prefilter, guides.len());
         let is_accurate = request.prefilter == Prefilter::Accurate;
         let steps = runs as f64;
@@ -215,9 +277,12 @@ impl Denoiser {
         let first = steps - 1.0;
         let clean = self.filtered(&device, request, &images, true, &|part| watch((first + part) / steps))?.read()?;
         if width * height >= LEAST_PIXELS {
-            let pixel_s =
-                began.elapsed().as_secs_f64() * request.threads.max(1) as f64 / (width * height * runs) as f64;
-            PIXEL_S.lock().unwrap_or_else(PoisonError::into_inner)[request.quality as usize] = pixel_s;
+            let pixel_s = began.elapsed().as_secs_f64() / (width * height * runs) as f64;
+            let mut known = PIXEL_S.lock().unwrap_or_else(PoisonError::into_inner);
+            match device.is_cpu() {
+                true => known.processor[request.quality as usize] = pixel_s * request.threads.max(1) as f64,
+                false => known.card[request.quality as usize] = Some(pixel_s),
+            }
         }
         Ok(clean)
     }
@@ -225,7 +290,7 @@ impl Denoiser {
     /// The first of these images, filtered; the others guide.
     fn filtered<'a>(
         &self,
-        device: &'a Device<'a>,
+        device: &'a Device,
         request: &Request<'_>,
         images: &[(&CStr, Buffer<'_>)],
         is_picture: bool,

@@ -212,6 +212,7 @@ class SettingsDescription:
     pipeline: str = "AUTO"  # AUTO | FILM | SCENE | HERO
     with_data: bool = False  # keep what `Job.data` gives
     integrator: str = "PATH"  # PATH | BIDIRECTIONAL
+    light_tracing: bool = True  # small lights far out of focus send rays to the lens, where that is worth it
 
 
 @dataclass(frozen=True)

@@ -294,6 +294,8 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
         own.pipeline = o["pipeline"].upper()
     if o["integrator"]:
         own.integrator = _INTEGRATORS[o["integrator"]]
+    if o["light_tracing"]:
+        own.use_light_tracing = o["light_tracing"] == "on"
     if o["quality"] is not None:
         own.quality = o["quality"]
     if o["ghost_reflections"] is not None:

@@ -127,6 +127,11 @@ def add(p: argparse.ArgumentParser) -> None:
     p.add_argument(
         "--integrator", choices=("path", "bdpt"), help="bdpt: from the lights, too; default: as the scene has it"
     )
+    p.add_argument(
+        "--light-tracing",
+        choices=("on", "off"),
+        help="trace small lights far out of focus from the light to the lens, where that is worth it; default: as the scene has it",
+    )
     p.add_argument("--effect", action="append", default=[], type=types.effect, metavar="NAME=auto|on|off")
     p.add_argument(
         "--quality", type=types.quality, metavar="Q", help="1 leaves out what is below half a pixel; 2, a quarter"

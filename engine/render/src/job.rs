@@ -4,6 +4,7 @@
 //! them, so that the same seed gives the same bits for any number of threads.
 
 mod adaptive;
+mod aimed;
 pub mod catcher;
 pub mod checkpoint;
 pub mod denoise;
@@ -17,14 +18,16 @@ mod settings;
 
 use crate::camera::clip::Clip;
 use crate::camera::lens::real_lens::RealLens;
+use crate::camera::shutter::Exposure;
 use crate::camera::{Camera, CameraDescription};
 use crate::film::cryptomatte::{MatteLayer, Mattes};
 use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
 use crate::film::{Film, FilmChannels, TilePixels};
+use crate::integrator::aimed::AimedLights;
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, PreparedScene, bidirectional::Techniques};
-use crate::pipeline::exposure::Exposure;
+use crate::pipeline::aiming::AimedReport;
 use crate::pipeline::motion::Motion;
 use crate::pipeline::{Counts, Pipeline, RenderContext, render_pixels, render_tile};
 use crate::plan::Plan;
@@ -101,6 +104,8 @@ struct Shared {
     parts: Parts,
     /// Limits of light transport, found by the first thread that asks.
     limits: OnceLock<Limits>,
+    /// The lights that send rays to the lens, and the decision on them, found likewise.
+    aimed: OnceLock<(Option<Arc<AimedLights>>, AimedReport)>,
     film: Film,
     /// The tiles that are rendered, in their order, where these have as many samples as others.
     tiles: Vec<usize>,
@@ -320,8 +325,7 @@ impl Shared {
         let first = cameras.first().ok_or(SettingsError::Camera)?;
         settings.check_integrator(first)?;
         let is_bidirectional = settings.integrator == Integrator::Bidirectional;
-        let asked = if is_bidirectional { Pipeline::Hero } else { settings.pipeline };
-        let pipeline = asked.with(first);
+        let pipeline = aimed::pipeline(&stage, &cameras, first, &settings, beside.exposure.as_ref());
         let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
         let (width, height) = (settings.width, settings.height);
         let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
@@ -349,6 +353,7 @@ impl Shared {
             parts: beside.parts,
             clip: beside.clip,
             limits: OnceLock::new(),
+            aimed: OnceLock::new(),
             pipeline,
             passes: passes(settings.samples),
             running: Mutex::new(settings.thread_count()),
@@ -435,12 +440,17 @@ impl Shared {
             pipeline: self.pipeline,
             light_paths: (s.integrator == Integrator::Bidirectional).then_some(Techniques::All),
             raster: &self.raster,
-            limits: *self.limits.get_or_init(|| self.find_limits()),
+            limits: self.limits(),
             pattern: s.pattern(),
             motion: self.motion.as_ref(),
             exposure: self.exposure.as_ref(),
             parts: &self.parts,
+            aimed: self.aimed.get_or_init(|| self.find_aimed()).0.clone(),
         }
+    }
+
+    fn limits(&self) -> Limits {
+        *self.limits.get_or_init(|| self.find_limits())
     }
 
     fn render(&self) {

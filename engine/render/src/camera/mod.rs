@@ -10,6 +10,7 @@ pub mod lens;
 mod lens_file;
 pub mod models;
 pub mod scattering;
+pub mod shutter;
 pub mod tools;
 
 pub use description::{CameraDescription, EnabledEffects, Model, Spectrum};

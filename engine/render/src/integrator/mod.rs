@@ -1,7 +1,9 @@
 //! Integrators: the radiance along camera rays.
 
+pub mod aimed;
 pub mod bidirectional;
 pub mod media;
+mod mis;
 pub mod path;
 mod subsurface;
 

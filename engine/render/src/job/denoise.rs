@@ -3,7 +3,7 @@
 use super::{Job, Shared, catcher, lock};
 use crate::integrator::path::parts::LightPass;
 pub use petzval_denoise::{DenoiseError, Prefilter, Quality};
-use petzval_denoise::{Denoiser, Request};
+use petzval_denoise::{Denoiser, Request, Work};
 use serde::Deserialize;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -40,7 +40,8 @@ impl Denoising {
     /// Wall time that [`Job::denoise`] will take, s, about.
     pub fn expected_seconds(&self, pixels: usize, threads: usize) -> f64 {
         let guides = self.guides().iter().flatten().count();
-        petzval_denoise::expected_seconds(self.quality, self.prefilter, guides, pixels, threads)
+        let &Self { quality, prefilter, use_gpu, .. } = self;
+        petzval_denoise::expected_seconds(Work { quality, prefilter, guides, pixels, use_gpu, threads })
     }
 }
 

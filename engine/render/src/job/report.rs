@@ -3,6 +3,7 @@
 use super::{Job, Kept};
 use crate::camera::lens::real_lens::RealLens;
 use crate::camera::lens::real_lens::precision::TOLERANCE_PX;
+use crate::pipeline::aiming::AimedReport;
 use crate::stray::ghosts;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -44,6 +45,8 @@ pub struct RenderReport {
     pub pipeline: &'static str,
     /// Name of the integrator.
     pub integrator: &'static str,
+    /// Lights that send rays to the lens.
+    pub light_tracing: AimedReport,
     /// Width of the picture, pixels.
     pub width: u32,
     /// Height of the picture, pixels.
@@ -135,6 +138,7 @@ impl Job {
             precision: camera.traced_lens().map(PrecisionReport::new),
             pipeline: self.pipeline().name(),
             integrator: settings.integrator.name(),
+            light_tracing: self.shared.aimed.get().map(|(_, report)| report.clone()).unwrap_or_default(),
             width: settings.width,
             height: settings.height,
             ghosts: stray_light.and_then(|found| found.ghosts.clone()),

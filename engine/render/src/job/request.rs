@@ -5,16 +5,17 @@ pub use super::error::RequestError;
 use super::forecast::{self, Forecast};
 use super::{Job, OutputOptions, Settings, catcher};
 use crate::camera::clip::Clip;
+use crate::camera::shutter::{Exposure, Shutter};
 use crate::camera::tools::imaging::Imaging;
 use crate::camera::tools::shade;
 use crate::camera::{Camera, CameraDescription, CameraError};
 use crate::film::cryptomatte::MatteLayer;
 use crate::integrator::path::parts::{LightPass, Parts, Seen};
 use crate::integrator::{Integrator, PreparedScene};
-use crate::pipeline::exposure::{Exposure, Shutter};
 use crate::pipeline::motion::Motion;
+use crate::pipeline::{Pipeline, aiming};
 use crate::plan::report::{PlanReport, Predicted};
-use crate::plan::{Plan, PlanError, PlanOptions};
+use crate::plan::{LensNeed, Plan, PlanError, PlanOptions};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -73,7 +74,10 @@ impl Job {
 
         let mut settings = asked.settings;
         if let Some(plan) = &asked.plan {
-            settings.pipeline = plan.pipeline();
+            // What was left open is decided again by the camera, which the plan has chosen.
+            if !matches!(settings.pipeline, Pipeline::Auto | Pipeline::Hero) {
+                settings.pipeline = plan.pipeline();
+            }
         }
         let mut passes = asked.parts;
         if asked.catches {
@@ -113,9 +117,15 @@ impl Settings {
         shutter: Option<&Shutter>,
     ) -> Result<Plan, PlanError> {
         options.pipeline = self.pipeline;
-        let needs_lens = self.integrator == Integrator::Bidirectional;
+        // Small lights need rays that go both ways.
+        let is_wanted = || self.light_tracing && aiming::may_be_worth_it_through(stage, d, [self.width, self.height]);
+        let lens_need = match self.integrator {
+            Integrator::Bidirectional => LensNeed::Required,
+            Integrator::Path if is_wanted() => LensNeed::Wanted,
+            Integrator::Path => LensNeed::None,
+        };
         let exposure = shutter.map(|shutter| Exposure::of(shutter, stage.scene.origin));
-        Plan::new(stage, d, moving, [self.width, self.height], &options, needs_lens, exposure.as_ref())
+        Plan::new(stage, d, moving, [self.width, self.height], &options, lens_need, exposure.as_ref())
     }
 
     /// The report of a plan with a forecast of the render: a little of it is rendered.

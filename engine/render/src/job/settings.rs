@@ -64,6 +64,8 @@ pub struct Settings {
     pub with_data: bool,
     /// The integrator. Light paths carry a set of wavelengths, whatever the pipeline.
     pub integrator: Integrator,
+    /// True if small lights far out of focus send rays to the lens, where that is worth it ([`crate::integrator::aimed`]).
+    pub light_tracing: bool,
 }
 
 /// The defaults of the add-on, for a picture of 1920 x 1080.
@@ -91,6 +93,7 @@ impl Default for Settings {
             pipeline: Pipeline::Auto,
             with_data: false,
             integrator: Integrator::Path,
+            light_tracing: true,
         }
     }
 }

@@ -211,7 +211,7 @@ impl Lights {
     }
 
     /// The triangle that a source is, if it is one, where it stands at a moment.
-    fn triangle_at(&self, scene: &Scene, source: Source, moment: u16) -> Option<LitTriangle> {
+    pub(super) fn triangle_at(&self, scene: &Scene, source: Source, moment: u16) -> Option<LitTriangle> {
         match self.local.get(source.0)? {
             Emitter::Triangle(triangle) => Some(*triangle),
             Emitter::Moving(triangle, moving) => {

@@ -24,6 +24,7 @@ use area::AreaLamp;
 use ball::Ball;
 use glam::{Affine3A, Vec3A};
 use point::PointLamp;
+pub(super) use shape::LampExtent;
 use shape::{LampFrame, LampRay, LampShape, LampView};
 use spot::SpotLamp;
 use std::sync::Arc;
@@ -115,6 +116,31 @@ impl PreparedLamp {
     /// True if no ray can hit the lamp: it has no extent.
     pub(super) fn is_point_like(&self) -> bool {
         with_shape!(self.shape, shape => shape.is_point_like())
+    }
+
+    /// The extent of a lamp that stands in the scene and can be hit; else `None`.
+    pub(super) fn extent(&self) -> Option<LampExtent> {
+        with_shape!(self.shape, shape => shape.extent())
+    }
+
+    /// A point of a flat lamp, even by area; the centre of a ball.
+    pub(super) fn place(&self, u: [f32; 2]) -> Vec3A {
+        with_shape!(self.shape, shape => shape.place(&self.frame, u))
+    }
+
+    /// The direction in which a flat lamp shines, unit.
+    pub(super) fn axis(&self) -> Vec3A {
+        -self.frame.axes.z_axis
+    }
+
+    /// Bound of the rounding of coordinates about the lamp, Blender units.
+    pub(super) fn rounding(&self) -> f32 {
+        self.frame.rounding
+    }
+
+    /// The centre of the lamp, render space.
+    pub(super) fn center(&self) -> Vec3A {
+        self.frame.center
     }
 
     /// True if light paths leave the lamp: not from one without shadows, for where its rays should end is undefined.

@@ -2,6 +2,7 @@
 //!
 //! Knows the places that light leaves from; nothing of the surfaces that it arrives at, nor of what stands in between.
 
+mod aimed;
 mod along;
 pub mod bounds;
 mod build;
@@ -20,6 +21,7 @@ use crate::nodes::PathState;
 use crate::scene::Scene;
 use crate::scene::motion::MIDDLE;
 use crate::scene::visibility::LightSets;
+pub use aimed::SourceGroup;
 pub use along::{LightHit, Line};
 use glam::Vec3A;
 use lamp::PreparedLamp;

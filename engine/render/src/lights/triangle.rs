@@ -87,6 +87,16 @@ impl LitTriangle {
         self.sets
     }
 
+    /// The kinds of ray that its object shows itself to.
+    pub(super) fn reaches(&self) -> Rays {
+        self.reaches
+    }
+
+    /// The point at the weights of the second and third corner.
+    pub(super) fn point(&self, [v, w]: [f32; 2]) -> Vec3A {
+        (self.corner + self.edges[0] * v + self.edges[1] * w).into()
+    }
+
     /// Unit, on the front.
     pub(super) fn normal(&self) -> Vec3A {
         self.normal.into()
@@ -120,8 +130,7 @@ impl LitTriangle {
     #[inline]
     pub(super) fn sample(&self, scene: &Scene, from: Vec3A, u: [f32; 2], way: PathState) -> Option<LightSample> {
         let [v, w] = warp::sample_triangle(u);
-        let point = self.corner + self.edges[0] * v + self.edges[1] * w;
-        let to = Vec3A::from(point) - from;
+        let to = self.point([v, w]) - from;
         let distance2 = to.length_squared();
         let distance = distance2.sqrt();
         let wi = to / distance;

@@ -39,6 +39,10 @@ impl CameraSampler for Hero<'_> {
         lead.ray
     }
 
+    fn density(&self, camera: usize, lead: &HeroSample) -> Option<f32> {
+        Some(self.lenses[camera].0.led_density(lead) as f32)
+    }
+
     fn carried(&self, camera: usize) -> usize {
         self.lenses[camera].0.packet_size()
     }

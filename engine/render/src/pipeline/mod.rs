@@ -1,7 +1,7 @@
 //! Ways from the film to the scene and back: which rays are followed, and where what they find is added up.
 
+pub mod aiming;
 pub mod bidirectional;
-pub mod exposure;
 pub mod film_first;
 pub mod hero;
 pub mod motion;
@@ -14,19 +14,21 @@ use crate::camera::Camera;
 use crate::camera::clip::Clip;
 use crate::camera::lens::real_lens::RealLens;
 use crate::camera::lens::real_lens::packet::Splats;
+use crate::camera::shutter::Exposure;
 use crate::film::{TileAccumulator, TileRect};
 use crate::integrator::PreparedScene;
+use crate::integrator::aimed::AimedLights;
 use crate::integrator::bidirectional::{LightPath, Techniques};
 use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, pattern::Pattern, raster::Raster};
 use crate::scene::motion::moment;
-use exposure::Exposure;
 use film_first::FilmFirst;
 use hero::Hero;
 use motion::Motion;
 use scene_first::SceneFirst;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// One in this many samples that are taken one by one is timed, to know the lens' share of the time without spending any.
@@ -101,6 +103,8 @@ pub struct RenderContext<'a> {
     pub exposure: Option<&'a Exposure>,
     /// The parts of the paths' light that are kept beside the whole and the groups.
     pub parts: &'a Parts,
+    /// The lights that send rays to the lens: in [`Pipeline::Hero`] alone.
+    pub aimed: Option<Arc<AimedLights>>,
 }
 
 impl RenderContext<'_> {

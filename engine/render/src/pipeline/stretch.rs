@@ -6,9 +6,10 @@ use crate::accel::Ray;
 use crate::camera::Camera;
 use crate::camera::lens::real_lens::packet::Request;
 use crate::film::TileAccumulator;
+use crate::integrator::aimed::{AimedLights, AimedRay};
 use crate::integrator::path::{AovBuffers, AovSink, NoAovs, Wavefront};
 use crate::sampler::{KeptScramble, PathSampler};
-use crate::scene::motion::moment;
+use crate::scene::motion::{MIDDLE, moment};
 use std::time::Instant;
 
 /// Samples in a stretch. More fill the registers better; fewer stay in the nearest caches.
@@ -26,6 +27,11 @@ pub(super) trait CameraSampler {
 
     /// The ray into the scene.
     fn ray(lead: &Self::Lead) -> Ray;
+
+    /// The density of the ray's choice per unit of etendue; `None` where that is not known.
+    fn density(&self, _camera: usize, _: &Self::Lead) -> Option<f32> {
+        None
+    }
 
     /// Number of wavelengths at which light of a sample is carried back through the lens of camera number `camera`.
     fn carried(&self, _camera: usize) -> usize {
@@ -68,6 +74,7 @@ fn follow<L: CameraSampler, N: AovSink, const VOLUMES: bool>(
     light: &mut TileAccumulator,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
+    wave = wave.beside(shot.aimed.clone());
     let mut counts = Counts::default();
     let mut stretch = SampleBatch::default();
     let mut leads = Vec::with_capacity(STRETCH);
@@ -85,7 +92,17 @@ fn follow<L: CameraSampler, N: AovSink, const VOLUMES: bool>(
         stretch.ask(&mut pipeline, shot.cameras.len(), &mut leads);
         counts.camera_time += start.elapsed();
         wave.clear();
-        if let Some(exposure) = shot.exposure {
+        if let Some(aimed) = &shot.aimed {
+            for (i, (lead, sampler)) in leads.iter().zip(&stretch.samplers).enumerate() {
+                let Some(lead) = lead else { continue };
+                let ray = stretch.sent(shot, i, L::ray(lead));
+                match pipeline.density(stretch.cameras[i], lead) {
+                    Some(density) => wave.start_led(ray, density, sampler.clone()),
+                    None => wave.start(ray, sampler.clone()),
+                }
+            }
+            stretch.aim(shot, aimed, &mut wave);
+        } else if let Some(exposure) = shot.exposure {
             for ((lead, sampler), time) in leads.iter().zip(&stretch.samplers).zip(&stretch.times) {
                 if let Some(lead) = lead {
                     wave.start(exposure.sent(shot.seen(L::ray(lead)), moment(*time)), sampler.clone());
@@ -130,6 +147,25 @@ fn follow<L: CameraSampler, N: AovSink, const VOLUMES: bool>(
                 }
             }
         }
+        for aimed in &stretch.aimed {
+            let found = wave.found(path);
+            path += 1;
+            counts.rays += u64::from(found.rays);
+            if !found.radiance.is_finite() {
+                counts.non_finite += 1;
+                continue;
+            }
+            let Some(lens) = shot.cameras[0].traced_lens() else { continue };
+            let add = |light: &mut TileAccumulator, radiance| {
+                lens.expose(&aimed.splats, radiance, |x, y, colour| light.add_anywhere(x, y, colour.truncate()));
+            };
+            add(light, found.radiance);
+            for (place, &radiance) in wave.found_beside(path - 1).iter().enumerate() {
+                if radiance != Rgb::ZERO && !(place >= groups && parts[place - groups].is_data()) {
+                    add(light.group(place), radiance);
+                }
+            }
+        }
         counts.sample_time += start.elapsed();
     }
 }
@@ -143,6 +179,8 @@ struct SampleBatch {
     cameras: Vec<usize>,
     /// The time of each sample, as a part of the exposure; empty where that does not matter.
     times: Vec<f32>,
+    /// Rays from the lights.
+    aimed: Vec<AimedRay>,
 }
 
 impl SampleBatch {
@@ -152,6 +190,7 @@ impl SampleBatch {
         self.samplers.clear();
         self.cameras.clear();
         self.times.clear();
+        self.aimed.clear();
         let mut at = [0; 2];
         let mut points = shot.pattern.pixel(0, 0);
         let mut scrambles = [KeptScramble::default(); 2];
@@ -176,6 +215,36 @@ impl SampleBatch {
             } else {
                 self.cameras.push(0);
             }
+        }
+    }
+
+    /// The moment of sample `i`.
+    fn moment(&self, i: usize) -> u16 {
+        self.times.get(i).map_or(MIDDLE, |time| moment(*time))
+    }
+
+    /// The camera's ray of sample `i` as it goes into the scene.
+    fn sent(&self, shot: &RenderContext<'_>, i: usize, ray: Ray) -> Ray {
+        let seen = shot.seen(ray);
+        shot.exposure.map_or(seen, |exposure| exposure.sent(seen, self.moment(i)))
+    }
+
+    /// Starts the rays of the lights that belong to the samples.
+    fn aim<N: AovSink, const VOLUMES: bool>(
+        &mut self,
+        shot: &RenderContext<'_>,
+        aimed: &AimedLights,
+        wave: &mut Wavefront<N, VOLUMES>,
+    ) {
+        let (width, height) = shot.raster.size();
+        for i in 0..self.requests.len() {
+            let [x, y] = self.requests[i].pixel;
+            let [width, height, x, y, index] = [width, height, x, y, self.indices[i]].map(u64::from);
+            let number = index * width * height + y * width + x;
+            let found = aimed.ray(shot.stage, shot.raster, number, self.moment(i));
+            let Some((ray, sampler)) = found else { continue };
+            wave.start_aimed(self.sent(shot, i, ray.ray), sampler, ray.source);
+            self.aimed.push(ray);
         }
     }
 

@@ -5,7 +5,7 @@ use super::measured::Known;
 use super::motion::SceneMotion;
 use super::price::{Price, sample_ns, transmission_ns};
 use super::words::size;
-use super::{Decision, Effect, EffectMode, PlanError, PlanOptions};
+use super::{Decision, Effect, EffectMode, LensNeed, PlanError, PlanOptions};
 use crate::camera::lens::setup::LensInfo;
 use crate::camera::{EnabledEffects, Spectrum};
 use crate::spectrum::{SET_SIZE, SPECTRAL_COUNT};
@@ -94,7 +94,7 @@ fn choose(known: &Known<'_>, wishes: &PlanOptions) -> Result<(CameraChoice, Pric
     let spectrum = in_colour.then(|| bands(known, wishes));
 
     let shown = shown(wishes, in_colour);
-    if known.needs_lens && !shown.is_traced_plainly() {
+    if known.lens_need == LensNeed::Required && !shown.is_traced_plainly() {
         let what = "bidirectional paths end in the lens as it is; set what is off to auto, or choose path tracing";
         return Err(PlanError::Conflict(what.to_owned()));
     }
@@ -102,7 +102,7 @@ fn choose(known: &Known<'_>, wishes: &PlanOptions) -> Result<(CameraChoice, Pric
     let shape = survey.shape();
     let beside_gauss = [Effect::Aberration, Effect::Distortion, Effect::Vignetting, Effect::Transmission];
     let is_plain = !in_colour
-        && !known.needs_lens
+        && known.lens_need == LensNeed::None
         && shown == EnabledEffects::default()
         && Effect::ALL.into_iter().all(|e| wishes.word(e) != EffectMode::On || !e.is_of_rays())
         && !beside_gauss.into_iter().any(wanted)

@@ -1,9 +1,9 @@
 //! The data on which decisions are based, and the form of a measure.
 
-use super::GhostLook;
 use super::motion::SceneMotion;
 use super::unit::Unit;
 use super::words::worst;
+use super::{GhostLook, LensNeed};
 use crate::camera::CameraDescription;
 use crate::camera::tools::survey::{LensMeasures, Survey, Worst};
 
@@ -26,8 +26,8 @@ pub(super) struct Known<'a> {
     pub(super) seen_px: f64,
     /// Number of pixels of the picture.
     pub(super) pixels: f64,
-    /// True if light paths end in a lens that is traced.
-    pub(super) needs_lens: bool,
+    /// Whether rays from lights end in a lens that is traced.
+    pub(super) lens_need: LensNeed,
 }
 
 /// The size of an effect, and its description.

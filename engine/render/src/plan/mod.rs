@@ -20,12 +20,12 @@ mod words;
 
 use crate::Rgb;
 use crate::camera::clip::Clip;
+use crate::camera::shutter::Exposure;
 use crate::camera::tools::straying::StrayLens;
 use crate::camera::tools::survey::{GRID, LensMeasures, Survey, Worst};
 use crate::camera::{Camera, CameraDescription, CameraError, Model};
 use crate::integrator::PreparedScene;
 use crate::pipeline::Pipeline;
-use crate::pipeline::exposure::Exposure;
 use crate::stray::diffraction::Diffraction;
 use crate::stray::glare::Glare;
 use crate::stray::{Ghosts, Reflections, Strays, ghosts, sources::Source};
@@ -200,9 +200,21 @@ pub struct Plan {
     pub seconds: f64,
 }
 
+/// The need for a lens that is traced, for rays that go from lights to the film.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LensNeed {
+    /// All rays start at the camera.
+    #[default]
+    None,
+    /// Small lights would have less noise: the lens is traced unless the user's wishes leave out a part of it.
+    Wanted,
+    /// Light paths end in the lens.
+    Required,
+}
+
 impl Plan {
     /// Measures and decides for a picture of that many pixels. `moving` is the camera at times over which the shutter is
-    /// open, if the lens changes meanwhile, and `exposure` is that time, where it matters; `needs_lens` says that rays from lights
+    /// open, if the lens changes meanwhile, and `exposure` is that time, where it matters; `lens_need` says whether rays from lights
     /// are to end in a lens that is traced.
     ///
     /// # Errors
@@ -213,7 +225,7 @@ impl Plan {
         moving: &[CameraDescription],
         [width, height]: [u32; 2],
         wishes: &PlanOptions,
-        needs_lens: bool,
+        lens_need: LensNeed,
         exposure: Option<&Exposure>,
     ) -> Result<Self, PlanError> {
         let start = Instant::now();
@@ -256,7 +268,7 @@ impl Plan {
             glare,
             seen_px,
             pixels,
-            needs_lens,
+            lens_need,
         };
         let (decisions, camera, camera_ns) = decide(&known, wishes)?;
         let PlanOptions { ghost_reflections, quality, .. } = *wishes;

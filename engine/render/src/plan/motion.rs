@@ -3,7 +3,7 @@
 use super::Unit;
 use super::words::size;
 use crate::accel::Ray;
-use crate::pipeline::exposure::Exposure;
+use crate::camera::shutter::Exposure;
 use crate::scene::Scene;
 use crate::scene::motion::Moving;
 use glam::DVec3;

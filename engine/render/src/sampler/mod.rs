@@ -32,6 +32,13 @@ impl PathSampler {
         pattern::Pattern::independent(seed).pixel(x, y).sampler(index)
     }
 
+    /// The points of one of many samples that belong to no pixel, by its number among all: together they are stratified over the whole
+    /// picture.
+    pub fn numbered(number: u32, seed: u32) -> Self {
+        // The sequence has 2^16 points.
+        Self { index: number & 0xffff, seed: mix(seed ^ mix(number >> 16)), set: 0 }
+    }
+
     /// The next four uniform numbers in [0, 1).
     #[inline]
     pub fn next_4d(&mut self) -> [f32; 4] {

@@ -102,6 +102,7 @@ fn light_alone(
         motion: None,
         exposure: None,
         parts: &Default::default(),
+        aimed: None,
     };
     let film = Film::new(WIDTH, HEIGHT, true, false);
     for tile in 0..film.tile_count() {

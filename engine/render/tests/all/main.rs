@@ -4,5 +4,6 @@ mod adaptive_sampling;
 mod cameras;
 mod exact_pictures;
 mod light_paths;
+mod light_tracing;
 mod plans;
 mod scenes;

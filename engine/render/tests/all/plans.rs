@@ -10,7 +10,7 @@ use petzval_render::camera::{Camera, CameraDescription, Model, Spectrum};
 use petzval_render::integrator::PreparedScene;
 use petzval_render::job::{Job, Settings};
 use petzval_render::pipeline::Pipeline;
-use petzval_render::plan::{CameraKind, Decision, Effect, EffectMode, Plan, PlanError, PlanOptions};
+use petzval_render::plan::{CameraKind, Decision, Effect, EffectMode, LensNeed, Plan, PlanError, PlanOptions};
 use petzval_render::scene::SceneBuilder;
 use petzval_render::scene::lamp::LampKind;
 use petzval_render::scene::world::World;
@@ -52,7 +52,7 @@ struct Shot {
 
 impl Shot {
     fn plan(&self, wishes: &PlanOptions) -> Result<Plan, PlanError> {
-        Plan::new(&self.stage, &self.d, &self.moving, self.size, wishes, false, None)
+        Plan::new(&self.stage, &self.d, &self.moving, self.size, wishes, LensNeed::None, None)
     }
 
     /// The decision on an effect by its own measure: the other error of colour is left out.
@@ -288,8 +288,9 @@ fn the_user_has_the_last_word() {
     }
     // Light that comes from the other end needs the lens as it is.
     let shot = large();
-    let two_way =
-        |words: &[(Effect, EffectMode)]| Plan::new(&shot.stage, &shot.d, &[], shot.size, &wishes(words), true, None);
+    let two_way = |words: &[(Effect, EffectMode)]| {
+        Plan::new(&shot.stage, &shot.d, &[], shot.size, &wishes(words), LensNeed::Required, None)
+    };
     assert!(matches!(two_way(&[(Effect::Distortion, EffectMode::Off)]), Err(PlanError::Conflict(_))));
     assert_eq!(two_way(&[(Effect::Vignetting, EffectMode::Off)]).unwrap().camera.way, CameraKind::Exact);
     let pinhole = Shot { d: CameraDescription { model: Model::Pinhole, ..triplet() }, ..large() };

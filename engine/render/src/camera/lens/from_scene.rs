@@ -7,7 +7,7 @@
 use super::real_lens::RealLens;
 use super::real_lens::packet::{HeroSample, Splats};
 use crate::sampler::raster::Raster;
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 use petzval_optics::trace::Ray as LensRay;
 
 /// The contribution of a ray from the scene to the picture.
@@ -30,6 +30,11 @@ impl RealLens {
         self.entrance();
     }
 
+    /// The middle of the entrance pupil, render space.
+    pub fn entrance_at(&self) -> Vec3A {
+        self.mount.to_render(&LensRay { origin: self.entrance().middle(), direction: DVec3::Z }).origin
+    }
+
     /// A direction from a point to the lens, chosen by `u`, and its density per steradian; render space.
     pub fn aim(&self, from: Vec3A, u: [f32; 2]) -> Option<(Vec3A, f32)> {
         let aim = self.entrance().sample(self.mount.to_lens(from.as_dvec3()), u.map(f64::from))?;
@@ -40,6 +45,16 @@ impl RealLens {
     pub fn aim_pdf(&self, from: Vec3A, direction: Vec3A) -> f32 {
         let place = self.mount.to_lens(from.as_dvec3());
         self.entrance().pdf(place, self.mount.direction_to_lens(direction.as_dvec3())) as f32
+    }
+
+    /// Millimetres of the lens in a Blender unit, where all axes have one scale.
+    pub fn scale_mm(&self) -> f64 {
+        self.mount.scale().unwrap_or(1.0)
+    }
+
+    /// A point of render space in lens space, mm: light comes along +z.
+    pub fn in_lens_space(&self, point: Vec3A) -> DVec3 {
+        self.mount.to_lens(point.as_dvec3())
     }
 
     /// Number of sets of wavelengths to choose from.

@@ -1,6 +1,31 @@
 //! The choice of a ray, and the weight of the light that it finds beside light samples.
 
+use crate::integrator::mis::power_heuristic;
+use crate::lights::Source;
 use crate::lights::receiver::LightSampleContext;
+
+/// The choice of the ray between the lens and the first surface, which determines the weight of the light that it finds beside
+/// [`AimedLights`](crate::integrator::aimed::AimedLights).
+#[derive(Clone, Copy, Debug)]
+pub(super) enum LensStrategy {
+    /// The camera chose the ray, and nothing competes.
+    CameraAlone,
+    /// The camera chose the ray.
+    Camera {
+        /// The density of the choice, per unit of etendue.
+        density: f32,
+    },
+    /// This source sent the ray.
+    Aimed(Source),
+}
+
+impl LensStrategy {
+    /// True for a ray that a source sent.
+    #[inline(always)]
+    pub(super) fn is_aimed(self) -> bool {
+        matches!(self, Self::Aimed(_))
+    }
+}
 
 /// The choice of the current ray, which determines the weight of the light that it finds.
 #[derive(Clone, Copy)]
@@ -28,15 +53,4 @@ impl MisContext {
             Self::WithPdf(_, to) => Some(to),
         }
     }
-}
-
-/// Weight of a sample of density `a` where another technique has density `b` (exponent 2).
-#[inline]
-pub(super) fn power_heuristic(a: f32, b: f32) -> f32 {
-    if b == 0.0 {
-        return 1.0;
-    }
-    // As a ratio: squares of large densities overflow.
-    let r = b / a;
-    1.0 / (1.0 + r * r)
 }

@@ -6,7 +6,7 @@ mod found;
 mod place;
 mod through;
 
-use super::choice::MisContext;
+use super::choice::{LensStrategy, MisContext};
 use super::notes::{AovSink, NoAovs};
 use super::{
     CAMERA_SETS, FastGi, FirstSurface, Limits, MOST_STEPS, PathResult, SETS_PER_STEP, mix, opening, transmittance,
@@ -14,7 +14,9 @@ use super::{
 use crate::Rgb;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::PreparedScene;
+use crate::integrator::aimed::AimedLights;
 use crate::integrator::subsurface::leave;
+use crate::lights::Source;
 use crate::nodes::{self, Layers, PathState, View};
 use crate::sampler::{KeptScramble, PathSampler};
 use crate::scene::visibility::Rays;
@@ -26,6 +28,7 @@ use crate::surface::SurfacePoint;
 use found::Found;
 use glam::Vec3A;
 use place::{ScatterPlace, Shadow};
+use std::sync::Arc;
 use through::{MediumEvent, MediumState, ShadowMedia, is_only_volume};
 
 /// Memory for paths, used again and again. `VOLUMES`: what fills space counts; where there is nothing, none of it is in the
@@ -55,6 +58,8 @@ pub struct Wavefront<N: AovSink = NoAovs, const VOLUMES: bool = false> {
     veils: Vec<ShadowMedia>,
     /// The scramble of the random numbers that the last path took; most take theirs of the same.
     kept_scramble: KeptScramble,
+    /// The lights that send rays to the lens, too.
+    aimed: Option<Arc<AimedLights>>,
 }
 
 /// One path under way.
@@ -62,6 +67,7 @@ struct Path {
     ray: Ray,
     throughput: Rgb,
     chosen: MisContext,
+    strategy: LensStrategy,
     way: PathState,
     /// Distance since the last scattering, over surfaces passed unbent; densities by area need it.
     travelled: f32,
@@ -158,7 +164,14 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             inside: Vec::new(),
             veils: Vec::new(),
             kept_scramble: KeptScramble::default(),
+            aimed: None,
         }
+    }
+
+    /// The lights that send rays to the lens: what is started by [`Self::start_led`] is weighted against these.
+    #[must_use]
+    pub fn beside(self, aimed: Option<Arc<AimedLights>>) -> Self {
+        Self { aimed, ..self }
     }
 
     /// Forgets all paths and their results, and keeps the memory.
@@ -172,6 +185,20 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
 
     /// Adds a path that begins with a ray from the camera; its number is the count of those before it.
     pub fn start(&mut self, ray: Ray, sampler: PathSampler) {
+        self.start_by(LensStrategy::CameraAlone, ray, sampler);
+    }
+
+    /// Adds a path like [`Self::start`], whose ray the camera leads to with this density per unit of etendue.
+    pub fn start_led(&mut self, ray: Ray, density: f32, sampler: PathSampler) {
+        self.start_by(LensStrategy::Camera { density }, ray, sampler);
+    }
+
+    /// Adds a path along a ray from the camera that a source has led to: it finds the light of that source alone, and is not scattered.
+    pub fn start_aimed(&mut self, ray: Ray, sampler: PathSampler, source: Source) {
+        self.start_by(LensStrategy::Aimed(source), ray, sampler);
+    }
+
+    fn start_by(&mut self, strategy: LensStrategy, ray: Ray, sampler: PathSampler) {
         self.live.push(self.paths.len() as u32);
         self.results.push(PathResult::default());
         self.notes.start();
@@ -180,6 +207,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             ray,
             throughput: Rgb::ONE,
             chosen: MisContext::Alone,
+            strategy,
             way: PathState::CAMERA,
             travelled: 0.0,
             start: ray.origin,
@@ -242,6 +270,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         }
         for (&i, hit) in self.live.iter().zip(&self.hits) {
             let path = &mut self.paths[i as usize];
+            let aimed = self.aimed.as_deref();
             let mut found = Found { path: i, result: &mut self.results[i as usize], notes: &mut self.notes };
             self.is_alive[i as usize] = false;
             if VOLUMES {
@@ -259,7 +288,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             }
             let Some(hit) = hit else {
                 if !VOLUMES {
-                    path.lamps_before(stage, limits, path.travelled + path.ray.t_max, &mut found);
+                    path.lamps_before(stage, limits, aimed, path.travelled + path.ray.t_max, &mut found);
                 }
                 path.sky(stage, limits, &mut found);
                 continue;
@@ -278,10 +307,10 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             let is_border = VOLUMES && share < 1.0 && is_only_volume(stage, &point);
             let is_split = share >= LEAST_SHARE && !is_border;
             if is_scattered && !VOLUMES {
-                path.lamps_before(stage, limits, path.travelled + hit.t, &mut found);
+                path.lamps_before(stage, limits, aimed, path.travelled + hit.t, &mut found);
             }
             found.result.hit |= is_seen;
-            if !is_border && path.emission(stage, limits, hit, &point, opening.rest, &mut found) {
+            if !is_border && path.emission(stage, limits, aimed, (hit, &point, opening.rest), &mut found) {
                 continue;
             }
             if is_seen && found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
@@ -304,6 +333,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             if (is_scattered || is_split)
                 && may_scatter
                 && limits.scatters(path.way)
+                && !path.strategy.is_aimed()
                 && (!VOLUMES || self.inside[i as usize].may_scatter(limits))
             {
                 let (kept, u_light) = (opening.rest / share, [u_light, u0, u1]);

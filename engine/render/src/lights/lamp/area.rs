@@ -2,7 +2,7 @@
 
 use super::super::bounds::LightBounds;
 use super::super::sample::{Leaving, LightSample};
-use super::shape::{LampFrame, LampRay, LampShape, LampView};
+use super::shape::{LampExtent, LampFrame, LampRay, LampShape, LampView};
 use crate::{Rgb, sampler::warp};
 use glam::{Vec2, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -25,7 +25,7 @@ impl AreaLamp {
     }
 
     /// A point of the lamp, even by area.
-    fn place(&self, frame: &LampFrame, u: [f32; 2]) -> Vec3A {
+    fn point(&self, frame: &LampFrame, u: [f32; 2]) -> Vec3A {
         let p = if self.ellipse { warp::sample_disk(u) * 0.5 } else { Vec2::new(u[0] - 0.5, u[1] - 0.5) };
         frame.center + frame.axes.x_axis * (p.x * self.size[0]) + frame.axes.y_axis * (p.y * self.size[1])
     }
@@ -58,6 +58,15 @@ impl LampShape for AreaLamp {
         false
     }
 
+    fn extent(&self) -> Option<LampExtent> {
+        let area = self.area();
+        (area > 0.0).then_some(LampExtent::Flat { area })
+    }
+
+    fn place(&self, frame: &LampFrame, u: [f32; 2]) -> Vec3A {
+        self.point(frame, u)
+    }
+
     fn normal(&self, frame: &LampFrame, _place: Vec3A, _wi: Vec3A) -> Vec3A {
         -frame.axes.z_axis
     }
@@ -78,7 +87,7 @@ impl LampShape for AreaLamp {
     }
 
     fn sample(&self, frame: &LampFrame, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
-        let to = self.place(frame, u) - from;
+        let to = self.point(frame, u) - from;
         let distance = to.length();
         let wi = to / distance;
         let cos = wi.dot(frame.axes.z_axis);
@@ -112,7 +121,7 @@ impl LampShape for AreaLamp {
         let cos = (1.0 - flat.length_squared()).max(0.0).sqrt();
         let local = Vec3A::new(flat.x, flat.y, cos);
         let direction = warp::to_world(&warp::frame(-frame.axes.z_axis), local).normalize();
-        LampRay { origin: self.place(frame, u_place), direction, strength: frame.strength * self.spread(cos) }
+        LampRay { origin: self.point(frame, u_place), direction, strength: frame.strength * self.spread(cos) }
     }
 
     fn emission_density(&self, _distance: f32, _scene_radius: f32) -> f32 {

@@ -2,7 +2,7 @@
 //! edge where the sphere would cut into a surface.
 
 use super::super::sample::{Leaving, LightSample};
-use super::shape::{LampFrame, LampRay, on_disk};
+use super::shape::{LampExtent, LampFrame, LampRay, on_disk};
 use crate::{Rgb, sampler::warp};
 use glam::Vec3A;
 use std::f32::consts::PI;
@@ -28,6 +28,10 @@ impl Ball {
 
     pub(super) fn is_point_like(self) -> bool {
         self.radius <= 0.0
+    }
+
+    pub(super) fn extent(self) -> Option<LampExtent> {
+        (self.radius > 0.0).then_some(LampExtent::Ball { radius: self.radius })
     }
 
     pub(super) fn normal(self, frame: &LampFrame, place: Vec3A, wi: Vec3A) -> Vec3A {

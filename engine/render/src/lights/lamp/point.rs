@@ -3,7 +3,7 @@
 use super::super::bounds::LightBounds;
 use super::super::sample::LightSample;
 use super::ball::Ball;
-use super::shape::{LampFrame, LampRay, LampShape, LampView};
+use super::shape::{LampExtent, LampFrame, LampRay, LampShape, LampView};
 use crate::{Rgb, sampler::warp};
 use glam::{Vec2, Vec3A};
 use std::f32::consts::{PI, TAU};
@@ -19,6 +19,10 @@ impl LampShape for PointLamp {
 
     fn is_point_like(&self) -> bool {
         self.0.is_point_like()
+    }
+
+    fn extent(&self) -> Option<LampExtent> {
+        self.0.extent()
     }
 
     fn normal(&self, frame: &LampFrame, place: Vec3A, wi: Vec3A) -> Vec3A {

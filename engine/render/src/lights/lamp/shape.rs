@@ -20,6 +20,16 @@ pub(super) trait LampShape {
     /// True if no ray can hit the lamp: it has no extent.
     fn is_point_like(&self) -> bool;
 
+    /// The extent of a lamp that stands in the scene and can be hit; else `None`.
+    fn extent(&self) -> Option<LampExtent> {
+        None
+    }
+
+    /// A point of a flat lamp, even by area; the centre of a ball.
+    fn place(&self, frame: &LampFrame, _u: [f32; 2]) -> Vec3A {
+        frame.center
+    }
+
     /// Half of the angular diameter of a lamp infinitely far away; `None` of one that stands in the scene.
     fn half_angle_at_infinity(&self) -> Option<f32> {
         None
@@ -59,6 +69,21 @@ pub(super) trait LampShape {
     /// The density per steradian with which [`Self::sample`] at a place chooses a ray along `direction` that left the lamp and arrives
     /// there after `distance`. `None` where the lamp, seen from that place, is not there.
     fn arrival_pdf(&self, frame: &LampFrame, at: Vec3A, direction: Vec3A, distance: f32) -> Option<f32>;
+}
+
+/// The extent of a lamp, Blender units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::lights) enum LampExtent {
+    /// A ball of a radius, or a disk in its place.
+    Ball {
+        /// Its radius.
+        radius: f32,
+    },
+    /// A flat lamp that shines to one side.
+    Flat {
+        /// Its area.
+        area: f32,
+    },
 }
 
 /// A place of a lamp as it is seen.

@@ -3,7 +3,7 @@
 use super::super::bounds::LightBounds;
 use super::super::sample::LightSample;
 use super::ball::Ball;
-use super::shape::{LampFrame, LampRay, LampShape, LampView, one_minus_cos};
+use super::shape::{LampExtent, LampFrame, LampRay, LampShape, LampView, one_minus_cos};
 use crate::{Rgb, sampler::warp};
 use glam::{Vec2, Vec3A};
 use std::f32::consts::PI;
@@ -40,6 +40,10 @@ impl LampShape for SpotLamp {
 
     fn is_point_like(&self) -> bool {
         self.ball.is_point_like()
+    }
+
+    fn extent(&self) -> Option<LampExtent> {
+        self.ball.extent()
     }
 
     fn normal(&self, frame: &LampFrame, place: Vec3A, wi: Vec3A) -> Vec3A {

@@ -6,6 +6,7 @@ use super::packet::{HeroSample, Request, backwards};
 use super::{LensSample, RealLens};
 use crate::camera::CameraRay;
 use crate::sampler::raster::Raster;
+use crate::spectrum::SET_SIZE;
 use petzval_optics::trace::{LINES, SpectralBundle, Travel};
 
 /// The way out of the lens, in the numbers that were chosen for it.
@@ -63,6 +64,14 @@ impl RealLens {
         led: &mut Vec<Option<HeroSample>>,
     ) {
         on_the_way_out!(self, &mut batch.out, |out, memory| out.trace(self, requests, memory));
+        if self.packet_size() == 1 {
+            // The leader's own arrival is known.
+            led.extend(requests.iter().enumerate().map(|(i, request)| {
+                let lead = batch.lead(i)?;
+                Some(self.joined(request, &lead, [None; SET_SIZE], raster))
+            }));
+            return;
+        }
         batch.back.clear();
         for (i, request) in requests.iter().enumerate() {
             if let Some(lead) = batch.lead(i) {

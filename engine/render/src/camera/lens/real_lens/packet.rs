@@ -80,6 +80,12 @@ impl Splats {
         self.count += 1;
     }
 
+    /// The same, all weights times `factor`.
+    pub fn scaled(mut self, factor: f32) -> Self {
+        self.list.iter_mut().for_each(|splat| splat.weight *= factor);
+        self
+    }
+
     /// The splats in the order in which they were added.
     #[inline]
     pub fn as_slice(&self) -> &[Splat] {

@@ -1,15 +1,18 @@
 //! Light that a path's ray hits: of lamps, of the sky, and of the surface at its end.
 
+use super::super::choice::LensStrategy;
 use super::super::notes::AovSink;
 use super::super::{Limits, PathResult};
 use super::Path;
 use crate::Rgb;
 use crate::accel::Hit;
 use crate::integrator::PreparedScene;
-use crate::lights::{LightHit, Line};
+use crate::integrator::aimed::AimedLights;
+use crate::lights::{LightHit, Line, Source};
 use crate::nodes::{self, View};
 use crate::scene::visibility::LightSets;
 use crate::surface::SurfacePoint;
+use glam::Vec3A;
 
 /// The result and the notes of one path, to add light to.
 pub(super) struct Found<'a, N> {
@@ -46,6 +49,24 @@ impl Path {
         stage.scene.instances[self.from as usize].links.takes_light_of(sets) && (is_alone || sets.blockers == 0)
     }
 
+    /// The weight of light of a source that the camera sees at a point, beside rays that the source sends to the lens.
+    #[inline(always)]
+    fn lens_weight(
+        &self,
+        stage: &PreparedScene,
+        aimed: Option<&AimedLights>,
+        at: Vec3A,
+        source: impl FnOnce() -> Option<Source>,
+    ) -> f32 {
+        match (self.strategy, aimed) {
+            (LensStrategy::Camera { density }, Some(aimed)) if self.way.is_camera() => {
+                source().map_or(1.0, |source| aimed.weight(stage, source, &self.ray, at, density))
+            }
+            (LensStrategy::Aimed(target), _) => f32::from(u8::from(source() == Some(target))),
+            _ => 1.0,
+        }
+    }
+
     /// Adds the light of lamps that the ray hits within `t_max` of where it was scattered: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     #[inline(always)]
@@ -53,6 +74,7 @@ impl Path {
         &self,
         stage: &PreparedScene,
         limits: &Limits,
+        aimed: Option<&AimedLights>,
         t_max: f32,
         found: &mut Found<'_, N>,
     ) {
@@ -62,13 +84,14 @@ impl Path {
         let to = self.chosen.receiver();
         let PreparedScene { scene, lights, .. } = stage;
         let line = Line { from: self.start, towards: self.ray.direction, t_max };
-        lights.lamps_along(scene, line, self.way, to, |LightHit { source, radiance, pdf, .. }| {
+        lights.lamps_along(scene, line, self.way, to, |LightHit { source, radiance, pdf, distance }| {
             if !self.finds(stage, || lights.sets(source)) {
                 return;
             }
             let light = self.throughput * radiance * self.chosen.weight(pdf);
+            let counts = self.lens_weight(stage, aimed, self.start + self.ray.direction * distance, || Some(source));
             let of = found.notes.met(found.path, self.way, false, || lights.group(scene, source));
-            found.add(of, limits.clamp_met(light, u32::from(self.way.depth)));
+            found.add(of, limits.clamp_met(light, u32::from(self.way.depth)) * counts);
             found.result.hit = true;
         });
     }
@@ -77,7 +100,7 @@ impl Path {
     #[inline(always)]
     pub(super) fn sky<N: AovSink>(&self, stage: &PreparedScene, limits: &Limits, found: &mut Found<'_, N>) {
         let to = self.chosen.receiver();
-        if self.way.is_camera() && limits.hide_sky {
+        if self.way.is_camera() && (limits.hide_sky || self.strategy.is_aimed()) {
             return;
         }
         let world = limits.approximations.fast_gi.last_ray(self.way).map_or(1.0, |last| last.factor);
@@ -124,9 +147,8 @@ impl Path {
         &self,
         stage: &PreparedScene,
         limits: &Limits,
-        hit: &Hit,
-        point: &SurfacePoint,
-        kept: f32,
+        aimed: Option<&AimedLights>,
+        (hit, point, kept): (&Hit, &SurfacePoint, f32),
         found: &mut Found<'_, N>,
     ) -> bool {
         let material = &stage.scene.materials[point.material as usize];
@@ -147,8 +169,10 @@ impl Path {
         });
         let light = self.throughput * radiance * self.chosen.weight(pdf);
         let group = || stage.scene.instances[hit.instance as usize].light_group;
+        let counts =
+            self.lens_weight(stage, aimed, point.position, || stage.lights.triangle_source(hit.instance, hit.triangle));
         let of = found.notes.met(found.path, self.way, false, group);
-        found.add(of, limits.clamp_met(light, u32::from(self.way.depth)));
+        found.add(of, limits.clamp_met(light, u32::from(self.way.depth)) * counts);
         false
     }
 }

@@ -1,6 +1,6 @@
 //! The light sample and the next direction at a place where a path scatters.
 
-use super::super::choice::{MisContext, power_heuristic};
+use super::super::choice::MisContext;
 use super::super::notes::AovSink;
 use super::super::{FastGi, Limits, leave, terminator};
 use super::Path;
@@ -8,6 +8,7 @@ use super::found::Found;
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::integrator::PreparedScene;
+use crate::integrator::mis::power_heuristic;
 use crate::lights::{LightSample, receiver::LightSampleContext};
 use crate::nodes::PathState;
 use crate::sampler::warp;

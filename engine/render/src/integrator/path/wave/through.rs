@@ -1,6 +1,6 @@
 //! Paths through volumes: scattering, transmittance and emission along rays.
 
-use super::super::choice::{MisContext, power_heuristic};
+use super::super::choice::MisContext;
 use super::super::notes::AovSink;
 use super::super::{Limits, transmittance};
 use super::Path;
@@ -10,6 +10,7 @@ use crate::Rgb;
 use crate::accel::{Hit, Ray};
 use crate::integrator::PreparedScene;
 use crate::integrator::media::{Event, Stack, Stretch};
+use crate::integrator::mis::power_heuristic;
 use crate::lights::receiver::LightSampleContext;
 use crate::lights::{LightHit, Line};
 use crate::nodes::View;
