@@ -85,15 +85,19 @@ def test_bidirectional_paths_are_denoised_without_guides(parts, room, tmp_path):
 
 @pytest.mark.once
 def test_the_forecast_has_the_time_of_denoising(parts, room, tmp_path):
-    """By the last picture's, so that it is that of this machine; a third is what times of half a second differ by on a busy one."""
+    """By the last picture's, so that it is that of this machine; a third is what times of half a second differ by on a busy one, where it
+    does not begin or end something else meanwhile: then the next picture tells."""
     room.render.resolution_x, room.render.resolution_y = 480, 320
     said = []
-    for name in ("first", "second"):
+    for name in ("first", "second", "third", "fourth"):
         picture(parts, room, tmp_path, name, samples=16, denoise=True)
         stats = parts.part("render.statistics").last(room.name).stats
         said.append((stats["planned"]["predicted"]["after_seconds"], stats["seconds"]["denoise"]))
-    assert said[1][0] == pytest.approx(said[0][1], rel=0.05)
-    assert said[1][1] == pytest.approx(said[0][1], rel=0.33), said
+        if len(said) > 1:
+            assert said[-1][0] == pytest.approx(said[-2][1], rel=0.05)
+            if said[-1][1] == pytest.approx(said[-2][1], rel=0.33):
+                break
+    assert said[-1][1] == pytest.approx(said[-2][1], rel=0.33), said
 
 
 @pytest.mark.once

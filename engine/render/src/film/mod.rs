@@ -115,6 +115,9 @@ pub struct TileAccumulator {
     far: Vec<(u32, u32, Rgb)>,
     /// Light that may fall anywhere, independent of the pixel that started it, if it is kept apart.
     anywhere: Option<Vec<(u32, u32, Rgb)>>,
+    /// The same of rays that lights sent to the lens, which are no error of the pixels that started them.
+    #[serde(skip)]
+    aimed: Vec<(u32, u32, Rgb)>,
     /// Data of the surfaces by pixel; empty if not asked for.
     data: Vec<DataSums>,
     /// Motion vectors by pixel; empty if not asked for.
@@ -134,6 +137,7 @@ impl TileAccumulator {
             sums: vec![[0.0; 4]; pixels],
             far: Vec::new(),
             anywhere: keep.halves.then(Vec::new),
+            aimed: Vec::new(),
             data: if keep.surfaces { vec![DataSums::default(); pixels] } else { Vec::new() },
             vectors: if keep.vectors { vec![VectorSums::default(); pixels] } else { Vec::new() },
             mattes: (!keep.mattes.is_empty()).then(|| Box::new(MatteNotes::new(pixels))),
@@ -182,6 +186,15 @@ impl TileAccumulator {
     pub fn add_anywhere(&mut self, x: u32, y: u32, radiance: Rgb) {
         match &mut self.anywhere {
             Some(list) => list.push((x, y, radiance)),
+            None => self.add(x, y, radiance),
+        }
+    }
+
+    /// Adds radiance of a ray that a light sent to the lens: from anywhere, too, but samples of the pixel that started it do not make it
+    /// less noisy.
+    pub fn add_aimed(&mut self, x: u32, y: u32, radiance: Rgb) {
+        match &self.anywhere {
+            Some(_) => self.aimed.push((x, y, radiance)),
             None => self.add(x, y, radiance),
         }
     }
@@ -402,7 +415,7 @@ impl Film {
         sums.samples = fewer.unwrap_or(0);
         sums.changed = true;
         sums.join_data(&self.keep, light);
-        for &(x, y, radiance) in light.anywhere.iter().flatten() {
+        for &(x, y, radiance) in light.anywhere.iter().flatten().chain(&light.aimed) {
             self.anywhere[half].add(y as usize * self.width as usize + x as usize, radiance.to_array());
         }
     }

@@ -157,7 +157,7 @@ fn follow<L: CameraSampler, N: AovSink, const VOLUMES: bool>(
             }
             let Some(lens) = shot.cameras[0].traced_lens() else { continue };
             let add = |light: &mut TileAccumulator, radiance| {
-                lens.expose(&aimed.splats, radiance, |x, y, colour| light.add_anywhere(x, y, colour.truncate()));
+                lens.expose(&aimed.splats, radiance, |x, y, colour| light.add_aimed(x, y, colour.truncate()));
             };
             add(light, found.radiance);
             for (place, &radiance) in wave.found_beside(path - 1).iter().enumerate() {

@@ -256,6 +256,28 @@ fn large_and_dim_lights_are_left_to_the_camera() {
     assert_eq!(render(&lights(0.012), &sharp, settings(true, 1, 1)).1.aimed, 0);
 }
 
+/// Pixels that get as many samples as they need: light of rays from lights is right in the mean, and no error of the pixels in whose turn
+/// they were sent.
+#[test]
+fn pixels_far_from_the_lights_need_no_more_samples() {
+    let stage = lights(0.012);
+    let d = description();
+    let s =
+        |traced, threshold, samples, seed| Settings { noise_threshold: threshold, ..settings(traced, samples, seed) };
+    let mean =
+        |picture: &[[f32; 4]]| picture.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / picture.len() as f64;
+    let samples = |traced| {
+        let job = Job::start(stage.clone(), camera(&d, WIDTH, HEIGHT), s(traced, 0.1, 1024, 1)).unwrap();
+        assert!(job.wait(Duration::from_secs(600)));
+        (job.statistics().mean_samples, mean(&job.film().picture()))
+    };
+    let ((traced, light), (plain, _)) = (samples(true), samples(false));
+    let truth = mean(&render(&stage, &d, s(true, 0.0, 1024, 2)).0);
+    println!("{traced} samples for {plain}; light {light}, {truth}");
+    assert!(traced < 0.8 * plain, "{traced} {plain}");
+    assert!((light / truth - 1.0).abs() < 0.02, "{light} {truth}");
+}
+
 /// A ball whose normals point inwards glows as well.
 #[test]
 fn a_ball_may_be_inside_out() {
