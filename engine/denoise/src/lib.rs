@@ -121,9 +121,9 @@ pub struct Request<'a> {
 
 /// Time of a pixel in one run of the filter, s, of each quality.
 struct PixelTimes {
-    /// Of one thread of the processor: as it was measured last, or on two cores of an AMD EPYC of 2023.
+    /// Times of one thread of the processor: as measured last, or on two cores of an AMD EPYC of 2023.
     processor: [f64; 3],
-    /// Of a graphics card, as it was measured last.
+    /// Times of a graphics card, as measured last.
     card: [Option<f64>; 3],
 }
 
@@ -138,12 +138,12 @@ impl Request<'_> {
     }
 }
 
-/// What [`expected_seconds`] goes by.
+/// The work of denoising a picture, for [`expected_seconds`].
 #[derive(Clone, Copy, Debug)]
 pub struct Work {
     /// The quality.
     pub quality: Quality,
-    /// What becomes of the noise of the guides.
+    /// Treatment of the guides' noise.
     pub prefilter: Prefilter,
     /// Albedo and normal, as many as there are.
     pub guides: usize,

@@ -115,7 +115,7 @@ pub struct TileAccumulator {
     far: Vec<(u32, u32, Rgb)>,
     /// Light that may fall anywhere, independent of the pixel that started it, if it is kept apart.
     anywhere: Option<Vec<(u32, u32, Rgb)>>,
-    /// The same of rays that lights sent to the lens, which are no error of the pixels that started them.
+    /// Light of rays that lights sent to the lens, which is no error of the pixels in whose turn they were sent.
     #[serde(skip)]
     aimed: Vec<(u32, u32, Rgb)>,
     /// Data of the surfaces by pixel; empty if not asked for.
