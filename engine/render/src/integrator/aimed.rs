@@ -33,7 +33,7 @@ pub struct AimedLights {
     round: Vec<u32>,
     /// Rays for each camera ray.
     rays_per_sample: f64,
-    /// By the number of a source, its rays for each pixel of the picture and sample.
+    /// Rays of each source for each pixel of the picture and sample, by the source's number.
     rays_of: Vec<f32>,
     seed: u32,
 }
@@ -63,9 +63,9 @@ pub struct AimedRay {
 pub(crate) struct Flight {
     pub(crate) ray: Ray,
     pub(crate) splats: Splats,
-    /// Of the choice of the ray, the source given.
+    /// Density of the choice of the ray, the source given, per unit of etendue.
     pub(crate) density: f32,
-    /// With which the camera leads to it.
+    /// Density with which the camera leads to the ray, likewise.
     pub(crate) camera_density: f32,
 }
 

@@ -19,7 +19,7 @@ use std::time::Instant;
 
 /// Camera rays that hit a group, for each pixel that it lights and sample of the pixel, up to which the group is aimed from.
 const FEW_HITS: f32 = 0.5;
-/// The same as geometry tells it, up to which a group is measured at all.
+/// Camera rays that hit a group, likewise, by geometry alone, up to which the group is measured at all.
 const MAYBE_FEW_HITS: f64 = 1.0;
 /// Whole angle of view from which on anything may be in the picture.
 const WIDE_RAD: f64 = 2.4;
@@ -55,7 +55,7 @@ pub struct AimedReport {
     pub seconds: f64,
 }
 
-/// What was measured of a group.
+/// The measurement of a group.
 struct Measured {
     /// Camera rays that hit it in a sample of every pixel.
     hits: f32,
@@ -100,7 +100,7 @@ pub struct AimingContext<'a> {
     pub seed: u32,
 }
 
-/// Whether a group may be small beside its blur and in the picture, as a thin lens in the entrance pupil would have it: this costs nothing,
+/// True if a group may be small beside its blur and in the picture, as a thin lens in the entrance pupil would have it: this costs nothing,
 /// while measuring needs the map of the entrance pupil. `at` is the middle of the group in lens space, mm.
 fn may_be_small(group: &SourceGroup, info: &LensInfo, scale_mm: f64, at: DVec3) -> bool {
     let Some(pupil_mm) = info.entrance_pupil_diameter_mm else { return true };
@@ -125,11 +125,12 @@ fn may_be_small(group: &SourceGroup, info: &LensInfo, scale_mm: f64, at: DVec3) 
     f64::from(group.seen_area) * scale_mm * scale_mm < MAYBE_FEW_HITS * spread
 }
 
+/// True if a group may be worth aiming from, by its size and place alone.
 fn may_be_worth_it_from(lens: StandingLens<'_>, group: &SourceGroup) -> bool {
     may_be_small(group, lens.lens.info(), lens.lens.scale_mm(), lens.lens.in_lens_space(lens.place(group.center)))
 }
 
-/// Whether any light of a scene may be worth aiming from in a picture of that size, by its size and place alone.
+/// True if any light of a scene may be worth aiming from in a picture of that size, by its size and place alone.
 pub fn may_be_worth_it_through(stage: &PreparedScene, d: &CameraDescription, [width, height]: [u32; 2]) -> bool {
     let scale = d.scale_mm_per_unit;
     if d.model != Model::Lens || scale.x != scale.y || scale.y != scale.z || !stage.media.is_empty() {
@@ -150,7 +151,7 @@ pub fn may_be_worth_it_through(stage: &PreparedScene, d: &CameraDescription, [wi
     groups.iter().any(|group| may_be_small(group, &info, scale.x, scaled(group.center.as_dvec3())))
 }
 
-/// Whether any light of a scene may be worth aiming from, by its size and place alone.
+/// True if any light of a scene may be worth aiming from, by its size and place alone.
 pub fn may_be_worth_it(stage: &PreparedScene, lens: &RealLens, exposure: Option<&Exposure>) -> bool {
     let lens = StandingLens::at_moment(lens, exposure, MIDDLE);
     stage.lights.seen_groups().iter().any(|group| may_be_worth_it_from(lens, group))
