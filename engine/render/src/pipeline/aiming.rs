@@ -133,7 +133,7 @@ fn may_be_worth_it_from(lens: StandingLens<'_>, group: &SourceGroup) -> bool {
 /// True if any light of a scene may be worth aiming from in a picture of that size, by its size and place alone.
 pub fn may_be_worth_it_through(stage: &PreparedScene, d: &CameraDescription, [width, height]: [u32; 2]) -> bool {
     let scale = d.scale_mm_per_unit;
-    if d.model != Model::Lens || scale.x != scale.y || scale.y != scale.z || !stage.media.is_empty() {
+    if d.model != Model::Lens || scale.x != scale.y || scale.y != scale.z {
         return false;
     }
     let groups = stage.lights.seen_groups();
@@ -210,12 +210,23 @@ impl AimingContext<'_> {
 
     /// Measures a group by rays from it; `None` where none of them is seen.
     fn measure(&self, group: &SourceGroup, rays: u32) -> Option<Measured> {
+        match self.stage.media.is_empty() {
+            true => self.measure_by(Wavefront::<NoAovs, false>::noting(NoAovs), group, rays),
+            false => self.measure_by(Wavefront::<NoAovs, true>::noting(NoAovs), group, rays),
+        }
+    }
+
+    fn measure_by<const VOLUMES: bool>(
+        &self,
+        mut wave: Wavefront<NoAovs, VOLUMES>,
+        group: &SourceGroup,
+        rays: u32,
+    ) -> Option<Measured> {
         let lens = self.standing();
         let area: f32 = group.sources.iter().map(|(_, area)| area).sum();
         if area <= 0.0 {
             return None;
         }
-        let mut wave = Wavefront::<NoAovs, false>::default();
         let mut flights = Vec::new();
         for i in 0..rays {
             // Independent of each other: what is stratified has fewer near pairs. The same for each group: the decision on one does not
