@@ -35,6 +35,9 @@ QUALITIES = ("off", "fast", "balanced", "high")
 GUIDES = {"none": "RGB", "both": "RGB_ALBEDO_NORMAL"}
 #: Seeds of the pictures and of their references.
 SEED, REFERENCE_SEED = 1, 1001
+#: The picture of the page: the demo as `make demo` renders it, smaller. Its parts are shown larger: left, top, right, bottom of the whole.
+SHOWN_SIZE, SHOWN_SAMPLES = (640, 360), 24
+SHOWN_PARTS = ((0.43, 0.3, 0.63, 0.6), (0.02, 0.72, 0.22, 1.0))
 #: A render that takes longer, s, is given up.
 LONGEST_S = 1500
 
@@ -136,8 +139,9 @@ def main() -> int:
         options.json.write_text(json.dumps(rows, indent=0) + "\n")
     if not options.only:
         origins = {name: one["from"] for name, one in tomllib.loads(KNOWN.read_text()).items() if "from" in one}
-        text = page.text(results, options.samples, options.reference, options.height, origins)
+        text = page.text(results, options.samples, options.reference, options.height, SHOWN_SAMPLES, origins)
         out = TOP / "docs" / "denoising.md"
+        studio.picture(LENSES[0], TOP / "docs" / page.PICTURE)
         out.write_text(pages.stamped(text, made.took(time.monotonic() - began)), encoding="utf-8")
     return 0
 
@@ -229,6 +233,19 @@ class Studio:
             pixels = np.load(found)
             for key, path in wanted.items():
                 result.errors[key] = error(pixels, reference.stem, path.stem)
+
+    def picture(self, scene: Scene, out: Path) -> None:
+        """Draws a scene without and with denoising beside each other, whole and in parts."""
+        with tempfile.TemporaryDirectory() as folder:
+            exrs = [Path(folder) / f"{quality}.exr" for quality in ("off", "high")]
+            for exr in exrs:
+                command = [self.python, "-m", "petzval", "render", scene.path, *scene.camera]
+                command += ["--resolution", "x".join(map(str, SHOWN_SIZE)), "--samples", SHOWN_SAMPLES, "--seed", SEED]
+                self.run(*command, "--noise-threshold", "0", "--denoise", exr.stem, "--checkpoint", "off", "-o", exr)
+            found = Path(folder) / "found.npz"
+            self.run(*self.job, "read", scene.path, found, *exrs)
+            pixels = np.load(found)
+            page.beside([pixels[f"{exr.stem} shown"] for exr in exrs], SHOWN_PARTS).save(out, quality=90)
 
 
 def environment() -> dict[str, str]:

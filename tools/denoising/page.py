@@ -7,6 +7,9 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 from typing import TYPE_CHECKING
 
+import numpy as np
+from PIL import Image
+
 if TYPE_CHECKING:
     from .__main__ import Result
 
@@ -20,6 +23,10 @@ ROWS = (
     ("high", "none"),
     ("high", "both"),
 )
+#: The picture of the demo, from docs/.
+PICTURE = "images/denoising-demo.jpg"
+#: Between pictures, pixels.
+GAP = 6
 #: The samples of Petzval and of Cycles that are compared.
 OURS, THEIRS = 32, 64
 
@@ -38,7 +45,12 @@ def said(result: Result, samples: Sequence[int]) -> str:
 
 
 def text(
-    results: Sequence[Result], samples: Sequence[int], reference: int, height: int, origins: Mapping[str, str]
+    results: Sequence[Result],
+    samples: Sequence[int],
+    reference: int,
+    height: int,
+    shown: int,
+    origins: Mapping[str, str],
 ) -> str:
     """The page without its footer."""
     found = [one for one in results if not one.left_out]
@@ -55,6 +67,10 @@ def text(
         "- **relMSE**: the relative mean square error of radiance, without the worst thousandth of the pixels.",
         "- **Seconds**: of a processor, for samples and denoising, without what is done once.",
         "- **Guides**: none, or albedo and normal, filtered before (Prefilter: Accurate).",
+        "",
+        f"![The demo without and with denoising, whole and two parts of it]({PICTURE})",
+        "",
+        f"The demo with {shown} samples, as `make demo` renders it but smaller: without denoising, and with High.",
         "",
     ]
     if ours:
@@ -79,6 +95,27 @@ def text(
         sources = [f"- {one.scene.name}: {origins[one.scene.name]}" for one in others if one.scene.name in origins]
         lines += ["### Where they are from", "", *sources, ""] if sources else []
     return "\n".join(lines).rstrip() + "\n"
+
+
+def beside(pictures: Sequence[np.ndarray], parts: Sequence[tuple[float, float, float, float]]) -> Image.Image:
+    """Pictures, values from 0 to 1, in columns; under each of them parts of it, as wide as it is: left, top, right, bottom."""
+    columns = []
+    for picture in pictures:
+        whole = Image.fromarray(np.round(255.0 * np.clip(picture, 0.0, 1.0)).astype(np.uint8))
+        width, height = whole.size
+        cells = [whole]
+        for left, top, right, bottom in parts:
+            part = whole.crop((round(left * width), round(top * height), round(right * width), round(bottom * height)))
+            cells.append(part.resize((width, round(part.height * width / part.width)), Image.Resampling.NEAREST))
+        columns.append(cells)
+    width = columns[0][0].width
+    heights = [cell.height for cell in columns[0]]
+    size = (len(columns) * (width + GAP) - GAP, sum(heights) + GAP * (len(heights) - 1))
+    out = Image.new("RGB", size, "white")
+    for i, cells in enumerate(columns):
+        for k, cell in enumerate(cells):
+            out.paste(cell, (i * (width + GAP), sum(heights[:k]) + k * GAP))
+    return out
 
 
 def _by_quality(results: Sequence[Result], samples: Sequence[int]) -> list[str]:

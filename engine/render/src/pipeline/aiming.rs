@@ -165,7 +165,7 @@ impl AimingContext<'_> {
         let groups = self.stage.lights.seen_groups();
         let lights = groups.len();
         let mut groups: Vec<SourceGroup> =
-            groups.into_iter().filter(|group| may_be_worth_it_from(self.standing(), group)).collect();
+            groups.iter().filter(|group| may_be_worth_it_from(self.standing(), group)).cloned().collect();
         groups.sort_by(|a, b| b.seen_area.total_cmp(&a.seen_area));
         groups.truncate(MOST_GROUPS);
         let (width, height) = self.raster.size();
