@@ -30,7 +30,6 @@ TOP = Path(__file__).resolve().parents[2]
 GALLERY = TOP / "tests" / "scenes" / "gallery"
 #: Where scenes by others are from.
 KNOWN = TOP / "tools" / "other_scenes" / "known.toml"
-QUALITIES = ("off", "fast", "balanced", "high")
 #: Guides by Cycles' name of the choice.
 GUIDES = {"none": "RGB", "both": "RGB_ALBEDO_NORMAL"}
 #: Seeds of the pictures and of their references.
@@ -152,6 +151,12 @@ def by_others(folder: Path | None) -> list[Scene]:
     return [Scene(path.stem, path, ("--camera", "pinhole"), is_by_others=True) for path in paths]
 
 
+def settings(program: str, samples: int, scene: Scene) -> tuple[tuple[str, str], ...]:
+    """Qualities and guides that are measured: of the many scenes by others all of them only at the samples that are compared."""
+    is_whole = program == "petzval" and (samples == page.OURS or not scene.is_by_others)
+    return page.ROWS if is_whole else (("off", "none"), ("high", "both"))
+
+
 class Studio:
     """Renders pictures and holds them against converged ones."""
 
@@ -216,17 +221,15 @@ class Studio:
             result.seconds[program, samples, quality, guides] = taken - once.get(program, 0.0)
             return out
 
-        programs = {"petzval": [(quality, guides) for quality in QUALITIES for guides in GUIDES]}
-        programs["petzval"].remove(("off", "both"))
-        if scene.is_by_others:
-            programs["cycles"] = [("off", "none"), ("high", "both")]
-        for program, settings in programs.items():
+        for program in ("petzval", "cycles") if scene.is_by_others else ("petzval",):
             render(program, 1, "off", "none")
             once[program] = result.seconds.pop((program, 1, "off", "none"))
             reference = render(program, self.reference, "off", "none", REFERENCE_SEED)
             result.seconds.pop((program, self.reference, "off", "none"))
             wanted = {
-                (program, samples, *how): render(program, samples, *how) for samples in self.samples for how in settings
+                (program, samples, *how): render(program, samples, *how)
+                for samples in self.samples
+                for how in settings(program, samples, scene)
             }
             found = folder / "found.npz"
             self.run(*self.job, "read", base, found, reference, *wanted.values())

@@ -121,16 +121,22 @@ def beside(pictures: Sequence[np.ndarray], parts: Sequence[tuple[float, float, f
 def _by_quality(results: Sequence[Result], samples: Sequence[int]) -> list[str]:
     """A table: rows of quality and guides, columns of samples."""
     head = [f"{count} samples" for count in samples]
+    timed = OURS if OURS in samples else samples[-1]
     lines = [
-        f"| denoising | guides | {' | '.join(head)} | seconds at {samples[-1]} |",
+        f"| denoising | guides | {' | '.join(head)} | seconds at {timed} |",
         f"| --- | --- |{' ---: |' * (len(samples) + 1)}",
     ]
     for quality, guides in ROWS:
         cells = []
         for count in samples:
-            errors = [one.errors["petzval", count, quality, guides] for one in results]
-            cells.append(f"{median(one.flip for one in errors):.3f} · {_short(median(one.rel_mse for one in errors))}")
-        seconds = sum(one.seconds["petzval", samples[-1], quality, guides] for one in results)
+            errors = [one.errors.get(("petzval", count, quality, guides)) for one in results]
+            middle = (
+                [f"{median(one.flip for one in errors):.3f} · {_short(median(one.rel_mse for one in errors))}"]
+                if all(errors)
+                else ["–"]
+            )
+            cells += middle
+        seconds = sum(one.seconds["petzval", timed, quality, guides] for one in results)
         name = "–" if quality == "off" else guides
         lines.append(f"| {quality} | {name} | {' | '.join(cells)} | {seconds:.1f} |")
     return lines

@@ -155,12 +155,19 @@ impl PixelTimes {
         [filtered as f64 * of(work.quality.of_guides()), of(work.quality)]
     }
 
-    /// Notes what a run took; small pictures say nothing.
-    fn note(&mut self, quality: Quality, is_cpu: bool, threads: usize, pixels: usize, seconds: f64) {
-        if pixels >= LEAST_PIXELS {
-            let pixel_s = seconds / pixels as f64;
+    /// Takes the times of this work's runs for those that it took in all; small pictures say nothing.
+    fn learn(&mut self, work: Work, is_cpu: bool, seconds: f64) {
+        if work.pixels < LEAST_PIXELS {
+            return;
+        }
+        let work = Work { use_gpu: !is_cpu, ..work };
+        let runs = self.of_runs(work);
+        let ratio = seconds / (runs.iter().sum::<f64>() * work.pixels as f64);
+        let of_guides = Some(work.quality.of_guides()).filter(|&quality| runs[0] > 0.0 && quality != work.quality);
+        for quality in [Some(work.quality), of_guides].into_iter().flatten() {
+            let pixel_s = ratio * self.of(quality, work.use_gpu, work.threads);
             match is_cpu {
-                true => self.processor[quality as usize] = pixel_s * threads.max(1) as f64,
+                true => self.processor[quality as usize] = pixel_s * work.threads.max(1) as f64,
                 false => self.card[quality as usize] = Some(pixel_s),
             }
         }
@@ -287,6 +294,7 @@ impl Denoiser {
         if width == 0 || height == 0 {
             return Ok(colour);
         }
+        let began = Instant::now();
         let device = self.device(request.use_gpu, request.threads)?;
         let Request { prefilter, quality, use_gpu, threads, .. } = *request;
         let is_accurate = prefilter == Prefilter::Accurate;
@@ -306,7 +314,10 @@ impl Denoiser {
                 false => (name, guide),
             });
         }
-        self.filtered(&device, request, &images, true, &|part| watch(first + (1.0 - first) * part))?.read()
+        let clean =
+            self.filtered(&device, request, &images, true, &|part| watch(first + (1.0 - first) * part))?.read()?;
+        pixel_times().learn(work, device.is_cpu(), began.elapsed().as_secs_f64());
+        Ok(clean)
     }
 
     /// The first of these images, filtered; the others guide.
@@ -319,7 +330,6 @@ impl Denoiser {
         watch: &dyn Fn(f64) -> bool,
     ) -> Result<Buffer<'a>, DenoiseError> {
         let size = [request.width, request.height];
-        let began = Instant::now();
         let output = device.buffer(request.width * request.height * 3)?;
         let filter = device.filter()?;
         for (name, pixels) in images {
@@ -336,8 +346,6 @@ impl Denoiser {
             filter.set_bool(c"cleanAux", images.len() > 1 && request.prefilter != Prefilter::Fast);
         }
         filter.execute(watch)?;
-        let pixels = request.width * request.height;
-        pixel_times().note(quality, device.is_cpu(), request.threads, pixels, began.elapsed().as_secs_f64());
         Ok(output)
     }
 

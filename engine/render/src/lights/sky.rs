@@ -20,11 +20,6 @@ const TABLE_WIDTH: usize = 1024;
 /// Columns of the table of a smaller image, whose pixels are split into cells: an image is interpolated, and samples by whole pixels have
 /// the noise of their steps. A table of 1024 columns would not stay in a cache, and a picture took 8 to 18 % more time.
 const SPLIT_WIDTH: usize = 256;
-/// The part of the image's mean brightness that its table leaves to directions of scattering, which find what is even: MIS compensation
-/// (Karlik et al. 2019). All of it made pictures of a sky without bright parts noisier, by 4 % at most.
-const COMPENSATED: f32 = 0.75;
-/// The least part of a pixel's brightness in the table: light paths start everywhere.
-const LEAST_LIGHT: f32 = 0.2;
 /// Irradiance beyond which suns are chosen alike, so that sums stay finite.
 const BRIGHTEST: f32 = 1e30;
 
@@ -228,7 +223,7 @@ fn per_steradian(pdf: f32, local: Vec3A) -> Option<f32> {
     (sin > 0.0).then(|| pdf / (2.0 * PI * PI * sin))
 }
 
-/// Brightness times solid angle of the image's pixels, less a part of the mean, blocks of large images taken together. Each cell takes
+/// Brightness times solid angle of the image's pixels, blocks of large images taken together. Each cell takes
 /// its neighbours' brightness into account, since the image is interpolated: no lit direction has density 0.
 fn image_table(scene: &Scene) -> Option<Grid2d> {
     let texture = &scene.textures[scene.world.texture? as usize];
@@ -272,11 +267,6 @@ fn table_of(scene: &Scene, columns: usize, rows: usize, block: usize) -> Option<
 
 /// The table of cells of that brightness.
 fn table_by(brightness: Vec<f32>, columns: usize, rows: usize) -> Option<Grid2d> {
-    let (sum, area) = (0..columns * rows).fold((0.0f64, 0.0f64), |(sum, area), i| {
-        let cos = f64::from((((i / columns) as f32 + 0.5) / rows as f32 - 0.5) * PI).cos();
-        (sum + f64::from(brightness[i]) * cos, area + cos)
-    });
-    let mean = (sum / area) as f32;
     let weights: Vec<f32> = (0..columns * rows)
         .map(|i| {
             let (x, y) = (i % columns, i / columns);
@@ -291,8 +281,7 @@ fn table_by(brightness: Vec<f32>, columns: usize, rows: usize) -> Option<Grid2d>
                 }
             }
             let elevation = ((y as f32 + 0.5) / rows as f32 - 0.5) * PI;
-            let light = 0.75 * brightness[i] + 0.25 * around / 9.0;
-            (light - COMPENSATED * mean).max(LEAST_LIGHT * light) * elevation.cos()
+            (0.75 * brightness[i] + 0.25 * around / 9.0) * elevation.cos()
         })
         .collect();
     Grid2d::new(&weights, columns, rows)
