@@ -163,7 +163,7 @@ def main() -> None:
         rows[name] = [clock.edit(change) for _ in range(arguments.repeats)]
     lines = [
         f"Of `{Path(arguments.scene).name}`, {clock.session._scene.triangle_count} triangles, {size[0]} x {size[1]} pixels, "
-        f"{os.cpu_count()} cores; ms, medians of {arguments.repeats}.",
+        f"{os.cpu_count()} cores; ms, medians of {arguments.repeats}; by the engine of `make {pages.build()}`.",
         "",
         "| edit | sent | first picture | all pixels | denoised: first picture | first denoised | all pixels |",
         "|---|---:|---:|---:|---:|---:|---:|",

@@ -8,6 +8,7 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pages
 from PIL import Image
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def text(
         "",
         "- **FLIP**: the difference that an eye sees, 0 to 1, of the pictures as the scene's view shows them.",
         "- **relMSE**: the relative mean square error of radiance, without the worst thousandth of the pixels.",
-        "- **Seconds**: of a processor, for samples and denoising, without what is done once.",
+        f"- **Seconds**: of a processor, for samples and denoising, without what is done once; by the engine of `make {pages.build()}`.",
         "- **Guides**: none, or albedo and normal, filtered before (Prefilter: Accurate).",
         "",
         f"![The demo without and with denoising, whole and two parts of it]({PICTURE})",

@@ -22,6 +22,7 @@ __all__ = [
     "ROOT",
     "Made",
     "Page",
+    "build",
     "filled",
     "footer",
     "machine",
@@ -71,6 +72,11 @@ def machine() -> str:
     if names:
         return f"{names[0]}, {len(names)} cores"
     return platform.processor() or platform.machine()
+
+
+def build(root: Path = ROOT) -> str:
+    """The make target that has built the engine of the checkout: `wheels`, with all optimisations, or `build`."""
+    return "wheels" if (root / "engine" / "python" / "petzval" / "_engines").is_dir() else "build"
 
 
 def made(page: Page | str, root: Path = ROOT) -> Made:
