@@ -76,7 +76,10 @@ def machine() -> str:
 
 def build(root: Path = ROOT) -> str:
     """The make target that has built the engine of the checkout: `wheels`, with all optimisations, or `build`."""
-    return "wheels" if (root / "engine" / "python" / "petzval" / "_engines").is_dir() else "build"
+    package = root / "engine" / "python" / "petzval"
+    # One engine beside the package goes before those of a wheel, which an earlier build may have left.
+    is_whole = (package / "_engines").is_dir() and not (package / "_native.abi3.so").exists()
+    return "wheels" if is_whole else "build"
 
 
 def made(page: Page | str, root: Path = ROOT) -> Made:
