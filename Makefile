@@ -17,6 +17,7 @@ PARITY_OPTIONS =
 # Scenes by others are found by the tests in the same way.
 SCENES = $(PETZVAL_SCENES)
 OTHER_SCENES_OPTIONS =
+DENOISING_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 GPU_OPTIONS =
 # Of a 3D view in the pictures of Blender's window, which is denoised there.
@@ -24,7 +25,7 @@ UI_SAMPLES = 16
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes denoising viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -86,6 +87,10 @@ parity: build ## Petzval beside Cycles, scene by scene, into docs/parity.md; PAR
 other-scenes: $(ENGINE) ## Petzval beside Cycles on the .blend files under SCENES=FOLDER, by others, into docs/other-scenes.md
 	@[ -d "$(SCENES)" ] || { echo "petzval: make other-scenes SCENES=FOLDER: give a folder of .blend files" >&2; exit 1; }
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m other_scenes "$(SCENES)" $(OTHER_SCENES_OPTIONS)
+
+denoising: $(ENGINE) ## denoised pictures beside converged ones, and beside Cycles on the .blend files under SCENES=FOLDER, into docs/denoising.md
+	@tools/setup-python.sh bench
+	@PYTHONPATH=tools .venv-bench/bin/python -m denoising $(if $(SCENES),--scenes "$(SCENES)") $(DENOISING_OPTIONS)
 
 viewport-price: $(ENGINE) ## how soon a 3D view shows an edit, into docs/viewport.md
 	@$(dir $(PETZVAL))python tools/viewport-price.py $(VIEWPORT_PRICE_OPTIONS)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from . import image_file
 from .kept import Kept, uid
 from .report import Report
 
@@ -23,6 +24,9 @@ class Images:
         self._builder = kept.builder
         self._report = report
         self._known = kept.images
+        # Pixels of files that are to be sent, by datablock, and the datablocks whose file was read.
+        self._of_files: dict[int, np.ndarray] = {}
+        self._read_before: set[int] = set()
 
     def index(self, image: bpy.types.Image | None, user: str, *, associated: bool) -> int:
         """The engine's index of an image; `user` is who asks, for the warning where there is none.
@@ -30,11 +34,10 @@ class Images:
         `associated`: colours multiplied by alpha, as a node gives them whose alpha is not used.
         """
         key = (uid(image), associated)
-        is_lost = image is None or _is_missing(image.original)
-        if is_lost:
+        if image is None or self._is_missing(image.original):
             self._warn_of_missing(image, user)
         if key not in self._known:
-            name, pixels, srgb = ("(missing)", MAGENTA, False) if is_lost else self._read(image.original, associated)
+            name, pixels, srgb = self._read(image and image.original, associated)
             opaque = bool((pixels[..., 3] == pixels.dtype.type(255 if pixels.dtype == np.uint8 else 1)).all())
             self._known[key] = self._builder.add_image(name, pixels, srgb=srgb)
             self._kept.changes += 1
@@ -45,16 +48,39 @@ class Images:
     def of_node(self, node: bpy.types.Node, owner: str) -> int | None:
         """The engine's index of the image that a texture node shows, its colours multiplied by alpha or not as the node
         gives them; None where the image is missing, which is named: a missing image is magenta wherever it is read."""
-        if node.image is None or (_is_missing(node.image.original) and not _ends_at_its_edge(node)):
+        if node.image is None or (self._is_missing(node.image.original) and not _ends_at_its_edge(node)):
             self._warn_of_missing(node.image, owner)
             return None
         associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
         return self.index(node.image, owner, associated=associated)
 
-    def _read(self, image: bpy.types.Image, associated: bool) -> tuple[str, np.ndarray, bool]:
-        """Name, pixels (height, width, 4) from below, and whether they are sRGB-encoded."""
-        width, height = image.size
+    def _is_missing(self, image: bpy.types.Image) -> bool:
+        """Whether there are no pixels of it. Those that its file gives are kept until they are sent: Blender then has not to read it, too."""
+        key = uid(image)
+        if key in self._read_before or key in self._of_files:
+            return False
+        if not {(key, False), (key, True)}.isdisjoint(self._known) and image_file.is_there(image):
+            return False
+        read = image_file.pixels(image)
+        if read is None:
+            return _has_no_pixels(image)
+        self._of_files[key] = read
+        return False
+
+    def _read(self, image: bpy.types.Image | None, associated: bool) -> tuple[str, np.ndarray, bool]:
+        """Name, pixels (height, width, 4) from below, and whether they are sRGB-encoded; those of a missing image are magenta."""
+        if image is None or self._is_missing(image):
+            return "(missing)", MAGENTA, False
         self._warn_of_kind(image)
+        read = self._of_files.pop(uid(image), None)
+        if read is None:
+            # Sent before, with colours and alpha together or apart, and now the other way.
+            read = image_file.pixels(image)
+        if read is not None:
+            self._read_before.add(uid(image))
+            _associate_bytes(image, read, associated)
+            return image.name, read, self._is_srgb(image)
+        width, height = image.size
         values = np.empty(width * height * image.channels, np.float32)
         image.pixels.foreach_get(values)
         pixels = _four_channels(values.reshape(height, width, image.channels))
@@ -93,7 +119,7 @@ def _ends_at_its_edge(node: bpy.types.Node) -> bool:
     return bpy.app.version < _MISSING_IS_EVERYWHERE and node.type == "TEX_IMAGE" and node.extension == "CLIP"
 
 
-def _is_missing(image: bpy.types.Image) -> bool:
+def _has_no_pixels(image: bpy.types.Image) -> bool:
     """Whether Blender has no pixels of it."""
     width, height = image.size
     return width == 0 or height == 0 or image.channels == 0
@@ -114,6 +140,17 @@ def _associate(image: bpy.types.Image, pixels: np.ndarray, wanted: bool) -> None
     # One channel at a time: twice as fast as all three at once.
     for channel in range(3):
         pixels[..., channel] *= factor
+
+
+def _associate_bytes(image: bpy.types.Image, pixels: np.ndarray, wanted: bool) -> None:
+    """Brings colours and alpha of bytes together, as `_associate`; rounded, as `_bytes` does."""
+    if not wanted or image.alpha_mode == "CHANNEL_PACKED" or image.colorspace_settings.is_data:
+        return
+    alpha = pixels[..., 3].astype(np.uint16)
+    if (alpha == 255).all():
+        return
+    for channel in range(3):
+        pixels[..., channel] = (pixels[..., channel] * alpha + np.uint16(127)) // np.uint16(255)
 
 
 def _bytes(pixels: np.ndarray) -> np.ndarray:

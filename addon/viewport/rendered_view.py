@@ -94,8 +94,6 @@ class RenderedView:
             sample_offset=0,
             # Light paths from lamps would know of no part of a picture, and of no other view.
             integrator="PATH",
-            # Its decision would come before the first picture after each edit.
-            light_tracing=False,
         )
         how = denoising.of_view(scene)
         start = scene.cycles.preview_denoising_start_sample if how else 1

@@ -179,7 +179,11 @@ class Session:
             if divider > first:
                 continue
             smaller = _divided(wanted, divider)
-            job, started = self._native.Job(self._scene, camera, smaller, plan=self._plan), time.perf_counter()
+            # The last of them is denoised, too: all pixels may take long.
+            is_last = divider == _DIVIDERS[1] and wanted.denoise_from <= 1
+            parts = wanted.parts if is_last else []
+            job = self._native.Job(self._scene, camera, smaller, plan=self._plan, parts=parts)
+            started = time.perf_counter()
             while not job.wait(_POLL_S):
                 if self._is_closed or (divider != first and self._is_new):
                     job.stop()
@@ -188,7 +192,9 @@ class Session:
             self._show(job, wanted, smaller, began)
             if self._interrupted():
                 return False
-        return True
+            if is_last and (image := self._denoised(job, wanted)) is not None:
+                self._show(job, wanted, smaller, began, image)
+        return not self._interrupted()
 
     def _count(self, samples: int, started: float) -> None:
         """Learns how quickly samples go."""
@@ -226,22 +232,31 @@ class Session:
             self.error = failure
 
     def _show_refined(self, job: Any, wanted: Wanted, began: float) -> None:
-        """Shows the picture as it is, or denoised: pictures of few pixels before it are not."""
-        image, how = None, wanted.denoising
-        if how is not None and job.samples_done() >= wanted.denoise_from:
+        """Shows the picture as it is, or denoised: pictures of few samples before it are not."""
+        image = None
+        if wanted.denoising is not None and job.samples_done() >= wanted.denoise_from:
             before = self.picture
             if before is None or before.wanted is not wanted or not before.is_denoised:
                 # Denoising takes its time: the noisy picture is there meanwhile.
                 self._show(job, wanted, wanted.settings, began)
-            try:
-                image = loop.stoppable(lambda: job.denoised_image(how), self._interrupted)
-            except loop.Stopped:
-                job.stop_developing()
+            image = self._denoised(job, wanted)
+            if self._interrupted():
                 return
-            except self._native.PetzvalError as error:
-                # It is shown with its noise, and said.
-                self.warnings = [*self.warnings, *{f"Not denoised: {error}"}.difference(self.warnings)]
         self._show(job, wanted, wanted.settings, began, image)
+
+    def _denoised(self, job: Any, wanted: Wanted) -> np.ndarray | None:
+        """The picture without its noise; None where it stays noisy, or where something else is asked for meanwhile."""
+        how = wanted.denoising
+        if how is None:
+            return None
+        try:
+            return loop.stoppable(lambda: job.denoised_image(how), self._interrupted)
+        except loop.Stopped:
+            job.stop_developing()
+        except self._native.PetzvalError as error:
+            # It is shown with its noise, and said.
+            self.warnings = [*self.warnings, *{f"Not denoised: {error}"}.difference(self.warnings)]
+        return None
 
     def _show(
         self, job: Any, wanted: Wanted, of: SettingsDescription, began: float, image: np.ndarray | None = None
@@ -269,4 +284,5 @@ def _divided(wanted: Wanted, divider: int) -> SettingsDescription:
         for at, n, side in zip((x + width, y + height), size, (s.width, s.height), strict=True)
     ]
     window = (*begin, max(end[0] - begin[0], 1), max(end[1] - begin[1], 1))
-    return dataclasses.replace(s, width=size[0], height=size[1], window=window, samples=1)
+    # The choice of lights for light tracing would come before the first picture after each edit.
+    return dataclasses.replace(s, width=size[0], height=size[1], window=window, samples=1, light_tracing=False)

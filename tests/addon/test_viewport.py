@@ -386,6 +386,54 @@ def test_a_view_is_denoised_from_its_sample_on(viewer):
     assert shown(viewer, samples=8, denoising=how, denoise_from=5).is_denoised
 
 
+def watched(viewer) -> list:
+    """All pictures that the view shows from now on."""
+    pictures, show = [], viewer.session._show
+    viewer.session._show = lambda *what: (show(*what), pictures.append(viewer.session.picture))
+    return pictures
+
+
+def test_a_quarter_of_the_pixels_is_denoised_before_all_have_a_sample(viewer):
+    pictures = watched(viewer)
+    assert shown(viewer, samples=2, denoising=denoising(viewer)).is_denoised
+    are_denoised = [one.is_denoised for one in pictures]
+    first = pictures[are_denoised.index(True)]
+    assert first.samples == 1 and first.pixels.shape[:2] == (SIZE[1] // 2, SIZE[0] // 2)
+    # No noise comes after it.
+    assert all(are_denoised[are_denoised.index(True) :])
+
+
+def test_small_lamps_find_the_lens_in_a_view(viewer):
+    """A lamp far out of focus lights its disc: as a final render has it, and with no noise that is seen."""
+    bpy = viewer.bpy
+    scene = bpy.context.scene
+    for one in [one for one in scene.objects if one.type != "CAMERA"]:
+        bpy.data.objects.remove(one)
+    scene.world = None
+    own = scene.camera.data.petzval
+    own.model, own.lens_file, own.wide_open = "LENS", "double-gauss-f2-tronnier.lens", True
+    own.match_viewport = False
+    scene.camera.data.dof.focus_distance, scene.camera.rotation_euler = 0.8, (1.5708, 0.0, 0.0)
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    lamp.data.energy, lamp.data.shadow_soft_size, lamp.visible_camera = 4.0, 0.002, True
+    lamp.location = (0.0, 0.0, 1.0)
+    scene.collection.objects.link(lamp)
+    viewer.update()
+    found = shown(viewer, samples=16).pixels[..., :3].mean(-1)
+    lit = found > 0.3 * found.max()
+    assert lit.sum() > 20 and found[lit].std() < 0.3 * found[lit].mean()
+    # As a final render without it, of so many samples that the lamp is hit often enough: each pixel of the disc once in thousands.
+    viewer.session.look(
+        dataclasses.replace(
+            viewer.session._asked,
+            settings=dataclasses.replace(viewer.session._asked.settings, samples=4096, light_tracing=False),
+        )
+    )
+    assert viewer.session.wait(120.0) and not viewer.session.error
+    plain = viewer.session.picture.pixels[..., :3].mean()
+    assert found.mean() == pytest.approx(plain, rel=0.05), (found.mean(), plain)
+
+
 @pytest.mark.once
 def test_a_view_whose_denoiser_fails_shows_its_noise_and_says_so(viewer):
     found = shown(viewer, samples=2, denoising=denoising(viewer, library="/no/such/library.so"))
@@ -405,7 +453,8 @@ def test_an_edit_stops_the_denoising_of_a_view(viewer):
     while len(took) < 4 and min(took, default=1.0) > 0.3:
         viewer.session.look(large)
         end = time.monotonic() + 60.0
-        while viewer.session.picture is None or viewer.session.picture.pixels.shape[:2] != (1280, 1920):
+        # A quarter of the pixels comes first.
+        while viewer.session.picture is None or viewer.session.picture.pixels.shape[:2] != (640, 960):
             assert time.monotonic() < end
             time.sleep(0.005)
         # The noisy picture is there: it is being denoised.

@@ -31,6 +31,7 @@ RUN_ELSEWHERE = {
 RECIPES = {
     "accuracy-cost": ["ACCURACY_COST_OPTIONS=--seconds 3"],
     "coatings": [],
+    "denoising": ["DENOISING_OPTIONS=--only demo --samples 4 --reference 16 --height 36"],
     "diffraction": ["DIFFRACTION_OPTIONS=--quick"],
     "figures": ["FIGURES_OPTIONS=--size smallest --only fig-14 --check"],
     "ghosts": ["GHOSTS_OPTIONS=--only price --samples 2 --rounds 1"],

@@ -21,6 +21,8 @@ KINDS = (
     ("five", "f/8, five blades", ("--f-number", "8", "--blades", "5"), 2.1),
     ("six", "f/8, six blades", ("--f-number", "8", "--blades", "6"), 2.1),
 )
+#: Pictures of one lamp: name, samples, denoising.
+NEAR = (("near", 1536, "off"), ("denoised", 96, "high"))
 _PLAIN = ("--effect", "ghosts=off", "--effect", "glare=off", "--effect", "diffraction=off")
 
 
@@ -41,18 +43,17 @@ def _shots() -> list[Shot]:
                 is_only_shown=True,
             )
         )
-        near = (
-            "--film",
-            f"{film_mm:g}x{film_mm / 1.5:g}",
-            "--shift",
-            f"{AT_MM[0]:g},{AT_MM[1]:g}",
-            "--samples",
-            "1536",
-        )
-        shots.append(
-            Shot(f"fig-11-{kind}-near", "lights", LENS, (*focus, *options, *near, *_PLAIN), "points", f"a lamp, {label}", width=0.5)
-        )  # fmt: skip
-    return [shots[0], shots[2], shots[4], shots[6], shots[1], shots[5], shots[7], shots[3]]
+        near = ("--film", f"{film_mm:g}x{film_mm / 1.5:g}", "--shift", f"{AT_MM[0]:g},{AT_MM[1]:g}", *_PLAIN)
+        for name, samples, denoise in NEAR:
+            wish = (*focus, *options, *near, "--samples", str(samples), "--denoise", denoise)
+            text, is_hidden = f"a lamp, {label}", denoise != "off"
+            text += f", denoised, {samples} samples" if is_hidden else ""
+            shots.append(
+                Shot(f"fig-11-{kind}-{name}", "lights", LENS, wish, "points", text, width=0.5, is_hidden=is_hidden)
+            )
+    # Shown are whole pictures, then parts of them; denoised ones are measured alone.
+    order = (0, 3, 6, 9, 1, 7, 10, 4)
+    return [*(shots[i] for i in order), *(shots[i] for i in range(2, 12, 3))]
 
 
 def foretold(blend) -> tuple[np.ndarray, float]:
@@ -66,8 +67,28 @@ def foretold(blend) -> tuple[np.ndarray, float]:
 
 def read(taken: dict[str, Taken]) -> Caption:
     caption = Caption(head=("picture", "corners counted", "strongest harmonic of the edge", "next"))
-    # Rings: light by radius, against exact rays.
-    picture = taken["fig-11-open-near"]
+    rings = {}
+    for name, *_ in NEAR:
+        # Rings: light by radius, against exact rays.
+        picture = taken[f"fig-11-open-{name}"]
+        rings[name] = _ring(picture)
+    limit, brightest, rim, alike = rings["near"]
+    caption.sentences = [
+        f"The wide-angle lens at {FOCAL_MM:g} mm, focused at {FOCUS_MM / 1000.0:g} m; the lamp by itself is {9.372:g} m away. Wide open, spherical "
+        f"aberration draws a ring: at {brightest[0]:.2f} of the blur's radius ({brightest[1]:.2f} by exact rays, radius {limit:.2f} mm) it has "
+        f"{rim[0]:.2f} times the light of the middle ({rim[1]:.2f} by exact rays); light over radius follows exact rays with a correlation of "
+        f"{alike:.3f}; denoised, of {NEAR[1][1]} samples, {rings['denoised'][2][0]:.2f} times and {rings['denoised'][3]:.3f}. At f/8 the diaphragm's "
+        f"shape is left: its corners are counted as the harmonics of the edge's radius over the angle.",
+    ]
+    for kind, corners in (("round", 0), ("five", 5), ("six", 6)):
+        for name, *_ in NEAR:
+            caption.rows.append(_corners(taken[f"fig-11-{kind}-{name}"], corners))
+    return caption
+
+
+def _ring(picture: Taken) -> tuple[float, tuple[float, float], tuple[float, float], float]:
+    """The radius of a lamp's blur, mm; the part of it at which the ring is brightest and the ring's light over that of the middle, both
+    measured and by exact rays; the correlation of light over radius with exact rays."""
     radii, lamp = foretold(picture.blend)
     mm_per_px = KINDS[0][3] / picture.size[0]
     limit = float(np.quantile(radii, 0.999))
@@ -85,32 +106,26 @@ def read(taken: dict[str, Taken]) -> Caption:
         abs(rim[0] / rim[1] - 1.0) < 0.15,
         f"the brightest ring has {rim[0]:.2f} times the light of the middle, by exact rays {rim[1]:.2f}",
     )
-    caption.sentences = [
-        f"The wide-angle lens at {FOCAL_MM:g} mm, focused at {FOCUS_MM / 1000.0:g} m; the lamp by itself is {9.372:g} m away. Wide open, spherical "
-        f"aberration draws a ring: at {brightest[0]:.2f} of the blur's radius ({brightest[1]:.2f} by exact rays, radius {limit:.2f} mm) it has "
-        f"{rim[0]:.2f} times the light of the middle ({rim[1]:.2f} by exact rays); light over radius follows exact rays with a correlation of "
-        f"{alike:.3f}. At f/8 the diaphragm's shape is left: its corners are counted as the harmonics of the edge's radius over the angle.",
-    ]
-    for kind, corners in (("round", 0), ("five", 5), ("six", 6)):
-        one = taken[f"fig-11-{kind}-near"]
-        found = harmonics(edge(one.light))
-        first, second = sorted(found, key=lambda k: -found[k])[:2]
-        counted = first if found[first] > 0.02 else 0
-        caption.rows.append(
-            (
-                one.shot.label.removeprefix("a lamp, "),
-                str(counted),
-                f"{100.0 * found[first]:.1f} % at {first}",
-                f"{100.0 * found[second]:.1f} % at {second}",
-            )
-        )
-        claim(counted == corners, f"{one.shot.label}: {counted} corners counted, harmonics {found}")
-        # Measured of regular pentagons and hexagons blurred as these are; noise makes about a half of a hundredth.
-        claim(
-            corners == 0 or found[first] > 2.0 * found[second],
-            f"{one.shot.label}: corners are not told from noise: {found}",
-        )
-    return caption
+    return limit, (brightest[0], brightest[1]), (rim[0], rim[1]), alike
+
+
+def _corners(one: Taken, corners: int) -> tuple[str, ...]:
+    """The row of a picture of a lamp through a diaphragm with so many corners."""
+    found = harmonics(edge(one.light))
+    first, second = sorted(found, key=lambda k: -found[k])[:2]
+    counted = first if found[first] > 0.02 else 0
+    claim(counted == corners, f"{one.shot.label}: {counted} corners counted, harmonics {found}")
+    # Measured of regular pentagons and hexagons blurred as these are; noise makes about a half of a hundredth.
+    claim(
+        corners == 0 or found[first] > 2.0 * found[second],
+        f"{one.shot.label}: corners are not told from noise: {found}",
+    )
+    return (
+        one.shot.label.removeprefix("a lamp, "),
+        str(counted),
+        f"{100.0 * found[first]:.1f} % at {first}",
+        f"{100.0 * found[second]:.1f} % at {second}",
+    )
 
 
 def spread(radii: np.ndarray, lamp: float) -> np.ndarray:

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import NoReturn
 
 import bpy
 import numpy as np
@@ -76,10 +78,11 @@ def read(out: str, *pictures: str) -> None:
     np.savez(out, **pixels)
 
 
-if __name__ == "__main__":
+def ended(steps: dict[str, Callable[..., None]]) -> NoReturn:
+    """Does the step that the command line names, and ends the process."""
     code = 1
     try:
-        {"prepare": prepare, "cycles": cycles, "read": read}[sys.argv[1]](*sys.argv[2:])
+        steps[sys.argv[1]](*sys.argv[2:])
         code = 0
     except SystemExit as why:
         print(why, file=sys.stderr, flush=True)
@@ -88,3 +91,7 @@ if __name__ == "__main__":
     # bpy may hang or crash at its end.
     sys.stdout.flush()
     os._exit(code)
+
+
+if __name__ == "__main__":
+    ended({"prepare": prepare, "cycles": cycles, "read": read})

@@ -22,6 +22,7 @@ __all__ = [
     "ROOT",
     "Made",
     "Page",
+    "build",
     "filled",
     "footer",
     "machine",
@@ -71,6 +72,14 @@ def machine() -> str:
     if names:
         return f"{names[0]}, {len(names)} cores"
     return platform.processor() or platform.machine()
+
+
+def build(root: Path = ROOT) -> str:
+    """The make target that has built the engine of the checkout: `wheels`, with all optimisations, or `build`."""
+    package = root / "engine" / "python" / "petzval"
+    # One engine beside the package goes before those of a wheel, which an earlier build may have left.
+    is_whole = (package / "_engines").is_dir() and not (package / "_native.abi3.so").exists()
+    return "wheels" if is_whole else "build"
 
 
 def made(page: Page | str, root: Path = ROOT) -> Made:

@@ -172,6 +172,18 @@ _ALL = (
     ),
     _page("other-scenes", "other-scenes", *_TIMED, *_RENDER, "tools/other_scenes"),
     _page(
+        "denoising",
+        "denoising",
+        *_TIMED,
+        *_RENDER,
+        "engine/denoise/src",
+        "addon/data/denoiser.py",
+        "tests/scenes/demo.blend",
+        "tests/scenes/gallery",
+        "lenses/*.lens",
+        "tools/denoising",
+    ),
+    _page(
         "panel",
         "panel-pictures",
         "addon/ui",

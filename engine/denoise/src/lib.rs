@@ -7,7 +7,7 @@ mod api;
 
 use std::ffi::CStr;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use api::{Buffer, Device, Functions};
@@ -81,6 +81,16 @@ pub enum Quality {
     High,
 }
 
+impl Quality {
+    /// The quality in which guides are filtered first: at [`Self::High`] the picture would be no better, and take half as long again.
+    fn of_guides(self) -> Self {
+        match self {
+            Self::High => Self::Balanced,
+            quality => quality,
+        }
+    }
+}
+
 /// What becomes of noise in albedo and normal before they guide the filter. Cycles' words.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
@@ -127,14 +137,40 @@ struct PixelTimes {
     card: [Option<f64>; 3],
 }
 
-static PIXEL_S: Mutex<PixelTimes> = Mutex::new(PixelTimes { processor: [2.7e-6, 3.1e-6, 6.8e-6], card: [None; 3] });
+static PIXEL_S: Mutex<PixelTimes> = Mutex::new(PixelTimes { processor: [2.0e-6, 2.8e-6, 5.2e-6], card: [None; 3] });
 /// Pictures with fewer pixels say nothing of the time of a pixel.
 const LEAST_PIXELS: usize = 50_000;
 
-impl Request<'_> {
-    /// Runs of the filter: one for the picture, and one for each guide that is filtered first.
-    fn runs(prefilter: Prefilter, guides: usize) -> usize {
-        1 + if prefilter == Prefilter::Accurate { guides } else { 0 }
+impl PixelTimes {
+    /// Time of a pixel in one run at a quality, s; a card of which none is known yet is taken for the processor.
+    fn of(&self, quality: Quality, use_gpu: bool, threads: usize) -> f64 {
+        let card = self.card[quality as usize].filter(|_| use_gpu);
+        card.unwrap_or_else(|| self.processor[quality as usize] / threads.max(1) as f64)
+    }
+
+    /// Time of a pixel in all runs, s: those of the guides and of the picture.
+    fn of_runs(&self, work: Work) -> [f64; 2] {
+        let of = |quality| self.of(quality, work.use_gpu, work.threads);
+        let filtered = if work.prefilter == Prefilter::Accurate { work.guides } else { 0 };
+        [filtered as f64 * of(work.quality.of_guides()), of(work.quality)]
+    }
+
+    /// Takes the times of this work's runs for those that it took in all; small pictures say nothing.
+    fn learn(&mut self, work: Work, is_cpu: bool, seconds: f64) {
+        if work.pixels < LEAST_PIXELS {
+            return;
+        }
+        let work = Work { use_gpu: !is_cpu, ..work };
+        let runs = self.of_runs(work);
+        let ratio = seconds / (runs.iter().sum::<f64>() * work.pixels as f64);
+        let of_guides = Some(work.quality.of_guides()).filter(|&quality| runs[0] > 0.0 && quality != work.quality);
+        for quality in [Some(work.quality), of_guides].into_iter().flatten() {
+            let pixel_s = ratio * self.of(quality, work.use_gpu, work.threads);
+            match is_cpu {
+                true => self.processor[quality as usize] = pixel_s * work.threads.max(1) as f64,
+                false => self.card[quality as usize] = Some(pixel_s),
+            }
+        }
     }
 }
 
@@ -158,11 +194,11 @@ pub struct Work {
 /// Wall time that [`Denoiser::denoise`] will take, s, about: by the last picture of this quality. A card of which none is known yet is
 /// taken for the processor.
 pub fn expected_seconds(work: Work) -> f64 {
-    let known = PIXEL_S.lock().unwrap_or_else(PoisonError::into_inner);
-    let quality = work.quality as usize;
-    let pixel_s = known.card[quality].filter(|_| work.use_gpu);
-    let pixel_s = pixel_s.unwrap_or_else(|| known.processor[quality] / work.threads.max(1) as f64);
-    pixel_s * (work.pixels * Request::runs(work.prefilter, work.guides)) as f64
+    pixel_times().of_runs(work).iter().sum::<f64>() * work.pixels as f64
+}
+
+fn pixel_times() -> MutexGuard<'static, PixelTimes> {
+    PIXEL_S.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The library, loaded.
@@ -260,30 +296,27 @@ impl Denoiser {
         }
         let began = Instant::now();
         let device = self.device(request.use_gpu, request.threads)?;
-        let runs = Request::runs(request.prefilter, guides.len());
-        let is_accurate = request.prefilter == Prefilter::Accurate;
-        let steps = runs as f64;
+        let Request { prefilter, quality, use_gpu, threads, .. } = *request;
+        let is_accurate = prefilter == Prefilter::Accurate;
+        let count = guides.len();
+        let work = Work { quality, prefilter, guides: count, pixels: width * height, use_gpu, threads };
+        // The part of the time that goes to the guides.
+        let [of_guides, of_picture] = pixel_times().of_runs(work);
+        let first = of_guides / (of_guides + of_picture);
         let mut images = vec![(c"color", device.filled(&colour)?)];
         drop(colour);
         for (done, (name, noisy)) in guides.into_iter().enumerate() {
             let guide = device.filled(&noisy)?;
             drop(noisy);
-            let tell = |part: f64| watch((done as f64 + part) / steps);
+            let tell = |part: f64| watch(first * (done as f64 + part) / count as f64);
             images.push(match is_accurate {
                 true => (name, self.filtered(&device, request, &[(name, guide)], false, &tell)?),
                 false => (name, guide),
             });
         }
-        let first = steps - 1.0;
-        let clean = self.filtered(&device, request, &images, true, &|part| watch((first + part) / steps))?.read()?;
-        if width * height >= LEAST_PIXELS {
-            let pixel_s = began.elapsed().as_secs_f64() / (width * height * runs) as f64;
-            let mut known = PIXEL_S.lock().unwrap_or_else(PoisonError::into_inner);
-            match device.is_cpu() {
-                true => known.processor[request.quality as usize] = pixel_s * request.threads.max(1) as f64,
-                false => known.card[request.quality as usize] = Some(pixel_s),
-            }
-        }
+        let clean =
+            self.filtered(&device, request, &images, true, &|part| watch(first + (1.0 - first) * part))?.read()?;
+        pixel_times().learn(work, device.is_cpu(), began.elapsed().as_secs_f64());
         Ok(clean)
     }
 
@@ -303,7 +336,8 @@ impl Denoiser {
             filter.set_image(name, pixels, size);
         }
         filter.set_image(c"output", &output, size);
-        filter.set_int(c"quality", self.quality(request.quality));
+        let quality = if is_picture { request.quality } else { request.quality.of_guides() };
+        filter.set_int(c"quality", self.quality(quality));
         if let Some(mb) = request.memory_mb {
             filter.set_int(c"maxMemoryMB", i32::try_from(mb).unwrap_or(i32::MAX));
         }

@@ -25,7 +25,7 @@ impl Shared {
     /// The lights that send rays to the lens, and the decision on them.
     pub(super) fn find_aimed(&self) -> (Option<Arc<AimedLights>>, AimedReport) {
         let s = &self.settings;
-        let lens = aimable(&self.cameras, s, &self.stage).filter(|_| self.pipeline == Pipeline::Hero);
+        let lens = aimable(&self.cameras, s).filter(|_| self.pipeline == Pipeline::Hero);
         let Some(lens) = lens else { return Default::default() };
         let context = AimingContext {
             stage: &self.stage,
@@ -59,14 +59,14 @@ pub(super) fn pipeline(
         return found;
     }
     // With one wavelength both are the same, but hero knows the densities of its rays.
-    let lens = aimable(cameras, s, stage);
+    let lens = aimable(cameras, s);
     let may_aim = lens.is_some_and(|lens| aiming::may_be_worth_it(stage, lens, exposure));
     if may_aim { Pipeline::Hero } else { found }
 }
 
-/// The lens to which lights may send rays, if the render is one that can have that: through one lens that is traced, without volumes.
-fn aimable<'a>(cameras: &'a [Camera], s: &Settings, stage: &PreparedScene) -> Option<&'a Arc<RealLens>> {
+/// The lens to which lights may send rays, if the render is one that can have that: through one lens that is traced.
+fn aimable<'a>(cameras: &'a [Camera], s: &Settings) -> Option<&'a Arc<RealLens>> {
     let [Camera::Lens(lens)] = cameras else { return None };
-    let is_possible = s.integrator == Integrator::Path && lens.takes_light_paths() && stage.media.is_empty();
+    let is_possible = s.integrator == Integrator::Path && lens.takes_light_paths();
     (s.light_tracing && is_possible).then_some(lens)
 }

@@ -40,7 +40,11 @@ fn seen_area(extent: LampExtent) -> f32 {
 
 impl Lights {
     /// The sources within the scene that a ray from the camera can hit, by lamp and by object.
-    pub fn seen_groups(&self) -> Vec<SourceGroup> {
+    pub fn seen_groups(&self) -> &[SourceGroup] {
+        self.seen_groups.get_or_init(|| self.find_seen_groups())
+    }
+
+    fn find_seen_groups(&self) -> Vec<SourceGroup> {
         let mut groups = Vec::new();
         let mut objects: BTreeMap<u32, Vec<(usize, &LitTriangle)>> = BTreeMap::new();
         for (index, emitter) in self.local.iter().enumerate() {

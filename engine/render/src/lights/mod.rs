@@ -31,7 +31,7 @@ use receiver::LightSampleContext;
 pub use sample::{Leaving, LightSample};
 use sky::Sky;
 use std::f32::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use tree::LightTree;
 
 /// One of a scene's sources of light: lamps and emissive triangles, then the world and the suns.
@@ -53,6 +53,8 @@ pub struct Lights {
     met: LampTree,
     sky: Sky,
     is_linked: bool,
+    // Those that the camera sees, once they are asked for: `aimed`.
+    seen_groups: OnceLock<Vec<SourceGroup>>,
 }
 
 /// Least probability of either the sky or the lights within the scene, where there are both: occlusion is known on average only.
@@ -78,7 +80,8 @@ impl Lights {
         let is_linked = sets.into_iter().any(|sets| sets != LightSets::EVERYTHING);
         let mut trees = vec![LightTree::new(&bounds)];
         let tree_of = if is_linked { linked_trees(scene, &local, &lamps, &bounds, &mut trees) } else { Vec::new() };
-        Self { local, trees, tree_of, emitter_of, lamps, met, sky, is_linked }
+        let seen_groups = OnceLock::new();
+        Self { local, trees, tree_of, emitter_of, lamps, met, sky, is_linked, seen_groups }
     }
 
     /// True if any light lights only some objects, or has shadows of only some.

@@ -133,7 +133,7 @@ fn may_be_worth_it_from(lens: StandingLens<'_>, group: &SourceGroup) -> bool {
 /// True if any light of a scene may be worth aiming from in a picture of that size, by its size and place alone.
 pub fn may_be_worth_it_through(stage: &PreparedScene, d: &CameraDescription, [width, height]: [u32; 2]) -> bool {
     let scale = d.scale_mm_per_unit;
-    if d.model != Model::Lens || scale.x != scale.y || scale.y != scale.z || !stage.media.is_empty() {
+    if d.model != Model::Lens || scale.x != scale.y || scale.y != scale.z {
         return false;
     }
     let groups = stage.lights.seen_groups();
@@ -165,7 +165,7 @@ impl AimingContext<'_> {
         let groups = self.stage.lights.seen_groups();
         let lights = groups.len();
         let mut groups: Vec<SourceGroup> =
-            groups.into_iter().filter(|group| may_be_worth_it_from(self.standing(), group)).collect();
+            groups.iter().filter(|group| may_be_worth_it_from(self.standing(), group)).cloned().collect();
         groups.sort_by(|a, b| b.seen_area.total_cmp(&a.seen_area));
         groups.truncate(MOST_GROUPS);
         let (width, height) = self.raster.size();
@@ -173,12 +173,12 @@ impl AimingContext<'_> {
         let mut chosen = Vec::new();
         let mut camera_hits = f32::INFINITY;
         let rays = MEASURED[0].min(MEASURED[1] / groups.len().max(1) as u32).max(16);
-        for (number, group) in (0..).zip(&mut groups) {
+        for group in &mut groups {
             let towards = (self.standing().at() - group.center).normalize_or_zero();
             // A closed surface may be turned inside out.
             let measured = [towards, -towards].into_iter().find_map(|towards| {
                 self.stage.lights.face(&self.stage.scene, group, towards);
-                self.measure(group, number, rays)
+                self.measure(group, rays)
             });
             let Some(measured) = measured else { continue };
             if measured.is_worth_it(self.film_exposure) {
@@ -209,17 +209,29 @@ impl AimingContext<'_> {
     }
 
     /// Measures a group by rays from it; `None` where none of them is seen.
-    fn measure(&self, group: &SourceGroup, number: u32, rays: u32) -> Option<Measured> {
+    fn measure(&self, group: &SourceGroup, rays: u32) -> Option<Measured> {
+        match self.stage.media.is_empty() {
+            true => self.measure_by(Wavefront::<NoAovs, false>::noting(NoAovs), group, rays),
+            false => self.measure_by(Wavefront::<NoAovs, true>::noting(NoAovs), group, rays),
+        }
+    }
+
+    fn measure_by<const VOLUMES: bool>(
+        &self,
+        mut wave: Wavefront<NoAovs, VOLUMES>,
+        group: &SourceGroup,
+        rays: u32,
+    ) -> Option<Measured> {
         let lens = self.standing();
         let area: f32 = group.sources.iter().map(|(_, area)| area).sum();
         if area <= 0.0 {
             return None;
         }
-        let mut wave = Wavefront::<NoAovs, false>::default();
         let mut flights = Vec::new();
         for i in 0..rays {
-            // Independent of each other: what is stratified has fewer near pairs.
-            let mut sampler = PathSampler::numbered(0, i ^ mix(number ^ MEASURING_SEED));
+            // Independent of each other: what is stratified has fewer near pairs. The same for each group: the decision on one does not
+            // depend on its place among the others, which rounding changes where two are as large.
+            let mut sampler = PathSampler::numbered(0, i ^ mix(MEASURING_SEED));
             let [u_source, u0, u1, u2] = sampler.next_4d();
             let [u3, u_column, u_row, u_set] = sampler.next_4d();
             let mut rest = u_source * area;

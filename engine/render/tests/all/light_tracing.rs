@@ -11,9 +11,11 @@ use petzval_render::camera::{Camera, CameraDescription, Model};
 use petzval_render::integrator::PreparedScene;
 use petzval_render::integrator::path::parts::{LightPass, Parts, Seen};
 use petzval_render::job::{Job, OutputOptions, Settings};
+use petzval_render::nodes::OF_MATERIALS;
 use petzval_render::pipeline::Pipeline;
 use petzval_render::pipeline::aiming::AimedReport;
 use petzval_render::scene::closure::Closure;
+use petzval_render::scene::graph::Graph;
 use petzval_render::scene::lamp::{Lamp, LampKind};
 use petzval_render::scene::material::Material;
 use std::f64::consts::PI;
@@ -56,6 +58,30 @@ fn settings(light_tracing: bool, samples: u32, seed: u32) -> Settings {
 
 /// Lights of every kind before a dark wall; their size, Blender units, is about that radius.
 fn lights(radius: f32) -> Arc<PreparedScene> {
+    room_of_lights(radius).finish()
+}
+
+/// The same in fog that glows faintly, with the camera in it; its density is even, or rises from the floor.
+fn foggy(radius: f32, is_even: bool) -> Arc<PreparedScene> {
+    let density = if is_even { "0.08" } else { r#"{"node": 1, "socket": "Value"}"# };
+    let nodes = format!(
+        r#"{{"nodes": [
+            {{"type": "ShaderNodeVolumePrincipled", "inputs": {{"Color": [0.7, 0.8, 0.9], "Density": {density}, "Anisotropy": 0.3,
+                "Emission Strength": 0.002, "Emission Color": [1, 1, 1], "Blackbody Intensity": 0}}}},
+            {{"type": "ShaderNodeMath", "options": {{"operation": "MULTIPLY_ADD"}},
+                "inputs": {{"Value": {{"node": 2, "socket": "Y"}}, "Value_001": 0.5, "Value_002": 0.1}}}},
+            {{"type": "ShaderNodeSeparateXYZ", "inputs": {{"Vector": {{"node": 3, "socket": "Object"}}}}}},
+            {{"type": "ShaderNodeTexCoord", "inputs": {{}}}}
+        ], "surface": null, "volume": {{"node": 0, "socket": "Volume"}}, "displacement": null}}"#
+    );
+    let (graph, reports) = Graph::of(&petzval_nodes::Graph::from_json(&nodes).unwrap(), 0, OF_MATERIALS);
+    assert_eq!(reports, Vec::<String>::new());
+    let mut room = room_of_lights(radius);
+    room.put(scenes::ball(8), Material::new("fog", Arc::new(graph)), scenes::place([0.0; 3], [0.0; 3], 12.0));
+    room.finish()
+}
+
+fn room_of_lights(radius: f32) -> Room {
     let mut room = Room::new();
     let size = f64::from(radius);
     let lamp = |kind, watts: f32| scenes::lamp(kind, watts);
@@ -74,7 +100,7 @@ fn lights(radius: f32) -> Arc<PreparedScene> {
     let matte = Closure::Diffuse { color: Rgb::new(0.8, 0.3, 0.3), roughness: 0.0 };
     let pane = Material::even("pane", [(0.5, matte), (0.5, Closure::Transparent { color: Rgb::new(1.0, 0.8, 0.6) })]);
     room.put(scenes::square(), pane, scenes::place([-0.15, 0.1, -3.0], [0.1, 0.2, 0.0], 0.06));
-    room.finish()
+    room
 }
 
 /// The results of a render.
@@ -167,6 +193,29 @@ fn the_picture_is_that_of_camera_rays_alone() {
     agree("one wavelength", &many(&grey, true, 32, 1), &many(&grey, false, 128, 101));
     let film_first = Settings { pipeline: Pipeline::FilmFirst, ..settings(true, 1, 1) };
     assert_eq!(render(&stage, &grey, film_first).1.aimed, 0, "the user has asked for another pipeline");
+}
+
+#[test]
+fn lights_in_fog_are_those_of_camera_rays_alone() {
+    let d = description();
+    for (name, is_even) in [("even fog", true), ("fog that varies", false)] {
+        let stage = foggy(0.012, is_even);
+        let many = |traced: bool, samples: u32, first: u32| -> Vec<Vec<f64>> {
+            let one = |k| {
+                let (picture, report) = render(&stage, &d, settings(traced, samples, first + k));
+                assert_eq!(report.aimed, if traced { 6 } else { 0 }, "{report:?}");
+                blocks(&picture)
+            };
+            (0..RENDERS).map(one).collect()
+        };
+        let (with, without) = (many(true, 32, 1), many(false, 128, 101));
+        agree(name, &with, &without);
+        // What is won at equal samples: noise of the fog itself is left.
+        let noise = |all: &[Vec<f64>], samples: f64| statistics(all).iter().map(|m| m[1] * samples).sum::<f64>();
+        let won = noise(&without, 128.0) / noise(&with, 32.0);
+        println!("{name}: variance {won:.1} times lower");
+        assert!(won > 5.0, "{name}: {won}");
+    }
 }
 
 /// Through a clip plane, from a place beside render space's origin, and in the pass of emission.

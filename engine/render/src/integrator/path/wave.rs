@@ -277,7 +277,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
                 path.sampler.jump_to(CAMERA_SETS + step * Self::SETS);
                 let inside = &mut self.inside[i as usize];
                 let shades = (&mut self.shadows, &mut self.veils);
-                match inside.bring(stage, limits, path, hit.as_ref(), &mut found, shades) {
+                match inside.bring(stage, limits, aimed, path, hit.as_ref(), &mut found, shades) {
                     MediumEvent::Passed => {}
                     MediumEvent::Scattered => {
                         self.is_alive[i as usize] = true;

@@ -51,7 +51,7 @@ impl Path {
 
     /// The weight of light of a source that the camera sees at a point, beside rays that the source sends to the lens.
     #[inline(always)]
-    fn lens_weight(
+    pub(super) fn lens_weight(
         &self,
         stage: &PreparedScene,
         aimed: Option<&AimedLights>,

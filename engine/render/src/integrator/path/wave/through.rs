@@ -9,6 +9,7 @@ use super::place::Shadow;
 use crate::Rgb;
 use crate::accel::{Hit, Ray};
 use crate::integrator::PreparedScene;
+use crate::integrator::aimed::AimedLights;
 use crate::integrator::media::{Event, Stack, Stretch};
 use crate::integrator::mis::power_heuristic;
 use crate::lights::receiver::LightSampleContext;
@@ -63,11 +64,12 @@ impl MediumState {
     }
 
     /// Follows a path to what its ray hits, and adds the light of lamps on the way.
-    #[expect(clippy::too_many_lines, reason = "a kernel")]
+    #[expect(clippy::too_many_lines, clippy::too_many_arguments, reason = "a kernel")]
     pub(super) fn bring<N: AovSink>(
         &mut self,
         stage: &PreparedScene,
         limits: &Limits,
+        aimed: Option<&AimedLights>,
         path: &mut Path,
         hit: Option<&Hit>,
         found: &mut Found<'_, N>,
@@ -82,6 +84,7 @@ impl MediumState {
         self.lamps(
             stage,
             limits,
+            aimed,
             path,
             t_max,
             found,
@@ -94,8 +97,11 @@ impl MediumState {
         // ends there.
         let is_last = limits.approximations.fast_gi.last_ray(path.way).is_some();
         let t_max = if is_last && hit.is_none() { f32::INFINITY } else { t_max };
-        let scatters = if hit.is_some() { limits.scatters(path.way) } else { limits.scatters_before_the_sky(path.way) }
-            && self.may_scatter(limits);
+        // Light of the volumes themselves is found by the camera's rays.
+        let is_aimed = path.strategy.is_aimed();
+        let may_scatter =
+            if hit.is_some() { limits.scatters(path.way) } else { limits.scatters_before_the_sky(path.way) };
+        let scatters = may_scatter && !is_aimed && self.may_scatter(limits);
         let stretch = Stretch { stage, stack: &self.stack, ray: Ray { t_max, ..path.ray }, way: path.way };
         let beside = if scatters {
             self.light_beside(limits, path, &stretch, found, (&mut *shades.0, &mut *shades.1))
@@ -103,7 +109,7 @@ impl MediumState {
             None
         };
         let (event, emitted) = stretch.follow(&mut path.throughput, scatters, u_distance);
-        if emitted != Rgb::ZERO && emitted.is_finite() {
+        if emitted != Rgb::ZERO && emitted.is_finite() && !is_aimed {
             let group = || self.stack.innermost().map_or(0, |i| stage.scene.instances[i as usize].light_group);
             let of = found.notes.met(found.path, path.way, false, group);
             found.add(of, limits.clamp_met(emitted, u32::from(path.way.depth)));
@@ -275,10 +281,12 @@ impl MediumState {
     }
 
     /// Adds the light of lamps on this stretch of the ray, each as far as it comes through.
+    #[expect(clippy::too_many_arguments, reason = "a part of `bring`")]
     fn lamps<N: AovSink>(
         &self,
         stage: &PreparedScene,
         limits: &Limits,
+        aimed: Option<&AimedLights>,
         path: &Path,
         t_max: f32,
         found: &mut Found<'_, N>,
@@ -301,8 +309,9 @@ impl MediumState {
                 Stretch { stage, stack: &self.stack, ray, way: path.way }.transmittance(numbers)
             };
             let light = path.throughput * left * radiance * path.chosen.weight(pdf);
+            let counts = path.lens_weight(stage, aimed, path.start + path.ray.direction * distance, || Some(source));
             let of = found.notes.met(found.path, path.way, false, || lights.group(scene, source));
-            found.add(of, limits.clamp_met(light, u32::from(path.way.depth)));
+            found.add(of, limits.clamp_met(light, u32::from(path.way.depth)) * counts);
             found.result.hit = true;
         });
     }

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pixels of images straight from their files: those that Blender itself has of them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+WIDTH, HEIGHT = 5, 3
+
+
+@pytest.fixture
+def given(parts, blender):
+    """The modules, and the images that the engine was given."""
+    import imbuf
+
+    if not hasattr(imbuf.types.ImBuf, "with_buffer"):
+        pytest.skip("this Blender does not give the bytes of a file")
+    sent, warned = [], []
+    builder = SimpleNamespace(add_image=lambda name, pixels, srgb: sent.append(pixels) or len(sent) - 1)
+    report = SimpleNamespace(warn=warned.append)
+    images = parts.part("export.image").Images(parts.part("export.kept").Kept(builder), report)
+    return SimpleNamespace(files=parts.part("export.image_file"), images=images, sent=sent, warned=warned)
+
+
+def saved(bpy, tmp_path, kind: str, *, has_alpha: bool = False, is_deep: bool = False):
+    """An image of random colours, loaded from a file."""
+    random = np.random.default_rng(5).uniform(size=(HEIGHT, WIDTH, 4)).astype(np.float32)
+    if not has_alpha:
+        random[..., 3] = 1.0
+    made = bpy.data.images.new("made", WIDTH, HEIGHT, alpha=True, float_buffer=is_deep)
+    made.pixels.foreach_set(random.ravel())
+    settings = bpy.context.scene.render.image_settings
+    settings.file_format = kind
+    settings.color_mode = "RGBA" if kind == "PNG" else "RGB"
+    if kind == "PNG":
+        settings.color_depth = "16" if is_deep else "8"
+    path = tmp_path / f"image.{kind.lower()}"
+    made.save_render(str(path))
+    return bpy.data.images.load(str(path))
+
+
+def by_blender(image, module, *, associated: bool) -> np.ndarray:
+    width, height = image.size
+    values = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(values)
+    pixels = module._four_channels(values.reshape(height, width, image.channels))
+    module._associate(image, pixels, associated)
+    return pixels if image.is_float else module._bytes(pixels)
+
+
+@pytest.mark.parametrize("associated", [False, True])
+@pytest.mark.parametrize("is_packed", [False, True])
+@pytest.mark.parametrize(("kind", "has_alpha"), [("PNG", False), ("PNG", True), ("JPEG", False)])
+@pytest.mark.parametrize("alpha_mode", ["STRAIGHT", "CHANNEL_PACKED", "PREMUL", "NONE"])
+def test_bytes_are_those_that_blender_has(
+    parts, blender, given, tmp_path, kind, has_alpha, is_packed, associated, alpha_mode
+):
+    image = saved(blender, tmp_path, kind, has_alpha=has_alpha)
+    image.alpha_mode = alpha_mode
+    if is_packed:
+        image.pack()
+        image.buffers_free()
+    given.images.index(image, "a test", associated=associated)
+    # Blender had not to read what its file gives.
+    assert image.has_data == (has_alpha and alpha_mode in ("PREMUL", "NONE"))
+    expected = by_blender(image, parts.part("export.image"), associated=associated)
+    assert given.sent[0].dtype == np.uint8 and np.array_equal(given.sent[0], expected)
+    assert not given.warned
+
+
+def test_both_uses_of_an_image_are_sent(parts, blender, given, tmp_path):
+    image = saved(blender, tmp_path, "PNG", has_alpha=True)
+    numbers = [given.images.index(image, "a test", associated=associated) for associated in (True, False, True, False)]
+    assert numbers == [0, 1, 0, 1] and not image.has_data
+    module = parts.part("export.image")
+    for associated, sent in zip((True, False), given.sent, strict=True):
+        assert np.array_equal(sent, by_blender(image, module, associated=associated))
+
+
+def test_what_blender_holds_differently_is_read_from_blender(parts, blender, given, tmp_path):
+    deep = saved(blender, tmp_path, "PNG", is_deep=True)
+    assert given.files.pixels(deep) is None
+    painted = saved(blender, tmp_path, "JPEG")
+    painted.pixels[0] = 0.25
+    assert painted.is_dirty and given.files.pixels(painted) is None
+    given.images.index(painted, "a test", associated=True)
+    assert given.sent[0][0, 0, 0] == 64
+    generated = blender.data.images.new("generated", 4, 4)
+    assert given.files.pixels(generated) is None
+
+
+def test_files_that_cannot_be_read_are_magenta_and_named(blender, given, tmp_path):
+    image = saved(blender, tmp_path, "PNG")
+    for name, content in (("broken.png", b"\x89PNG\r\n\x1a\n"), ("empty.jpg", b""), ("text.png", b"no picture")):
+        path = tmp_path / name
+        path.write_bytes(content)
+        image.filepath = str(path)
+        image.buffers_free()
+        given.images.index(image.copy(), "a test", associated=True)
+    assert len(given.warned) == 3 and all("cannot be read" in line for line in given.warned)
+    assert all(pixels.shape == (1, 1, 4) for pixels in given.sent)
