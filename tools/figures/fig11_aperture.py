@@ -23,6 +23,8 @@ KINDS = (
 )
 #: Pictures of one lamp: name, samples, denoising.
 NEAR = (("near", 1536, "off"), ("denoised", 96, "high"))
+#: Pixels across a denoised picture from which on it is measured: of a small one the filter takes the ring for noise.
+LEAST_WIDTH = 200
 _PLAIN = ("--effect", "ghosts=off", "--effect", "glare=off", "--effect", "diffraction=off")
 
 
@@ -67,21 +69,21 @@ def foretold(blend) -> tuple[np.ndarray, float]:
 
 def read(taken: dict[str, Taken]) -> Caption:
     caption = Caption(head=("picture", "corners counted", "strongest harmonic of the edge", "next"))
-    rings = {}
-    for name, *_ in NEAR:
-        # Rings: light by radius, against exact rays.
-        picture = taken[f"fig-11-open-{name}"]
-        rings[name] = _ring(picture)
+    is_large = taken["fig-11-open-denoised"].size[0] >= LEAST_WIDTH
+    names = [name for name, _, denoise in NEAR if denoise == "off" or is_large]
+    # Rings: light by radius, against exact rays.
+    rings = {name: _ring(taken[f"fig-11-open-{name}"]) for name in names}
     limit, brightest, rim, alike = rings["near"]
+    denoised = rings.get("denoised")
+    after = f"; denoised, of {NEAR[1][1]} samples, {denoised[2][0]:.2f} times and {denoised[3]:.3f}" if denoised else ""
     caption.sentences = [
         f"The wide-angle lens at {FOCAL_MM:g} mm, focused at {FOCUS_MM / 1000.0:g} m; the lamp by itself is {9.372:g} m away. Wide open, spherical "
         f"aberration draws a ring: at {brightest[0]:.2f} of the blur's radius ({brightest[1]:.2f} by exact rays, radius {limit:.2f} mm) it has "
         f"{rim[0]:.2f} times the light of the middle ({rim[1]:.2f} by exact rays); light over radius follows exact rays with a correlation of "
-        f"{alike:.3f}; denoised, of {NEAR[1][1]} samples, {rings['denoised'][2][0]:.2f} times and {rings['denoised'][3]:.3f}. At f/8 the diaphragm's "
-        f"shape is left: its corners are counted as the harmonics of the edge's radius over the angle.",
+        f"{alike:.3f}{after}. At f/8 the diaphragm's shape is left: its corners are counted as the harmonics of the edge's radius over the angle.",
     ]
     for kind, corners in (("round", 0), ("five", 5), ("six", 6)):
-        for name, *_ in NEAR:
+        for name in names:
             caption.rows.append(_corners(taken[f"fig-11-{kind}-{name}"], corners))
     return caption
 

@@ -61,7 +61,7 @@ fn lights(radius: f32) -> Arc<PreparedScene> {
     room_of_lights(radius).finish()
 }
 
-/// The same in fog that glows faintly, with the camera in it; its density is even, or rises from the floor.
+/// The lights of [`lights`] in fog that glows faintly, with the camera in it; the density is even, or rises from the floor.
 fn foggy(radius: f32, is_even: bool) -> Arc<PreparedScene> {
     let density = if is_even { "0.08" } else { r#"{"node": 1, "socket": "Value"}"# };
     let nodes = format!(
