@@ -23,7 +23,8 @@ KINDS = (
 )
 #: Pictures of one lamp: name, samples, denoising.
 NEAR = (("near", 1536, "off"), ("denoised", 96, "high"))
-#: Pixels across a denoised picture from which on it is measured: of a small one the filter takes the ring for noise.
+#: Pixels across a denoised picture from which on it is measured. At 240 it passes the checks; at 60 the ring is smoothed, and correlates with
+#: exact rays by 0.947. Sizes between were not tried.
 LEAST_WIDTH = 200
 _PLAIN = ("--effect", "ghosts=off", "--effect", "glare=off", "--effect", "diffraction=off")
 
