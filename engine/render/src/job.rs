@@ -337,6 +337,7 @@ impl Shared {
             halves: adapts,
             groups: beside.light_groups,
             parts: beside.parts.list().len(),
+            variance: true,
         };
         let film = Film::keeping(width, height, spreads, keep)
             .exposed(settings.film_exposure)

@@ -13,6 +13,7 @@
 //! this half, divided by how many of them start it. Light that lands farther from its tile than is kept by pixel counts
 //! by its squares alone, relative to the mean of the half.
 
+use super::variance::sample_variance;
 use super::{TileAccumulator, TileRect};
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +54,8 @@ struct Error {
     sums: Option<Vec<[f32; 4]>>,
     samples: u32,
     batches: u32,
+    /// Samples of the largest batch.
+    largest: u32,
     /// Light that is not in the patch: squares and sum of the colours.
     scattered: [f64; 2],
 }
@@ -98,6 +101,7 @@ impl Half {
             error.samples += samples;
         }
         error.batches += 1;
+        error.largest = error.largest.max(batch);
         if let Some((patch, samples)) = counted {
             self.samples += samples;
             add(&mut self.sums, &patch.sums);
@@ -122,6 +126,18 @@ impl Half {
             }
             same
         });
+    }
+
+    /// The variance of the mean of the counted samples in pixel number `i` of the patch ([`sample_variance`]); `None` if one batch has all
+    /// samples.
+    pub(super) fn variance(&self, i: usize) -> Option<f32> {
+        if self.pixels == 0 {
+            return Some(0.0);
+        }
+        let error = &self.error;
+        let [r, g, b, _] = error.sums.as_ref().unwrap_or(&self.sums)[i];
+        let of_sample = sample_variance(error.squares[i], r * r + g * g + b * b, error.samples, error.largest);
+        of_sample.map(|v| v / self.samples as f32)
     }
 
     /// The squared relative error of what was seen by this half, of that number, of a tile, with the rectangle of its sums;

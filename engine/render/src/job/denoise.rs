@@ -64,9 +64,14 @@ impl Job {
         let (began, shared) = (Instant::now(), &self.shared);
         let caught = self.part(catcher::PARTS[0]);
         let share = if caught.is_some() { 0.5 } else { 1.0 };
-        let picture = self.cleaned(how, self.colour(), &|part| self.may_go_on(part * share))?;
+        let noisy = self.colour();
+        let mut picture = self.cleaned(how, &noisy, &|part| self.may_go_on(part * share))?;
+        // The shadow on a catcher is a ratio of two pictures: both are denoised alike.
+        if caught.is_none() {
+            petzval_denoise::combine(&mut picture, &noisy, &shared.film.variances(), self.columns());
+        }
         let caught =
-            caught.map(|noisy| self.cleaned(how, noisy, &|part| self.may_go_on(0.5 + part * share))).transpose()?;
+            caught.map(|noisy| self.cleaned(how, &noisy, &|part| self.may_go_on(0.5 + part * share))).transpose()?;
         *lock(&shared.denoised) = Some(Arc::new(Denoised { picture, caught, seconds: began.elapsed().as_secs_f64() }));
         shared.developed.store(0, Ordering::Relaxed);
         Ok(())
@@ -78,9 +83,11 @@ impl Job {
     /// # Errors
     /// As [`Self::denoise`].
     pub fn denoised_picture(&self, how: &Denoising) -> Result<Vec<[f32; 4]>, DenoiseError> {
-        let noisy = self.shared.film.picture();
-        let colour = noisy.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-        let clean = self.cleaned(how, colour, &|part| self.may_go_on(part))?;
+        // The variance first: it must not be that of more samples.
+        let (variance, noisy) = (self.shared.film.variances(), self.shared.film.picture());
+        let colour: Vec<[f32; 3]> = noisy.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+        let mut clean = self.cleaned(how, &colour, &|part| self.may_go_on(part))?;
+        petzval_denoise::combine(&mut clean, &colour, &variance, self.columns());
         Ok(noisy.into_iter().zip(clean).map(|([.., alpha], [r, g, b])| [r, g, b, alpha]).collect())
     }
 
@@ -93,11 +100,16 @@ impl Job {
         self.shared.film.picture().into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
     }
 
+    /// Pixels in a row of the picture.
+    fn columns(&self) -> usize {
+        self.shared.film.size().0 as usize
+    }
+
     /// Light of every pixel without its noise.
     fn cleaned(
         &self,
         how: &Denoising,
-        mut light: Vec<[f32; 3]>,
+        noisy: &[[f32; 3]],
         watch: &dyn Fn(f64) -> bool,
     ) -> Result<Vec<[f32; 3]>, DenoiseError> {
         let shared: &Shared = &self.shared;
@@ -115,7 +127,7 @@ impl Job {
         let request = Request {
             width: columns,
             height: rows,
-            colour: &part(&light),
+            colour: &part(noisy),
             albedo: albedo.as_deref(),
             normal: normal.as_deref(),
             prefilter: how.prefilter,
@@ -125,6 +137,7 @@ impl Job {
             memory_mb: Some(how.memory_mb).filter(|&mb| mb > 0),
         };
         let clean = denoiser.denoise(&request, watch)?;
+        let mut light = noisy.to_vec();
         for (row, pixels) in clean.as_chunks::<3>().0.chunks(columns.max(1)).enumerate() {
             light[place(row)..place(row) + columns].copy_from_slice(pixels);
         }
