@@ -83,6 +83,57 @@ def test_detail_is_kept_where_there_is_little_noise(parts, board, tmp_path, mode
     assert error(clean, truth) < 0.8 * error(noisy, truth)
 
 
+def adaptive(parts, scene, folder, name, threshold: float, **own) -> tuple[np.ndarray, float]:
+    """A picture of at most 512 samples by a noise threshold, and its mean samples a pixel."""
+    scene.petzval.use_noise_threshold, scene.petzval.noise_threshold = True, threshold
+    for key, value in own.items():
+        setattr(scene.petzval, key, value)
+    found = picture(parts, scene, folder, name, samples=512, denoise=True)
+    return found, parts.part("render.statistics").last(scene.name).stats["samples_mean"]
+
+
+def told_error(ours: np.ndarray, truth: np.ndarray) -> float:
+    """What a noise threshold is for: the error relative to the square root of brightness where that is below 1, without the worst hundredth."""
+    bright = truth.sum(axis=-1)
+    squares = 3.0 * ((ours - truth) ** 2).sum(axis=-1) / np.maximum(np.maximum(bright, bright**2), 0.003)
+    return float(np.sqrt(np.sort(squares.ravel())[: int(0.99 * squares.size)].mean()))
+
+
+@pytest.mark.parametrize("model", ["PINHOLE", "LENS"])
+def test_a_noise_threshold_is_for_what_denoising_leaves(parts, room, tmp_path, model):
+    room.camera.data.petzval.model, threshold = model, 0.03
+    room.petzval.seed = 1
+    truth = picture(parts, room, tmp_path, "truth", samples=1024, denoise=False)
+    room.petzval.seed = 0
+    by_samples, many = adaptive(parts, room, tmp_path, "samples", threshold, use_threshold_after_denoising=False)
+    by_picture, few = adaptive(parts, room, tmp_path, "picture", threshold, use_threshold_after_denoising=True)
+    assert few < 0.5 * many
+    # The forecast of a block is right to about a third.
+    assert told_error(by_samples, truth) < told_error(by_picture, truth) < 1.3 * threshold
+    # It is not the noise that keeps the threshold.
+    room.petzval.use_noise_threshold = False
+    noisy = picture(parts, room, tmp_path, "noisy", samples=int(few), denoise=False)
+    assert told_error(noisy, truth) > 1.5 * threshold
+
+
+@pytest.mark.once
+def test_samples_by_what_denoising_leaves_are_the_same_on_any_number_of_threads(parts, room, tmp_path):
+    room.render.threads_mode, found = "FIXED", []
+    for threads in (1, 3):
+        room.render.threads = threads
+        found.append(adaptive(parts, room, tmp_path, f"{threads}", 0.05)[0])
+    assert np.array_equal(*found)
+
+
+@pytest.mark.once
+def test_where_nothing_can_be_denoised_the_threshold_is_for_the_noise(parts, room, tmp_path, monkeypatch):
+    by_samples = adaptive(parts, room, tmp_path, "samples", 0.1, use_threshold_after_denoising=False)[1]
+    no_library = tmp_path / "none.so"
+    no_library.write_text("no library")
+    monkeypatch.setattr(parts.part("data.denoiser"), "library", lambda: no_library)
+    assert adaptive(parts, room, tmp_path, "broken", 0.1, use_threshold_after_denoising=True)[1] == by_samples
+
+
 @pytest.mark.once
 def test_qualities_prefilters_and_guides_are_cycles_own(parts, room, tmp_path):
     noisy = picture(parts, room, tmp_path, "noisy", samples=4, denoise=False)

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use api::{Buffer, Device, Functions};
-pub use combine::combine;
+pub use combine::{combine, moved, remaining};
 use serde::Deserialize;
 use thiserror::Error;
 

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 /// Pixels on a side of the tiles whose counts are decided together: small enough to follow an edge that is unsharp, large
 /// enough to know their error from few samples.
-pub(super) const BLOCK_SIZE: u32 = 8;
+pub(crate) const BLOCK_SIZE: u32 = 8;
 /// Distance beyond its edge, in pixels, within which a block keeps its light pixel by pixel.
 pub(super) const BLOCK_SPREAD: u32 = 2;
 /// Brightness, sum of channels, below which nothing needs to be truer: a third of it is the step of eight bits near white.
@@ -176,7 +176,7 @@ fn add(sums: &mut [[f32; 4]], more: &[[f64; 4]]) {
 }
 
 /// The reference of a relative squared error at a brightness.
-fn weight(brightness: f32) -> f32 {
+pub(crate) fn weight(brightness: f32) -> f32 {
     brightness.max(brightness * brightness).max(DARK)
 }
 

@@ -194,7 +194,7 @@ mod tests {
                         patch.add(4, 4, Rgb::new(64.0, 0.0, 0.0));
                     }
                     if halves {
-                        [0, 1].map(|half| film.add_batch(0, half, Some((&patch, samples)), None));
+                        [0, 1].into_iter().for_each(|half| film.add_batch(0, half, Some((&patch, samples)), None));
                     } else {
                         film.add_pass(0, pass as u32, patch, samples).unwrap();
                     }
