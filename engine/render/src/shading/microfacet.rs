@@ -3,9 +3,8 @@
 //!
 //! All directions in the frame of the shading normal, +z.
 
-use crate::sampler::warp;
 use glam::Vec3A;
-use std::f32::consts::PI;
+use std::f32::consts::{PI, TAU};
 
 /// Facets narrower than this are a mirror: their densities leave single precision.
 pub(super) const MIRROR_BELOW: f32 = 1e-4;
@@ -76,8 +75,12 @@ impl Ggx {
             return Vec3A::Z;
         }
         let stretched = Vec3A::new(self.alpha * wo.x, self.alpha * wo.y, wo.z).normalize();
-        // A spherical cap seen from the stretched direction (Dupuy and Benyoub 2023).
-        let h = warp::sample_cap(u, stretched.z) + stretched;
+        // A spherical cap seen from the stretched direction.
+        let phi = TAU * u[0];
+        let z = (1.0 - u[1]) * (1.0 + stretched.z) - stretched.z;
+        let r = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
+        let (s, c) = phi.sin_cos();
+        let h = Vec3A::new(r * c, r * s, z) + stretched;
         Vec3A::new(self.alpha * h.x, self.alpha * h.y, h.z.max(0.0)).normalize_or(Vec3A::Z)
     }
 
@@ -124,7 +127,7 @@ mod tests {
                 // Even steps in the angle resolve the narrow peak.
                 let theta = std::f32::consts::FRAC_PI_2 * (i as f32 + 0.5) / n as f32;
                 let h = Vec3A::new(theta.sin(), 0.0, theta.cos());
-                let ring = std::f32::consts::TAU * theta.sin() * std::f32::consts::FRAC_PI_2 / n as f32;
+                let ring = TAU * theta.sin() * std::f32::consts::FRAC_PI_2 / n as f32;
                 area += (ggx.density(h) * h.z * ring) as f64;
             }
             assert!((area - 1.0).abs() < 1e-3, "{roughness}: {area}");

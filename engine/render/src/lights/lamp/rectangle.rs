@@ -6,8 +6,8 @@
 use glam::Vec3A;
 use std::f32::consts::TAU;
 
-/// A rectangle farther away than its longer side, of less solid angle (sr), looks the same from all its points: by area is quicker.
-const SMALL: f32 = 0.02;
+/// Distance of the middle, in longer sides, beyond which all points count about alike: by area is quicker then.
+const NEAR: f32 = 2.0;
 /// A solid angle that single precision still knows, sr.
 const LEAST: f32 = 1e-3;
 /// A distance of the plane, over the longer side, at which it still knows the edges' directions.
@@ -34,8 +34,7 @@ impl SphericalRectangle {
     /// where it is to be sampled by area.
     pub(super) fn new(center: Vec3A, [width, length]: [f32; 2]) -> Option<Self> {
         let height = center.z;
-        let distance = center.length();
-        let is_near = distance < width.max(length) || width * length * height > SMALL * distance.powi(3);
+        let is_near = center.length() < NEAR * width.max(length);
         if !(height > LOWEST * width.max(length) && is_near) {
             return None;
         }

@@ -9,10 +9,9 @@ use super::super::microfacet::{MIRROR_BELOW, reflect, refract};
 use super::super::thin_film::RelativeFilm;
 use super::LobeDirection;
 use crate::Rgb;
-use crate::sampler::warp;
 use crate::scene::closure::Distribution;
 use glam::Vec3A;
-use std::f32::consts::PI;
+use std::f32::consts::{PI, TAU};
 
 /// The distribution of microfacets: GGX (Walter et al. 2007) or Beckmann's, `alpha` wide along x and y.
 #[derive(Clone, Copy, Debug)]
@@ -85,8 +84,11 @@ impl Slopes {
             let [x, y] = beckmann::sample_slopes(stretched, u);
             return Vec3A::new(-ax * x, -ay * y, 1.0).normalize();
         }
+        let (sin, cos) = (TAU * u[0]).sin_cos();
         // A spherical cap seen from the stretched direction (Dupuy and Benyoub 2023).
-        let h = warp::sample_cap(u, stretched.z) + stretched;
+        let z = (1.0 - u[1]) * (1.0 + stretched.z) - stretched.z;
+        let r = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
+        let h = Vec3A::new(r * cos, r * sin, z) + stretched;
         Vec3A::new(ax * h.x, ay * h.y, h.z.max(0.0)).normalize_or(Vec3A::Z)
     }
 

@@ -87,7 +87,9 @@ impl Velvet {
     pub(super) const PDF: f32 = 1.0 / TAU;
 
     pub(super) fn sample(u: [f32; 2]) -> Vec3A {
-        warp::sample_cap(u, 0.0)
+        let (sin, cos) = (TAU * u[0]).sin_cos();
+        let r = (u[1] * (2.0 - u[1])).max(0.0).sqrt();
+        Vec3A::new(r * cos, r * sin, 1.0 - u[1])
     }
 }
 
