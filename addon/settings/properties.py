@@ -82,6 +82,12 @@ class PetzvalScene(bpy.types.PropertyGroup):
         soft_max=0.5,
         precision=4,
     )
+    use_threshold_after_denoising: BoolProperty(
+        name="After Denoising",
+        description="Where the picture is denoised, the noise threshold is for what denoising leaves: far fewer samples are "
+        "needed. Off: for the noise of the samples, as in Cycles",
+        default=True,
+    )
     min_samples: IntProperty(
         name="Min Samples",
         description="Camera rays for each pixel before its noise is first looked at; zero is 16. More find rare bright "

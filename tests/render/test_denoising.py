@@ -49,6 +49,91 @@ def test_a_denoised_picture_is_nearer_the_truth(parts, room, tmp_path, model):
     assert abs(clean.mean() / truth.mean() - 1.0) < 0.05
 
 
+@pytest.fixture
+def board(parts, blender):
+    """A board of squares of half a pixel and larger under a sun: fine detail, and little noise."""
+    scene = parts.set_up(WIDTH, HEIGHT, samples=64)
+    scene.world = parts.grey_world(0.1)
+    blender.ops.mesh.primitive_plane_add(size=60.0, location=(0.0, 20.0, -1.0))
+    material = blender.data.materials.new("Squares")
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    squares = nodes.new("ShaderNodeTexChecker")
+    squares.inputs["Scale"].default_value = 9.0
+    links.new(nodes.new("ShaderNodeNewGeometry").outputs["Position"], squares.inputs["Vector"])
+    links.new(squares.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
+    blender.context.object.data.materials.append(material)
+    sun = blender.data.objects.new("Sun", blender.data.lights.new("Sun", "SUN"))
+    sun.rotation_euler = (0.5, 0.2, 0.0)
+    scene.collection.objects.link(sun)
+    return scene
+
+
+@pytest.mark.parametrize("model", ["PINHOLE", "LENS"])
+@pytest.mark.parametrize("threshold", [0.0, 0.02])
+def test_detail_is_kept_where_there_is_little_noise(parts, board, tmp_path, model, threshold):
+    """Denoised alone, without what is taken back from the noisy picture, its error would be 0.9 to 2.8 times that of noise."""
+    board.camera.data.petzval.model = model
+    board.petzval.seed = 1
+    truth = picture(parts, board, tmp_path, "truth", samples=1024, denoise=False)
+    board.petzval.seed = 0
+    board.petzval.use_noise_threshold, board.petzval.noise_threshold = threshold > 0.0, threshold or 0.1
+    noisy = picture(parts, board, tmp_path, "noisy", samples=256, denoise=False)
+    clean = picture(parts, board, tmp_path, "clean", samples=256, denoise=True)
+    assert error(clean, truth) < 0.8 * error(noisy, truth)
+
+
+def adaptive(parts, scene, folder, name, threshold: float, **own) -> tuple[np.ndarray, float]:
+    """A picture of at most 512 samples by a noise threshold, and its mean samples a pixel."""
+    scene.petzval.use_noise_threshold, scene.petzval.noise_threshold = True, threshold
+    for key, value in own.items():
+        setattr(scene.petzval, key, value)
+    found = picture(parts, scene, folder, name, samples=512, denoise=True)
+    return found, parts.part("render.statistics").last(scene.name).stats["samples_mean"]
+
+
+def told_error(ours: np.ndarray, truth: np.ndarray) -> float:
+    """What a noise threshold is for: the error relative to the square root of brightness where that is below 1, without the worst hundredth."""
+    bright = truth.sum(axis=-1)
+    squares = 3.0 * ((ours - truth) ** 2).sum(axis=-1) / np.maximum(np.maximum(bright, bright**2), 0.003)
+    return float(np.sqrt(np.sort(squares.ravel())[: int(0.99 * squares.size)].mean()))
+
+
+@pytest.mark.parametrize("model", ["PINHOLE", "LENS"])
+def test_a_noise_threshold_is_for_what_denoising_leaves(parts, room, tmp_path, model):
+    room.camera.data.petzval.model, threshold = model, 0.03
+    room.petzval.seed = 1
+    truth = picture(parts, room, tmp_path, "truth", samples=1024, denoise=False)
+    room.petzval.seed = 0
+    by_samples, many = adaptive(parts, room, tmp_path, "samples", threshold, use_threshold_after_denoising=False)
+    by_picture, few = adaptive(parts, room, tmp_path, "picture", threshold, use_threshold_after_denoising=True)
+    assert few < 0.5 * many
+    # The forecast of a block is right to about a third.
+    assert told_error(by_samples, truth) < told_error(by_picture, truth) < 1.3 * threshold
+    # It is not the noise that keeps the threshold.
+    room.petzval.use_noise_threshold = False
+    noisy = picture(parts, room, tmp_path, "noisy", samples=int(few), denoise=False)
+    assert told_error(noisy, truth) > 1.5 * threshold
+
+
+@pytest.mark.once
+def test_samples_by_what_denoising_leaves_are_the_same_on_any_number_of_threads(parts, room, tmp_path):
+    room.render.threads_mode, found = "FIXED", []
+    for threads in (1, 3):
+        room.render.threads = threads
+        found.append(adaptive(parts, room, tmp_path, f"{threads}", 0.05)[0])
+    assert np.array_equal(*found)
+
+
+@pytest.mark.once
+def test_where_nothing_can_be_denoised_the_threshold_is_for_the_noise(parts, room, tmp_path, monkeypatch):
+    by_samples = adaptive(parts, room, tmp_path, "samples", 0.1, use_threshold_after_denoising=False)[1]
+    no_library = tmp_path / "none.so"
+    no_library.write_text("no library")
+    monkeypatch.setattr(parts.part("data.denoiser"), "library", lambda: no_library)
+    assert adaptive(parts, room, tmp_path, "broken", 0.1, use_threshold_after_denoising=True)[1] == by_samples
+
+
 @pytest.mark.once
 def test_qualities_prefilters_and_guides_are_cycles_own(parts, room, tmp_path):
     noisy = picture(parts, room, tmp_path, "noisy", samples=4, denoise=False)

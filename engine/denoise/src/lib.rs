@@ -4,6 +4,7 @@
 //! `libOpenImageDenoise.so.2`, `OpenImageDenoise.dll` or `libOpenImageDenoise.dylib`. Versions 2.0 and later have one interface.
 
 mod api;
+mod combine;
 
 use std::ffi::CStr;
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use api::{Buffer, Device, Functions};
+pub use combine::{combine, moved, remaining};
 use serde::Deserialize;
 use thiserror::Error;
 

@@ -192,6 +192,7 @@ class SettingsDescription:
     height: int
     samples: int = 64
     noise_threshold: float = 0.0  # relative error at which a pixel has samples enough; 0: all get the same
+    denoising: DenoisingDescription | None = None  # the error is what this leaves; None: it is that of the samples
     min_samples: int = 0  # before a pixel's error is first looked at; 0: 16
     seed: int = 0
     blue_noise: bool = False  # the errors of neighbouring pixels cancel; ranges of samples then do not make the whole

@@ -12,6 +12,7 @@ mod develop;
 mod error;
 pub mod forecast;
 mod parts;
+mod remaining;
 mod report;
 pub mod request;
 mod settings;
@@ -113,6 +114,8 @@ struct Shared {
     passes: Vec<(u32, u32)>,
     /// The decisions by which pixels get as many samples as they need; `None` where all get as many.
     adaptive: Option<Adaptive>,
+    /// Held by the thread that decides for all blocks.
+    deciding: Mutex<()>,
     next: AtomicUsize,
     stop: AtomicBool,
     counts: Mutex<Counts>,
@@ -337,6 +340,7 @@ impl Shared {
             halves: adapts,
             groups: beside.light_groups,
             parts: beside.parts.list().len(),
+            variance: true,
         };
         let film = Film::keeping(width, height, spreads, keep)
             .exposed(settings.film_exposure)
@@ -360,6 +364,7 @@ impl Shared {
             stage,
             cameras,
             settings,
+            deciding: Mutex::default(),
             next: AtomicUsize::new(0),
             stop: AtomicBool::new(false),
             counts: Mutex::default(),
@@ -495,20 +500,24 @@ impl Shared {
         let task = self.next.fetch_add(1, Ordering::Relaxed);
         let (pass, tile) = (task / tiles, task % tiles);
         let now = *adaptive.passes.get(pass)?;
-        // What is left to do depends on the pass before, which may still be under way in another thread.
+        // What is left to do depends on the pass before, which may still be under way in another thread, and on the decisions after it.
+        let before = pass.checked_sub(1).map(|number| (number as u32, adaptive.passes[number]));
         loop {
             let passes = self.film.tile(tile).passes;
-            if passes == pass as u32 {
-                break;
-            }
             // Kept from before.
             if passes > pass as u32 {
                 return Some(());
             }
+            let undecided = before.filter(|(_, pass)| !adaptive.has_decided(tile, *pass));
+            match undecided.filter(|_| passes == pass as u32) {
+                None if passes == pass as u32 => break,
+                Some(before) if self.decide_together(adaptive, before, stopped) => continue,
+                Some(_) => remaining::wait(),
+                None => std::thread::yield_now(),
+            }
             if stopped() {
                 return None;
             }
-            std::thread::yield_now();
         }
         let mut found = [[None, None], [None, None]];
         let mut sum = Counts::default();
@@ -531,7 +540,10 @@ impl Shared {
             }
             adaptive.count(&self.film, tile, half, counted.map_or(0, |(_, count)| count));
         }
-        adaptive.look(&self.film, tile, now);
+        if s.denoising.is_none() {
+            let errors = [0, 1].map(|half| self.film.squared_error(tile, half));
+            adaptive.look(&self.film, tile, now, errors);
+        }
         self.film.end_pass(tile);
         Some(())
     }

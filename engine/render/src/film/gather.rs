@@ -5,11 +5,11 @@ use std::collections::HashSet;
 
 /// Light that is kept neither by tile nor divided yet, where counts differ.
 #[derive(Default)]
-struct GatheredLight {
+pub(super) struct GatheredLight {
     /// The light by pixel of the picture, if there is any.
     far: Vec<[f32; 3]>,
     /// Factor of each half's sums of light from anywhere.
-    scales: [f64; 2],
+    pub scales: [f64; 2],
 }
 
 impl Film {
@@ -50,7 +50,7 @@ impl Film {
     }
 
     /// The light that no tile keeps, where sample counts differ.
-    fn scattered(&self) -> GatheredLight {
+    pub(super) fn scattered(&self) -> GatheredLight {
         let mut out = GatheredLight::default();
         if !self.keep.halves {
             return out;

@@ -13,12 +13,13 @@
 //! this half, divided by how many of them start it. Light that lands farther from its tile than is kept by pixel counts
 //! by its squares alone, relative to the mean of the half.
 
+use super::variance::sample_variance;
 use super::{TileAccumulator, TileRect};
 use serde::{Deserialize, Serialize};
 
 /// Pixels on a side of the tiles whose counts are decided together: small enough to follow an edge that is unsharp, large
 /// enough to know their error from few samples.
-pub(super) const BLOCK_SIZE: u32 = 8;
+pub(crate) const BLOCK_SIZE: u32 = 8;
 /// Distance beyond its edge, in pixels, within which a block keeps its light pixel by pixel.
 pub(super) const BLOCK_SPREAD: u32 = 2;
 /// Brightness, sum of channels, below which nothing needs to be truer: a third of it is the step of eight bits near white.
@@ -53,6 +54,8 @@ struct Error {
     sums: Option<Vec<[f32; 4]>>,
     samples: u32,
     batches: u32,
+    /// Samples of the largest batch.
+    largest: u32,
     /// Light that is not in the patch: squares and sum of the colours.
     scattered: [f64; 2],
 }
@@ -98,6 +101,7 @@ impl Half {
             error.samples += samples;
         }
         error.batches += 1;
+        error.largest = error.largest.max(batch);
         if let Some((patch, samples)) = counted {
             self.samples += samples;
             add(&mut self.sums, &patch.sums);
@@ -122,6 +126,18 @@ impl Half {
             }
             same
         });
+    }
+
+    /// The variance of the mean of the counted samples in pixel number `i` of the patch ([`sample_variance`]); `None` if one batch has all
+    /// samples.
+    pub(super) fn variance(&self, i: usize) -> Option<f32> {
+        if self.pixels == 0 {
+            return Some(0.0);
+        }
+        let error = &self.error;
+        let [r, g, b, _] = error.sums.as_ref().unwrap_or(&self.sums)[i];
+        let of_sample = sample_variance(error.squares[i], r * r + g * g + b * b, error.samples, error.largest);
+        of_sample.map(|v| v / self.samples as f32)
     }
 
     /// The squared relative error of what was seen by this half, of that number, of a tile, with the rectangle of its sums;
@@ -160,7 +176,7 @@ fn add(sums: &mut [[f32; 4]], more: &[[f64; 4]]) {
 }
 
 /// The reference of a relative squared error at a brightness.
-fn weight(brightness: f32) -> f32 {
+pub(crate) fn weight(brightness: f32) -> f32 {
     brightness.max(brightness * brightness).max(DARK)
 }
 

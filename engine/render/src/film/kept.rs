@@ -1,6 +1,7 @@
 //! A film as it can be kept and had again, bit by bit.
 
 use super::splats::{SplatState, SplatSums};
+use super::variance::{BatchSquares, SquareSums};
 use super::{Film, TileSums};
 use serde::{Deserialize, Serialize};
 use std::sync::PoisonError;
@@ -19,6 +20,7 @@ struct OwnState {
     tiles: Vec<TileSums>,
     far: SplatState,
     anywhere: [SplatState; 2],
+    squares: [SplatState; 2],
 }
 
 /// The kept sums are those of a film of another size, or of one that keeps other things.
@@ -37,6 +39,7 @@ impl Film {
             tiles: (0..self.tiles.len()).map(|tile| self.tile(tile).clone()).collect(),
             far: self.far.state(),
             anywhere: self.anywhere.each_ref().map(SplatSums::state),
+            squares: self.squares.each_ref().map(SquareSums::state),
         }
     }
 
@@ -69,6 +72,9 @@ impl Film {
         self.far = sums(state.far)?;
         let [first, second] = state.anywhere;
         self.anywhere = [sums(first)?, sums(second)?];
+        let sums = |state| SquareSums::restored(pixels, state).ok_or(NotThisFilm);
+        let [first, second] = state.squares;
+        self.squares = [sums(first)?, sums(second)?];
         Ok(())
     }
 }
@@ -83,6 +89,7 @@ impl TileSums {
             _ => false,
         };
         halves
+            && self.squares.as_ref().map(BatchSquares::len) == other.squares.as_ref().map(BatchSquares::len)
             && here.rect == there.rect
             && here.sums.len() == there.sums.len()
             && here.data.len() == there.data.len()

@@ -14,6 +14,7 @@ mod groups;
 pub mod halves;
 mod kept;
 pub mod splats;
+mod variance;
 
 use crate::Rgb;
 use crate::integrator::path::FirstSurface;
@@ -25,6 +26,7 @@ pub use kept::{FilmState, NotThisFilm};
 use serde::{Deserialize, Serialize};
 use splats::SplatSums;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use variance::{BatchSquares, SquareSums, scattered};
 
 /// Side of a tile in pixels. Larger tiles leave threads idle at the end of a pass; smaller ones cost messages.
 pub const TILE_SIZE: u32 = 32;
@@ -90,6 +92,8 @@ pub struct FilmChannels {
     pub groups: u16,
     /// Parts of paths that are, by their places.
     pub parts: usize,
+    /// True to keep what [`Film::variances`] needs.
+    pub variance: bool,
 }
 
 /// Bytes of memory that each pixel takes of a film that keeps these: what surfaces the pixels see, how they move, which they are,
@@ -97,11 +101,13 @@ pub struct FilmChannels {
 pub fn bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, halves: bool, groups: usize) -> usize {
     // Light that falls far from its tile has sums of two sizes, three colours each.
     let light = size_of::<[f64; 4]>() + 6 * size_of::<i64>();
+    // Squares for the variance: of what falls far from its tile they have two sizes, too.
+    let variance = size_of::<f32>() + 2 * size_of::<i64>();
     let surfaces = if surfaces { size_of::<data::DataSums>() } else { 0 };
     let vectors = if vectors { size_of::<data::VectorSums>() } else { 0 };
     // How many names cover a pixel differs; four, of number and count each, are many.
     let mattes = if mattes { 4 * 8 } else { 0 };
-    (light + if halves { light } else { 0 }) * (1 + groups) + surfaces + vectors + mattes
+    (light + if halves { light } else { 0 }) * (1 + groups) + variance + surfaces + vectors + mattes
 }
 
 /// Light on a part of the picture, while one thread gathers it.
@@ -217,6 +223,8 @@ pub struct TileSums {
     mattes: MatteSums,
     /// The light instead, if counts of samples differ.
     halves: Option<Box<[Half; 2]>>,
+    /// The squares of its batches, if the variance is kept and counts do not differ.
+    squares: Option<BatchSquares>,
     /// Samples of each of its pixels; the fewer, if they differ.
     pub samples: u32,
     /// Passes that have been added.
@@ -245,6 +253,8 @@ pub struct Film {
     far: SplatSums,
     /// Light from anywhere, of each half's samples.
     anywhere: [SplatSums; 2],
+    /// Squares of the light that no tile keeps, of each half's samples; the first has all where counts do not differ.
+    squares: [SquareSums; 2],
     keep: FilmChannels,
     /// Factor of the light when it is read.
     exposure: f32,
@@ -288,14 +298,17 @@ impl Film {
                 Box::new([0, 1].map(|half| Half::new(rects[place].count_of(half) as u32, pixels)))
             });
             let mattes = MatteSums::default();
-            (rects[place], Mutex::new(TileSums { light, mattes, halves, samples: 0, passes: 0, changed: false }))
+            let squares = (keep.variance && !keep.halves).then(|| BatchSquares::new(light.sums.len()));
+            let sums = TileSums { light, mattes, halves, squares, samples: 0, passes: 0, changed: false };
+            (rects[place], Mutex::new(sums))
         };
         let sums = || SplatSums::new(width as usize * height as usize);
         let tiles = order.iter().map(tile).collect();
         let groups = Self::of_groups(width, height, spreads, &keep);
         let (far, anywhere) = (sums(), [sums(), sums()]);
+        let squares = [0, 1].map(|_| SquareSums::new(width as usize * height as usize));
         let (exposure, gains) = (1.0, Arc::default());
-        Self { width, height, tile_size, tiles, places, far, anywhere, keep, exposure, gains, groups }
+        Self { width, height, tile_size, tiles, places, far, anywhere, squares, keep, exposure, gains, groups }
     }
 
     /// This film with all its light multiplied by a factor, that of groups too.
@@ -381,6 +394,9 @@ impl Film {
     }
 
     fn join(&self, sums: &mut TileSums, light: &TileAccumulator, samples: u32) {
+        if let Some(squares) = &mut sums.squares {
+            squares.add(&light.sums, samples, &sums.light.sums, sums.samples);
+        }
         for (sum, add) in sums.light.sums.iter_mut().zip(&light.sums) {
             for (s, a) in sum.iter_mut().zip(add) {
                 *s += a;
@@ -388,8 +404,9 @@ impl Film {
         }
         sums.join_data(&self.keep, light);
         for &(x, y, radiance) in &light.far {
-            self.far.add(y as usize * self.width as usize + x as usize, radiance.to_array());
+            self.far.add(self.number(x, y), radiance.to_array());
         }
+        self.add_squares(0, light.far.iter());
         sums.samples += samples;
         sums.passes += 1;
         sums.changed = true;
@@ -416,8 +433,14 @@ impl Film {
         sums.changed = true;
         sums.join_data(&self.keep, light);
         for &(x, y, radiance) in light.anywhere.iter().flatten().chain(&light.aimed) {
-            self.anywhere[half].add(y as usize * self.width as usize + x as usize, radiance.to_array());
+            self.anywhere[half].add(self.number(x, y), radiance.to_array());
         }
+        self.add_squares(half, scattered(light));
+    }
+
+    /// The number of a pixel in lists of the whole picture.
+    fn number(&self, x: u32, y: u32) -> usize {
+        y as usize * self.width as usize + x as usize
     }
 
     /// Ends a pass of a tile whose halves have got their batches.

@@ -16,35 +16,35 @@ const LARGE: f64 = 1024.0;
 /// The value that brighter ones are clamped to: a million of these overflow no sum.
 const BRIGHTEST: f64 = (1u64 << 31) as f64;
 
-/// Sums of colours by pixel.
+/// Sums of colours by pixel, or of so many other numbers.
 #[derive(Default)]
-pub struct SplatSums {
-    /// The sums, three numbers a pixel; made when light first arrives.
+pub struct SplatSums<const CHANNELS: usize = 3> {
+    /// The sums, the channels pixel by pixel; made when light first arrives.
     fine: OnceLock<Box<[AtomicI64]>>,
     coarse: OnceLock<Box<[AtomicI64]>>,
     pixels: usize,
 }
 
-/// Sums as they are kept: quanta, three a pixel, where any light has arrived.
+/// Sums as they are kept: quanta, the channels pixel by pixel, where any light has arrived.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct SplatState {
     fine: Option<Vec<i64>>,
     coarse: Option<Vec<i64>>,
 }
 
-impl SplatSums {
+impl<const CHANNELS: usize> SplatSums<CHANNELS> {
     /// Sums of zero for so many pixels.
     pub fn new(pixels: usize) -> Self {
         Self { pixels, ..Self::default() }
     }
 
     /// Adds a finite colour to a pixel.
-    pub fn add(&self, pixel: usize, colour: [f32; 3]) {
+    pub fn add(&self, pixel: usize, colour: [f32; CHANNELS]) {
         for (channel, value) in colour.into_iter().enumerate() {
             let value = f64::from(value).clamp(-BRIGHTEST, BRIGHTEST);
             let (sums, quanta) = if value.abs() < LARGE { (&self.fine, FINE) } else { (&self.coarse, COARSE) };
-            let sums = sums.get_or_init(|| (0..3 * self.pixels).map(|_| AtomicI64::new(0)).collect());
-            sums[3 * pixel + channel].fetch_add((value * quanta).round_ties_even() as i64, Ordering::Relaxed);
+            let sums = sums.get_or_init(|| (0..CHANNELS * self.pixels).map(|_| AtomicI64::new(0)).collect());
+            sums[CHANNELS * pixel + channel].fetch_add((value * quanta).round_ties_even() as i64, Ordering::Relaxed);
         }
     }
 
@@ -61,7 +61,7 @@ impl SplatSums {
         let sums = Self::new(pixels);
         for (sums, values) in [(&sums.fine, state.fine), (&sums.coarse, state.coarse)] {
             let Some(values) = values else { continue };
-            if values.len() != 3 * pixels {
+            if values.len() != CHANNELS * pixels {
                 return None;
             }
             sums.get_or_init(|| values.into_iter().map(AtomicI64::new).collect());
@@ -75,11 +75,14 @@ impl SplatSums {
     }
 
     /// The sum of the colours that a pixel got.
-    pub fn get(&self, pixel: usize) -> [f64; 3] {
+    pub fn get(&self, pixel: usize) -> [f64; CHANNELS] {
         let read = |sums: &OnceLock<Box<[AtomicI64]>>, at: usize, quanta: f64| {
             sums.get().map_or(0.0, |sums| sums[at].load(Ordering::Relaxed) as f64 / quanta)
         };
-        [0, 1, 2].map(|c| read(&self.fine, 3 * pixel + c, FINE) + read(&self.coarse, 3 * pixel + c, COARSE))
+        std::array::from_fn(|c| {
+            let at = CHANNELS * pixel + c;
+            read(&self.fine, at, FINE) + read(&self.coarse, at, COARSE)
+        })
     }
 }
 
@@ -89,18 +92,18 @@ mod tests {
 
     #[test]
     fn sums_come_back_as_they_were() {
-        let sums = SplatSums::new(3);
+        let sums: SplatSums = SplatSums::new(3);
         sums.add(2, [0.25, 5000.0, -1e-3]);
-        let back = SplatSums::restored(3, sums.state()).unwrap();
+        let back: SplatSums = SplatSums::restored(3, sums.state()).unwrap();
         assert_eq!([0, 1, 2].map(|i| back.get(i)), [0, 1, 2].map(|i| sums.get(i)));
-        assert!(SplatSums::restored(4, sums.state()).is_none());
-        assert!(SplatSums::restored(4, SplatSums::new(3).state()).unwrap().is_empty());
+        assert!(SplatSums::<3>::restored(4, sums.state()).is_none());
+        assert!(SplatSums::<3>::restored(4, SplatSums::<3>::new(3).state()).unwrap().is_empty());
     }
 
     #[test]
     fn the_order_does_not_matter() {
         let values: Vec<f32> = (0..10_000).map(|i| ((i as f32 * 0.37).sin() * 20.0).exp()).collect();
-        let (a, b) = (SplatSums::new(2), SplatSums::new(2));
+        let (a, b): (SplatSums, SplatSums) = (SplatSums::new(2), SplatSums::new(2));
         assert!(a.is_empty());
         values.iter().for_each(|&v| a.add(1, [v, -v, 1.0]));
         std::thread::scope(|scope| {

@@ -98,11 +98,15 @@ impl Adaptive {
         self.done.fetch_add(u64::from(samples) * film.rect(tile).count_of(half), Ordering::Relaxed);
     }
 
-    /// Decides how a tile goes on after a pass, where that is to be decided now.
-    pub(super) fn look(&self, film: &Film, tile: usize, pass: Pass) {
+    /// True if it is decided how a tile goes on after a pass.
+    pub(super) fn has_decided(&self, tile: usize, pass: Pass) -> bool {
+        pass.next_look.is_none_or(|next| lock(&self.plans[tile]).look >= next)
+    }
+
+    /// Decides how a tile goes on after a pass, where that is to be decided now, by the squared relative errors that its halves have seen.
+    pub(super) fn look(&self, film: &Film, tile: usize, pass: Pass, errors: [Option<f32>; 2]) {
         let Some(next) = pass.next_look else { return };
         let mut plan = lock(&self.plans[tile]);
-        let errors = [0, 1].map(|half| film.squared_error(tile, half));
         let before = *plan;
         for half in [0, 1].into_iter().filter(|&half| before.open[half]) {
             // A word that is missing is a picture's corner: it gets all.

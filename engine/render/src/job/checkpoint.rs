@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 /// The beginning of each file; another layout has another number. Then come the length of the header, the header, its checksum, the
 /// [`CheckpointBody`], and the body's length and checksum. Numbers are little-endian.
-const MAGIC: &[u8; 16] = b"Petzval film   2";
+const MAGIC: &[u8; 16] = b"Petzval film   3";
 /// The part of [`MAGIC`] that all layouts share.
 const MAGIC_STEM: &[u8] = b"Petzval film";
 /// Length of the longest header, bytes; it has a version and a fingerprint.

@@ -64,9 +64,15 @@ impl Job {
         let (began, shared) = (Instant::now(), &self.shared);
         let caught = self.part(catcher::PARTS[0]);
         let share = if caught.is_some() { 0.5 } else { 1.0 };
-        let picture = self.cleaned(how, self.colour(), &|part| self.may_go_on(part * share))?;
-        let caught =
-            caught.map(|noisy| self.cleaned(how, noisy, &|part| self.may_go_on(0.5 + part * share))).transpose()?;
+        let noisy = shared.colour();
+        let mut picture = self.shared.cleaned(how, &noisy, &|part| self.may_go_on(part * share))?;
+        // The shadow on a catcher is a ratio of two pictures: both are denoised alike.
+        if caught.is_none() {
+            petzval_denoise::combine(&mut picture, &noisy, &shared.film.variances(), self.columns());
+        }
+        let caught = caught
+            .map(|noisy| self.shared.cleaned(how, &noisy, &|part| self.may_go_on(0.5 + part * share)))
+            .transpose()?;
         *lock(&shared.denoised) = Some(Arc::new(Denoised { picture, caught, seconds: began.elapsed().as_secs_f64() }));
         shared.developed.store(0, Ordering::Relaxed);
         Ok(())
@@ -78,9 +84,11 @@ impl Job {
     /// # Errors
     /// As [`Self::denoise`].
     pub fn denoised_picture(&self, how: &Denoising) -> Result<Vec<[f32; 4]>, DenoiseError> {
-        let noisy = self.shared.film.picture();
-        let colour = noisy.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-        let clean = self.cleaned(how, colour, &|part| self.may_go_on(part))?;
+        // The variance first: it must not be that of more samples.
+        let (variance, noisy) = (self.shared.film.variances(), self.shared.film.picture());
+        let colour: Vec<[f32; 3]> = noisy.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+        let mut clean = self.shared.cleaned(how, &colour, &|part| self.may_go_on(part))?;
+        petzval_denoise::combine(&mut clean, &colour, &variance, self.columns());
         Ok(noisy.into_iter().zip(clean).map(|([.., alpha], [r, g, b])| [r, g, b, alpha]).collect())
     }
 
@@ -89,46 +97,9 @@ impl Job {
         !self.shared.stop_developing.load(Ordering::Relaxed)
     }
 
-    fn colour(&self) -> Vec<[f32; 3]> {
-        self.shared.film.picture().into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
-    }
-
-    /// Light of every pixel without its noise.
-    fn cleaned(
-        &self,
-        how: &Denoising,
-        mut light: Vec<[f32; 3]>,
-        watch: &dyn Fn(f64) -> bool,
-    ) -> Result<Vec<[f32; 3]>, DenoiseError> {
-        let shared: &Shared = &self.shared;
-        let denoiser = Denoiser::open(&how.library)?;
-        let (width, height) = shared.film.size();
-        let [left, bottom, columns, rows] =
-            shared.settings.window.unwrap_or([0, 0, width, height]).map(|pixels| pixels as usize);
-        let width = width as usize;
-        let place = |row: usize| (bottom + row) * width + left;
-        let part = |whole: &[[f32; 3]]| -> Vec<f32> {
-            (0..rows).flat_map(|row| whole[place(row)..place(row) + columns].as_flattened().iter().copied()).collect()
-        };
-        let guide = |pass: LightPass| self.part(pass).map(|whole| part(&whole));
-        let [albedo, normal] = how.guides().map(|pass| pass.and_then(guide));
-        let request = Request {
-            width: columns,
-            height: rows,
-            colour: &part(&light),
-            albedo: albedo.as_deref(),
-            normal: normal.as_deref(),
-            prefilter: how.prefilter,
-            quality: how.quality,
-            use_gpu: how.use_gpu,
-            threads: self.threads.len(),
-            memory_mb: Some(how.memory_mb).filter(|&mb| mb > 0),
-        };
-        let clean = denoiser.denoise(&request, watch)?;
-        for (row, pixels) in clean.as_chunks::<3>().0.chunks(columns.max(1)).enumerate() {
-            light[place(row)..place(row) + columns].copy_from_slice(pixels);
-        }
-        Ok(light)
+    /// Pixels in a row of the picture.
+    fn columns(&self) -> usize {
+        self.shared.film.size().0 as usize
     }
 
     fn denoised(&self) -> Option<Arc<Denoised>> {
@@ -165,5 +136,50 @@ impl Job {
     /// The picture with its noise, and with the light that strays once that is found; rows from below.
     pub fn noisy_picture(&self) -> Vec<[f32; 4]> {
         self.with_strayed(self.shared.film.picture())
+    }
+}
+
+impl Shared {
+    /// The light of every pixel as it is now; rows from below.
+    pub(super) fn colour(&self) -> Vec<[f32; 3]> {
+        self.film.picture().into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
+    }
+
+    /// Light of every pixel without its noise.
+    pub(super) fn cleaned(
+        &self,
+        how: &Denoising,
+        noisy: &[[f32; 3]],
+        watch: &dyn Fn(f64) -> bool,
+    ) -> Result<Vec<[f32; 3]>, DenoiseError> {
+        let denoiser = Denoiser::open(&how.library)?;
+        let (width, height) = self.film.size();
+        let [left, bottom, columns, rows] =
+            self.settings.window.unwrap_or([0, 0, width, height]).map(|pixels| pixels as usize);
+        let width = width as usize;
+        let place = |row: usize| (bottom + row) * width + left;
+        let part = |whole: &[[f32; 3]]| -> Vec<f32> {
+            (0..rows).flat_map(|row| whole[place(row)..place(row) + columns].as_flattened().iter().copied()).collect()
+        };
+        let guide = |pass: LightPass| self.part(pass).map(|whole| part(&whole));
+        let [albedo, normal] = how.guides().map(|pass| pass.and_then(guide));
+        let request = Request {
+            width: columns,
+            height: rows,
+            colour: &part(noisy),
+            albedo: albedo.as_deref(),
+            normal: normal.as_deref(),
+            prefilter: how.prefilter,
+            quality: how.quality,
+            use_gpu: how.use_gpu,
+            threads: self.settings.thread_count(),
+            memory_mb: Some(how.memory_mb).filter(|&mb| mb > 0),
+        };
+        let clean = denoiser.denoise(&request, watch)?;
+        let mut light = noisy.to_vec();
+        for (row, pixels) in clean.as_chunks::<3>().0.chunks(columns.max(1)).enumerate() {
+            light[place(row)..place(row) + columns].copy_from_slice(pixels);
+        }
+        Ok(light)
     }
 }

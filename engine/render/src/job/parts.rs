@@ -1,14 +1,21 @@
 //! Parts of a render's light as passes, each divided by its reference.
 
-use super::Job;
+use super::{Job, Shared};
 use crate::integrator::path::parts::LightPass;
 
 impl Job {
     /// A part of the light so far, three numbers a pixel, rows from below: light as it is, any other part divided by its reference. `None`:
     /// the part was not asked for.
     pub fn part(&self, part: LightPass) -> Option<Vec<[f32; 3]>> {
-        let place = self.shared.parts.place(part)?;
-        let whole = self.shared.film.parts()[place].picture().into_iter().map(|[r, g, b, _]| [r, g, b]);
+        self.shared.part(part)
+    }
+}
+
+impl Shared {
+    /// See [`Job::part`].
+    pub(super) fn part(&self, part: LightPass) -> Option<Vec<[f32; 3]>> {
+        let place = self.parts.place(part)?;
+        let whole = self.film.parts()[place].picture().into_iter().map(|[r, g, b, _]| [r, g, b]);
         let Some(base) = part.relative_to().and_then(|base| self.part(base)) else { return Some(whole.collect()) };
         let relative = whole.zip(base).map(|(of, base)| over(of, base));
         // Kept is what mist leaves: where a ray finds nothing, that is nothing.

@@ -1,5 +1,6 @@
 //! Settings of a render, and what is refused.
 
+use super::denoise::Denoising;
 use crate::camera::Camera;
 use crate::integrator::{
     Integrator,
@@ -26,6 +27,8 @@ pub struct Settings {
     pub samples: u32,
     /// Relative error at which a pixel has samples enough ([`crate::film::halves`] has the formula); 0 gives all the same.
     pub noise_threshold: f32,
+    /// The way in which the picture will be denoised: its threshold is then that of the error which denoising leaves. `None`: of the noise.
+    pub denoising: Option<Denoising>,
     /// Samples that a pixel has when its error is first looked at; 0 is [`MIN_SAMPLES`].
     pub min_samples: u32,
     /// Seed of all random choices.
@@ -76,6 +79,7 @@ impl Default for Settings {
             height: 1080,
             samples: 64,
             noise_threshold: 0.0,
+            denoising: None,
             min_samples: 0,
             seed: 0,
             blue_noise: false,
