@@ -39,8 +39,8 @@ class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
         part.prop(settings, "noise_threshold", text="")
         layout.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
         if settings.use_noise_threshold:
-            row = layout.row()
-            row.active = context.scene.cycles.use_denoising if hasattr(context.scene, "cycles") else False
+            row, cycles = layout.row(), getattr(context.scene, "cycles", None)
+            row.active = cycles is not None and cycles.use_denoising
             row.prop(settings, "use_threshold_after_denoising")
             layout.prop(settings, "min_samples")
         layout.prop(settings, "time_limit")

@@ -12,8 +12,8 @@ const LARGEST: f32 = 1e30;
 /// Takes from the noisy picture into the clean one what the denoiser has removed besides noise.
 ///
 /// About each pixel the mean square difference of the pictures is the variance of the noise, v, and the square of what is wrong in the
-/// clean picture, b². With Σd² and Σv over a Gaussian window, the part 1 - Σv / Σd² of the noisy picture is the one of least mean square
-/// error (the positive-part estimator of James and Stein, "Estimation with quadratic loss", 1961; for a render and its denoised picture:
+/// clean picture, b². With Σd² and Σv over a Gaussian window, the part 1 - Σv / Σd² of the noisy picture (here Σv counts 1.25 times) is about
+/// the one of least mean square error (the positive-part estimator of James and Stein, "Estimation with quadratic loss", 1961; for a render and its denoised picture:
 /// Gu, Iwasaki and Moon, "Neural James-Stein combiner for unbiased and biased renderings", 2022). So a picture with little noise keeps
 /// its detail, and with more and more samples the result becomes the noisy picture.
 ///
