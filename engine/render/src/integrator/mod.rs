@@ -94,11 +94,10 @@ impl PreparedScene {
         let warnings = nodes::displacement::displace(&mut scene);
         scene.set_in_motion();
         let accel = trees(&scene);
-        let lights = Lights::new(&scene);
+        let lights = Lights::after(previous.map(|previous| &previous.lights), &scene);
         let emission = Emission::new(&scene, &lights, accel.bounds());
         let media = Media::new(&scene, accel.bounds());
         let reflection = energy::reflection().clone();
-        indices(&scene).into_par_iter().for_each(energy::prepare);
         // One set of tables for each that differs, made in parallel.
         let before = previous.map_or_else(HashMap::new, |previous| {
             let tables = |(key, tables): (_, &Option<Arc<PrincipledTables>>)| Some((key?, tables.clone()?));
@@ -120,12 +119,4 @@ impl PreparedScene {
 /// The keys of the tables of plain surfaces, by material; `None` for other materials.
 fn keys(scene: &Scene) -> impl Iterator<Item = Option<(u32, u32, bool, bool)>> {
     scene.materials.iter().map(|material| material.graph.plain.as_ref().map(PrincipledTables::key))
-}
-
-/// The indices of refraction that are constant over a surface.
-fn indices(scene: &Scene) -> Vec<f32> {
-    let mut found: Vec<f32> = scene.materials.iter().flat_map(|material| material.graph.indices()).collect();
-    found.sort_by(f32::total_cmp);
-    found.dedup();
-    found
 }
