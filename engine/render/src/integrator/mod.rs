@@ -10,8 +10,8 @@ mod subsurface;
 use crate::accel::Accel;
 use crate::lights::{Lights, emission::Emission};
 use crate::nodes;
-use crate::scene::Scene;
 use crate::scene::plain::Plain;
+use crate::scene::{Scene, dicing};
 use crate::shading::{energy, principled::PrincipledTables};
 use media::Media;
 use rayon::prelude::*;
@@ -91,7 +91,8 @@ impl PreparedScene {
     fn with(previous: Option<&Self>, mut scene: Scene, trees: impl FnOnce(&Scene) -> Accel) -> Self {
         let start = Instant::now();
         nodes::world::bake(&mut scene, previous.map(|previous| &previous.scene));
-        let warnings = nodes::displacement::displace(&mut scene);
+        let mut warnings = dicing::dice(&mut scene);
+        warnings.extend(nodes::displacement::displace(&mut scene));
         scene.set_in_motion();
         let accel = trees(&scene);
         let lights = Lights::after(previous.map(|previous| &previous.lights), &scene);

@@ -3,6 +3,7 @@
 use super::SceneError;
 use super::corners::{self, Corners, Named, Numbers};
 use super::curves::Curves;
+use super::dicing::Dicing;
 use super::grid::Grid;
 use super::motion::{Poses, bounds_of};
 use super::points::Points;
@@ -38,6 +39,8 @@ pub struct MeshDescription {
     pub grids: Vec<Grid>,
     /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
+    /// The fineness to which it is divided before it is displaced; `None` where it stays as it is.
+    pub dicing: Option<Dicing>,
 }
 
 impl MeshDescription {
@@ -112,6 +115,8 @@ pub struct Mesh {
     pub grids: Vec<Grid>,
     /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
+    /// The fineness to which it is divided before it is displaced.
+    pub dicing: Option<Dicing>,
     /// The corners of the box that holds `positions`.
     pub bounds: [Vec3; 2],
     /// Hair or other curves, instead of triangles.
@@ -167,6 +172,7 @@ impl Mesh {
             moved_positions: d.moved_positions,
             grids,
             keeps_opacity: d.keeps_opacity,
+            dicing: d.dicing,
             curves: None,
             points: None,
             is_special: d.poses.is_some(),
