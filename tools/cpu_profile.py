@@ -72,7 +72,9 @@ class Failed(Exception):
 
 
 def main() -> int:
-    asked = argparse.ArgumentParser(prog="cpu_profile", description="Where the time of a sample goes on scenes by others.")
+    asked = argparse.ArgumentParser(
+        prog="cpu_profile", description="Where the time of a sample goes on scenes by others."
+    )
     asked.add_argument("folder", type=Path, help="of .blend files")
     asked.add_argument("--only", nargs="+", metavar="NAME", help="files of these names; the page stays as it is")
     asked.add_argument("--lines", action="store_true", help="print the costliest functions and lines, too")
@@ -112,7 +114,18 @@ def profiled(path: Path) -> tuple[dict, Counter[Source], int, int]:
         tools = os.environ | {"PYTHONPATH": str(ROOT / "tools")}
         run(sys.executable, "-m", "other_scenes.job", "prepare", path, ready, env=tools)
         command = [sys.executable, "-m", "petzval", "render", ready, "--camera", "pinhole", "--resolution", SIZE]
-        command += ["--samples", SAMPLES, "--seed", SEED, "--noise-threshold", 0, "--denoise", "off", "--checkpoint", "off"]
+        command += [
+            "--samples",
+            SAMPLES,
+            "--seed",
+            SEED,
+            "--noise-threshold",
+            0,
+            "--denoise",
+            "off",
+            "--checkpoint",
+            "off",
+        ]
         command += ["-o", Path(folder) / "out.exr", "--stats", told]
         run("perf", "record", "-q", "-F", FREQUENCY, "-e", "cpu-clock", "-o", data, "--", *command)
         script = run("perf", "script", "-i", data, "--show-mmap-events", "-F", "time,event,ip,dso")

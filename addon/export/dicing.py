@@ -8,11 +8,12 @@ from contextlib import contextmanager
 
 import bpy
 
+from .memory import Room
 from .report import Report
 
 #: For pixels of Blender's own camera, else for units of the mesh's space; the length of an edge; the off-screen scale; the most times that
-#: an edge is halved.
-Dicing = tuple[bool, float, float, int]
+#: an edge is halved; the triangles that there is room for.
+Dicing = tuple[bool, float, float, int, int]
 #: Cycles' own least dicing rate, pixels.
 LEAST_PIXELS = 0.1
 LEAST_UNITS = 1e-4
@@ -29,10 +30,14 @@ def of_scene(scene: bpy.types.Scene, is_render: bool) -> tuple[float, float, int
     return own.dicing_rate if is_render else own.preview_dicing_rate, own.offscreen_dicing_scale, own.max_subdivisions
 
 
-def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, report: Report) -> Dicing | None:
+def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: Room, report: Report) -> Dicing | None:
     """How finely an object's mesh is divided; None where it stays as Blender's modifiers make it."""
     modifier = holder.modifiers[-1] if holder.modifiers else None
-    if modifier is None or modifier.type != "SUBSURF" or not (modifier.show_render if is_render else modifier.show_viewport):
+    if (
+        modifier is None
+        or modifier.type != "SUBSURF"
+        or not (modifier.show_render if is_render else modifier.show_viewport)
+    ):
         return None
     own = getattr(scene, "cycles", None)
     rate, off_screen, most = of_scene(scene, is_render)
@@ -40,7 +45,7 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, report
         # Before Blender 5 the object says so, where Cycles' experimental features are on.
         if own is None or own.feature_set != "EXPERIMENTAL" or not holder.cycles.use_adaptive_subdivision:
             return None
-        return True, max(rate * holder.cycles.dicing_rate, LEAST_PIXELS), off_screen, most
+        return True, max(rate * holder.cycles.dicing_rate, LEAST_PIXELS), off_screen, most, room.left_triangles()
     if not modifier.use_adaptive_subdivision:
         return None
     if own is not None and own.dicing_camera not in (None, scene.camera):
@@ -48,8 +53,8 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, report
             f"Adaptive subdivision: the dicing camera '{own.dicing_camera.name}' is not supported yet, the scene's camera is taken"
         )
     if modifier.adaptive_space == "OBJECT":
-        return False, max(modifier.adaptive_object_edge_length, LEAST_UNITS), off_screen, most
-    return True, max(rate * modifier.adaptive_pixel_size, LEAST_PIXELS), off_screen, most
+        return False, max(modifier.adaptive_object_edge_length, LEAST_UNITS), off_screen, most, room.left_triangles()
+    return True, max(rate * modifier.adaptive_pixel_size, LEAST_PIXELS), off_screen, most, room.left_triangles()
 
 
 @contextmanager

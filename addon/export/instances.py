@@ -245,7 +245,7 @@ class Stage:
                 return self._strands(data, place, wanted)
             if isinstance(data, bpy.types.PointCloud):
                 return self._cloud(data, place, wanted)
-            diced = dicing.of(holder, self._scene, self._is_render, self._report)
+            diced = dicing.of(holder, self._scene, self._is_render, self._room, self._report)
             # Shapes at other times are those of the whole modifier.
             is_still = self._motion is None and self._blur is None
             with dicing.cage(holder, self._depsgraph) if diced and is_still else mesh.shape(holder, data) as shape:

@@ -9,8 +9,8 @@ from typing import Any
 import bpy
 
 from .. import export
-from ..export import dicing
 from ..data.fingerprint import Watched
+from ..export import dicing
 from ..export.kept import Changes, Kept
 from ..export.report import Report
 

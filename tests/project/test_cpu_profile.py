@@ -26,8 +26,8 @@ def test_looks_are_read_in_their_order_with_the_parts_of_the_engine_in_memory():
 
 def test_what_is_inlined_counts_for_the_file_it_was_written_in():
     of_library = {"FileName": "/cargo/glam-0.30/src/vec3.rs", "FunctionName": "glam::Vec3::dot", "Line": 7}
-    inner = {"FileName": "/home/me/engine/render/src/lights/tree.rs", "FunctionName": "a::LightTree<T>::sample", "Line": 31}  # fmt: skip
-    outer = {"FileName": "/home/me/engine/render/src/integrator/path/wave.rs", "FunctionName": "b::scatter", "Line": 9}
+    inner = {"FileName": "/src/engine/render/src/lights/tree.rs", "FunctionName": "a::LightTree<T>::sample", "Line": 31}  # fmt: skip
+    outer = {"FileName": "/src/engine/render/src/integrator/path/wave.rs", "FunctionName": "b::scatter", "Line": 9}
     found = profile.own([of_library, inner, outer])
     assert found == profile.Source("render/src/lights/tree.rs", "LightTree::sample", 31)
     assert profile.own([of_library]).file == ""

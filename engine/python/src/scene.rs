@@ -11,8 +11,7 @@ use crate::points;
 use glam::{DMat4, DVec3};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use petzval_render::integrator::PreparedScene;
-use petzval_render::scene::dicing::{Dicing, EdgeLength};
-use petzval_render::scene::mesh::MeshDescription;
+use petzval_render::scene::mesh::{Dicing, EdgeLength, MeshDescription};
 use petzval_render::scene::shadow_terminator::ShadowTerminator;
 use petzval_render::scene::texture::Texture;
 use petzval_render::scene::viewport::ViewportDescription;
@@ -102,7 +101,7 @@ impl SceneBuilder {
         poses: Option<Vec<PyPose<'py>>>,
         grids: Option<Vec<PyGrid<'py>>>,
         keeps_opacity: bool,
-        dicing: Option<(bool, f32, f32, u32)>,
+        dicing: Option<(bool, f32, f32, u32, u32)>,
     ) -> Result<usize, Error> {
         let bad = |what: &str| bad_scene(format!("mesh '{name}': {what}"));
         let description = MeshDescription {
@@ -139,10 +138,11 @@ impl SceneBuilder {
             },
             grids: grids.into_iter().flatten().map(|grid| read_grid(grid, name)).collect::<Result<_, _>>()?,
             keeps_opacity,
-            dicing: dicing.map(|(is_pixels, length, off_screen, halvings)| Dicing {
+            dicing: dicing.map(|(is_pixels, length, off_screen, halvings, room)| Dicing {
                 edge: if is_pixels { EdgeLength::Pixels(length) } else { EdgeLength::Units(length) },
                 off_screen,
                 halvings,
+                room: room as usize,
             }),
         };
         let builder = &mut self.builder;

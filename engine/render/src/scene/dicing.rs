@@ -6,7 +6,7 @@
 
 use super::Scene;
 use super::corners::{Corners, Numbers};
-use super::mesh::{Mesh, MeshDescription};
+use super::mesh::{EdgeLength, Mesh, MeshDescription};
 use super::motion::Poses;
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
@@ -19,26 +19,6 @@ use std::sync::Arc;
 /// Triangles of a scene beyond which none are divided: about 3 GB with their tree.
 const MOST_TRIANGLES: usize = 12_000_000;
 
-/// The fineness to which a mesh is divided.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dicing {
-    /// The length of an edge, about.
-    pub edge: EdgeLength,
-    /// Factor on the length of edges far beyond the picture's frame: see [`super::viewport::Viewport::diced_width`].
-    pub off_screen: f32,
-    /// The most times that an edge is halved.
-    pub halvings: u32,
-}
-
-/// The length of an edge.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum EdgeLength {
-    /// In pixels of Blender's own camera.
-    Pixels(f32),
-    /// In units of the mesh's space.
-    Units(f32),
-}
-
 /// Divides the meshes that are to be diced and displaced; of a mesh that several objects share, as finely as the nearest needs it. Gives
 /// warnings on those that stay too coarse.
 pub fn dice(scene: &mut Scene) -> Vec<String> {
@@ -46,7 +26,8 @@ pub fn dice(scene: &mut Scene) -> Vec<String> {
     if scene.meshes.iter().all(|mesh| mesh.dicing.is_none()) {
         return warnings;
     }
-    let mut room = MOST_TRIANGLES.saturating_sub(scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum());
+    let mut spent = 0;
+    let room = MOST_TRIANGLES.saturating_sub(scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum());
     for index in 0..scene.meshes.len() {
         let mesh = &scene.meshes[index];
         let Some(dicing) = mesh.dicing.filter(|_| mesh.is_of_triangles()) else { continue };
@@ -70,10 +51,11 @@ pub fn dice(scene: &mut Scene) -> Vec<String> {
                 a.distance(b) > SQRT_2 * pixels * viewport.diced_width(0.5 * (a + b), dicing.off_screen)
             }),
         };
-        let most = mesh.triangles.len() + room;
+        let before = mesh.triangles.len();
+        let most = before + room.min(dicing.room).saturating_sub(spent);
         let mut pieces = Pieces::of(mesh);
         let is_whole = pieces.divide(is_long, dicing.halvings, most);
-        room = most - pieces.list.len();
+        spent += pieces.list.len() - before;
         if !is_whole {
             warnings.push(format!(
                 "mesh '{}': its adaptive subdivision ends at {} triangles, coarser than the dicing rate asks for; a larger dicing rate or \

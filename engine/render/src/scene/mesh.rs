@@ -3,7 +3,6 @@
 use super::SceneError;
 use super::corners::{self, Corners, Named, Numbers};
 use super::curves::Curves;
-use super::dicing::Dicing;
 use super::grid::Grid;
 use super::motion::{Poses, bounds_of};
 use super::points::Points;
@@ -11,6 +10,28 @@ use glam::{Vec2, Vec3, Vec4};
 
 /// The name by which a mesh keeps its undeformed coordinates in its box.
 pub const GENERATED: &str = ".generated";
+
+/// The fineness to which a mesh is divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dicing {
+    /// The length of an edge, about.
+    pub edge: EdgeLength,
+    /// Factor on the length of edges far beyond the picture's frame: see [`super::viewport::Viewport::diced_width`].
+    pub off_screen: f32,
+    /// The most times that an edge is halved.
+    pub halvings: u32,
+    /// The triangles that there is memory for beside those of the meshes as they are.
+    pub room: usize,
+}
+
+/// The length of an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EdgeLength {
+    /// In pixels of Blender's own camera.
+    Pixels(f32),
+    /// In units of the mesh's space.
+    Units(f32),
+}
 
 /// A mesh as it arrives; arrays by triangle have one entry a triangle.
 #[derive(Clone, Debug, Default)]
