@@ -92,10 +92,10 @@ denoising: $(ENGINE) ## denoised pictures beside converged ones, and beside Cycl
 	@tools/setup-python.sh bench
 	@PYTHONPATH=tools .venv-bench/bin/python -m denoising $(if $(SCENES),--scenes "$(SCENES)") $(DENOISING_OPTIONS)
 
-profile: setup ## where the time of a sample goes on the .blend files under SCENES=FOLDER, by perf, into docs/design/profile.md
+profile: build ## where the time of a sample goes on the .blend files under SCENES=FOLDER, by perf, into docs/design/profile.md
 	@[ -d "$(SCENES)" ] || { echo "petzval: make profile SCENES=FOLDER: give a folder of .blend files" >&2; exit 1; }
-	@CARGO_PROFILE_DEV_DEBUG=line-tables-only tools/build.sh
-	@PYTHONPATH=tools $(dir $(PETZVAL))python tools/cpu_profile.py "$(SCENES)" $(PROFILE_OPTIONS)
+	@PYO3_PYTHON=$(dir $(PETZVAL))python cargo build --quiet --release --locked -p petzval-python
+	@PYTHONPATH=tools $(dir $(PETZVAL))python tools/cpu_profile.py --engine "$${CARGO_TARGET_DIR:-target}/release/lib_native.so" "$(SCENES)" $(PROFILE_OPTIONS)
 
 viewport-price: $(ENGINE) ## how soon a 3D view shows an edit, into docs/viewport.md
 	@$(dir $(PETZVAL))python tools/viewport-price.py $(VIEWPORT_PRICE_OPTIONS)

@@ -76,6 +76,7 @@ def main() -> int:
         prog="cpu_profile", description="Where the time of a sample goes on scenes by others."
     )
     asked.add_argument("folder", type=Path, help="of .blend files")
+    asked.add_argument("--engine", type=Path, required=True, help="the compiled engine, with the lines of its sources")
     asked.add_argument("--only", nargs="+", metavar="NAME", help="files of these names; the page stays as it is")
     asked.add_argument("--lines", action="store_true", help="print the costliest functions and lines, too")
     options = asked.parse_args()
@@ -88,9 +89,11 @@ def main() -> int:
         print(f"petzval: no .blend to profile in {options.folder}", file=sys.stderr)
         return 1
     began, made, rows = time.monotonic(), pages.made(PAGE), {}
+    package = tempfile.TemporaryDirectory()
+    engine = beside_package(options.engine.resolve(), Path(package.name))
     for path in scenes:
         try:
-            seconds, sources, libraries, idle = profiled(path)
+            seconds, sources, libraries, idle = profiled(path, engine)
         except (Failed, subprocess.TimeoutExpired) as why:
             print(f"{path.stem}: left out: {why}", flush=True)
             continue
@@ -103,15 +106,23 @@ def main() -> int:
     return 0
 
 
-def profiled(path: Path) -> tuple[dict, Counter[Source], int, int]:
+def beside_package(engine: Path, folder: Path) -> Path:
+    """The compiled engine in a copy of the package whose other files are links: that of the checkout stays as it is."""
+    package = folder / "petzval"
+    package.mkdir()
+    for one in (ROOT / "engine" / "python" / "petzval").iterdir():
+        if not one.name.startswith(("_native.", "_engines")) or one.suffix == ".pyi":
+            (package / one.name).symlink_to(one)
+    return Path(shutil.copy(engine, package / "_native.abi3.so"))
+
+
+def profiled(path: Path, engine: Path) -> tuple[dict, Counter[Source], int, int]:
     """The seconds that the render tells; the looks in the engine by their place in the sources, and those in libraries and the system, while
     samples were taken; and the looks in which cores were idle meanwhile."""
-    from petzval import _native
-
-    engine = Path(_native.__file__)
     with tempfile.TemporaryDirectory() as folder:
         ready, told, data = (Path(folder) / name for name in ("scene.blend", "told.json", "perf.data"))
-        tools = os.environ | {"PYTHONPATH": str(ROOT / "tools")}
+        python_path = f"{engine.parent.parent}{os.pathsep}{ROOT / 'tools'}"
+        tools = os.environ | {"PYTHONPATH": python_path}
         run(sys.executable, "-m", "other_scenes.job", "prepare", path, ready, env=tools)
         command = [sys.executable, "-m", "petzval", "render", ready, "--camera", "pinhole", "--resolution", SIZE]
         command += [
@@ -127,7 +138,7 @@ def profiled(path: Path) -> tuple[dict, Counter[Source], int, int]:
             "off",
         ]
         command += ["-o", Path(folder) / "out.exr", "--stats", told]
-        run("perf", "record", "-q", "-F", FREQUENCY, "-e", "cpu-clock", "-o", data, "--", *command)
+        run("perf", "record", "-q", "-F", FREQUENCY, "-e", "cpu-clock", "-o", data, "--", *command, env=tools)
         script = run("perf", "script", "-i", data, "--show-mmap-events", "-F", "time,event,ip,dso")
         seconds = json.loads(told.read_text())["seconds"]
     starts, looks = read(script, engine.name)
@@ -237,8 +248,8 @@ def written(rows: dict[str, tuple[dict, dict[str, float]]]) -> str:
     lines = [
         "# Where the time of a sample goes",
         "",
-        f"Scenes by others through a pinhole, {SIZE.replace('x', ' x ')} pixels, {SAMPLES} samples, all cores, by the engine of `make build` with the lines of its",
-        "sources. Percent of the cores' time from the first path that is followed to the last, by the file that an instruction was written in:",
+        f"Scenes by others through a pinhole, {SIZE.replace('x', ' x ')} pixels, {SAMPLES} samples, all cores, by an engine of Cargo's profile `release`.",
+        "Percent of the cores' time from the first path that is followed to the last, by the file that an instruction was written in:",
         "inlined functions count for their own file, those of libraries for their caller. Before that, s: export (*sync*), and trees, lights",
         "and tables (*trees*).",
         "",
