@@ -41,20 +41,25 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: 
         return None
     own = getattr(scene, "cycles", None)
     rate, off_screen, most = of_scene(scene, is_render)
-    if not hasattr(modifier, "use_adaptive_subdivision"):
+    is_in_units = False
+    if hasattr(modifier, "use_adaptive_subdivision"):
+        is_diced, pixels = modifier.use_adaptive_subdivision, modifier.adaptive_pixel_size
+        is_in_units = modifier.adaptive_space == "OBJECT"
+    else:
         # Before Blender 5 the object says so, where Cycles' experimental features are on.
-        if own is None or own.feature_set != "EXPERIMENTAL" or not holder.cycles.use_adaptive_subdivision:
-            return None
-        return True, max(rate * holder.cycles.dicing_rate, LEAST_PIXELS), off_screen, most, room.left_triangles()
-    if not modifier.use_adaptive_subdivision:
+        is_diced = own is not None and own.feature_set == "EXPERIMENTAL" and holder.cycles.use_adaptive_subdivision
+        pixels = holder.cycles.dicing_rate if is_diced else 1.0
+    if not is_diced:
         return None
     if own is not None and own.dicing_camera not in (None, scene.camera):
         report.warn(
             f"Adaptive subdivision: the dicing camera '{own.dicing_camera.name}' is not supported yet, the scene's camera is taken"
         )
-    if modifier.adaptive_space == "OBJECT":
-        return False, max(modifier.adaptive_object_edge_length, LEAST_UNITS), off_screen, most, room.left_triangles()
-    return True, max(rate * modifier.adaptive_pixel_size, LEAST_PIXELS), off_screen, most, room.left_triangles()
+    if is_in_units:
+        length = max(modifier.adaptive_object_edge_length, LEAST_UNITS)
+    else:
+        length = max(rate * pixels, LEAST_PIXELS)
+    return not is_in_units, length, off_screen, most, room.left_triangles()
 
 
 @contextmanager

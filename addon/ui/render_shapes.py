@@ -28,17 +28,14 @@ class PETZVAL_RENDER_PT_subdivision(_RenderPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        # Cycles keeps it; before Blender 5 among its experimental features.
-        own = getattr(context.scene, "cycles", None)
-        return (
-            super().poll(context)
-            and own is not None
-            and (bpy.app.version >= (5, 0) or own.feature_set == "EXPERIMENTAL")
-        )
+        # Cycles keeps it.
+        return super().poll(context) and hasattr(context.scene, "cycles")
 
     def draw(self, context):
         layout, own = columns(self), context.scene.cycles
         layout.use_property_decorate = False
+        # Before Blender 5 it is one of Cycles' experimental features.
+        layout.active = bpy.app.version >= (5, 0) or own.feature_set == "EXPERIMENTAL"
         column = layout.column(align=True)
         column.prop(own, "dicing_rate", text="Dicing Rate Render")
         column.prop(own, "preview_dicing_rate", text="Viewport")
