@@ -25,7 +25,7 @@ UI_SAMPLES = 16
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes denoising viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -91,6 +91,11 @@ other-scenes: $(ENGINE) ## Petzval beside Cycles on the .blend files under SCENE
 denoising: $(ENGINE) ## denoised pictures beside converged ones, and beside Cycles on the .blend files under SCENES=FOLDER, into docs/denoising.md
 	@tools/setup-python.sh bench
 	@PYTHONPATH=tools .venv-bench/bin/python -m denoising $(if $(SCENES),--scenes "$(SCENES)") $(DENOISING_OPTIONS)
+
+profile: build ## where the time of a sample goes on the .blend files under SCENES=FOLDER, by perf, into docs/design/profile.md
+	@[ -d "$(SCENES)" ] || { echo "petzval: make profile SCENES=FOLDER: give a folder of .blend files" >&2; exit 1; }
+	@PYO3_PYTHON=$(dir $(PETZVAL))python cargo build --quiet --release --locked -p petzval-python
+	@PYTHONPATH=tools $(dir $(PETZVAL))python tools/cpu_profile.py --engine "$${CARGO_TARGET_DIR:-target}/release/lib_native.so" "$(SCENES)" $(PROFILE_OPTIONS)
 
 viewport-price: $(ENGINE) ## how soon a 3D view shows an edit, into docs/viewport.md
 	@$(dir $(PETZVAL))python tools/viewport-price.py $(VIEWPORT_PRICE_OPTIONS)

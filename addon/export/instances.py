@@ -11,7 +11,7 @@ import bpy
 
 from petzval.description import RAYS
 
-from . import curves, grids, hair, mesh, object_info, points
+from . import curves, dicing, grids, hair, mesh, object_info, points
 from .camera import rows
 from .image import Images
 from .kept import Kept, uid
@@ -110,6 +110,8 @@ class Stage:
         self._view_layer: bpy.types.ViewLayer | None = None
         self._drawn: dict[str, Any] = {}
         self._is_render = True
+        self._scene: bpy.types.Scene | None = None
+        self._depsgraph: bpy.types.Depsgraph | None = None
         self._room = Room(0.0)
 
     def send(self, depsgraph: bpy.types.Depsgraph, seen_in: bpy.types.SpaceView3D | None = None) -> None:
@@ -120,6 +122,7 @@ class Stage:
         self._view_layer = depsgraph.view_layer
         self._room = Room(depsgraph.scene_eval.petzval.memory_limit)
         self._is_render = depsgraph.mode == "RENDER"
+        self._scene, self._depsgraph = depsgraph.scene_eval, depsgraph
         layer = depsgraph.view_layer_eval
         shows_hair = layer.use_strand
         for place in depsgraph.object_instances:
@@ -211,11 +214,6 @@ class Stage:
             or _stands_for(place).holdout_get(view_layer=self._view_layer)
         )
         self.holds_out |= is_holdout
-        if _is_diced(holder):
-            self._report.warn(
-                f"Object '{holder.name}': adaptive subdivision is not supported yet, it is divided as often as its "
-                "modifier's render levels say"
-            )
         self._builder.add_instance(
             holder.name,
             index,
@@ -247,9 +245,12 @@ class Stage:
                 return self._strands(data, place, wanted)
             if isinstance(data, bpy.types.PointCloud):
                 return self._cloud(data, place, wanted)
-            with mesh.shape(holder, data) as shape:
+            diced = dicing.of(holder, self._scene, self._is_render, self._room, self._report)
+            # Shapes at other times are those of the whole modifier.
+            is_still = self._motion is None and self._blur is None
+            with dicing.cage(holder, self._depsgraph) if diced and is_still else mesh.shape(holder, data) as shape:
                 self._room.take(holder.name, mesh.triangle_count(shape))
-                return self._add(data.name, shape, place, wanted, grids.of_smoke(holder, self._report))
+                return self._add(data.name, shape, place, wanted, grids.of_smoke(holder, self._report), diced)
 
         return self._kept.mesh((data.as_pointer(), wanted), _sources(holder, place), send)
 
@@ -269,6 +270,7 @@ class Stage:
         place: bpy.types.DepsgraphObjectInstance,
         wanted: frozenset[str],
         smoke: list[grids.Grid],
+        diced: dicing.Dicing | None,
     ) -> int | None:
         arrays = mesh.extract(data, wanted, self._check_stop)
         if arrays is None:
@@ -287,6 +289,7 @@ class Stage:
             moved_positions=moved,
             poses=self._blur.poses(place, arrays) if self._blur is not None else None,
             grids=smoke or None,
+            dicing=diced,
         )
 
     def _cloud(
@@ -335,12 +338,3 @@ class Stage:
         if self._blur is not None:
             self._blur.changes_strands(place, system.hair.name)
         return index
-
-
-def _is_diced(holder: bpy.types.Object) -> bool:
-    """Whether Cycles would divide it by what a pixel sees of it."""
-    if not holder.modifiers or holder.modifiers[-1].type != "SUBSURF" or not holder.modifiers[-1].show_render:
-        return False
-    # Before Blender 5 the object says so.
-    ours = getattr(holder.modifiers[-1], "use_adaptive_subdivision", None)
-    return ours if ours is not None else getattr(holder.cycles, "use_adaptive_subdivision", False)

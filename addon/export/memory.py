@@ -46,6 +46,15 @@ class Room:
         self._limit_bytes = limit_gb * 1e9
         self._triangles = 0
 
+    def left_triangles(self) -> int:
+        """How many more there is room for."""
+        taken, free = self._triangles * BYTES_A_TRIANGLE, engine().free_memory_bytes()
+        left = min(
+            self._limit_bytes - taken if self._limit_bytes else float("inf"),
+            free - self._triangles * BYTES_OF_TREES if free is not None else float("inf"),
+        )
+        return min(max(int(left / BYTES_A_TRIANGLE), 0), 2**32 - 1) if left < float("inf") else 2**32 - 1
+
     def take(self, name: str, triangles: int) -> None:
         """Counts a mesh of an object. Raises `ExportError` where it does not fit."""
         before = self._triangles

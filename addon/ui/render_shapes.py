@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels of the render for how shapes are taken: Curves, Simplify, and Motion Blur with the shutter."""
+"""Panels of the render for how shapes are taken: Subdivision, Curves, Simplify, and Motion Blur with the shutter."""
 
 from __future__ import annotations
 
@@ -20,6 +20,28 @@ _SHAPES = (
 
 class _RenderPanel(PetzvalPanel):
     bl_context = "render"
+
+
+class PETZVAL_RENDER_PT_subdivision(_RenderPanel, bpy.types.Panel):
+    bl_label = "Subdivision"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        # Cycles keeps it.
+        return super().poll(context) and hasattr(context.scene, "cycles")
+
+    def draw(self, context):
+        layout, own = columns(self), context.scene.cycles
+        layout.use_property_decorate = False
+        # Before Blender 5 it is one of Cycles' experimental features.
+        layout.active = bpy.app.version >= (5, 0) or own.feature_set == "EXPERIMENTAL"
+        column = layout.column(align=True)
+        column.prop(own, "dicing_rate", text="Dicing Rate Render")
+        column.prop(own, "preview_dicing_rate", text="Viewport")
+        column = layout.column()
+        column.prop(own, "offscreen_dicing_scale", text="Offscreen Scale")
+        column.prop(own, "max_subdivisions")
 
 
 class PETZVAL_RENDER_PT_curves(_RenderPanel, bpy.types.Panel):
@@ -132,6 +154,7 @@ class PETZVAL_RENDER_PT_shutter_curve(_RenderPanel, bpy.types.Panel):
 
 
 CLASSES = (
+    PETZVAL_RENDER_PT_subdivision,
     PETZVAL_RENDER_PT_curves,
     PETZVAL_RENDER_PT_simplify,
     PETZVAL_RENDER_PT_simplify_viewport,

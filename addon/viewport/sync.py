@@ -10,6 +10,7 @@ import bpy
 
 from .. import export
 from ..data.fingerprint import Watched
+from ..export import dicing
 from ..export.kept import Changes, Kept
 from ..export.report import Report
 
@@ -87,4 +88,5 @@ class SceneSync:
             depsgraph.scene_eval.render.hair_type,
             depsgraph.scene_eval.render.hair_subdiv,
             cycles is not None,
+            dicing.of_scene(depsgraph.scene_eval, is_render=False),
         )

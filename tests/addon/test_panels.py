@@ -124,7 +124,8 @@ READ = {
             "transparent_max_bounces", "caustics_reflective", "caustics_refractive", "blur_glossy",
             "film_exposure", "use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render",
             "pixel_filter_type", "filter_width", "sample_clamp_direct", "blur_glossy", "use_fast_gi",
-            "rolling_shutter_type", "rolling_shutter_duration",
+            "rolling_shutter_type", "rolling_shutter_duration", "dicing_rate", "preview_dicing_rate",
+            "offscreen_dicing_scale", "max_subdivisions",
         )
     ]
     + [("WorldLighting", name) for name in ("ao_factor", "distance")]

@@ -53,13 +53,14 @@ def test_parity(blender, tmp_path, name):
 
     one = SCENES[name]
     one.open()
-    photograph.prepare(WIDTH, HEIGHT, SAMPLES)
+    samples = one.times * SAMPLES
+    photograph.prepare(WIDTH, HEIGHT, samples)
     beside_cycles.small_sky_table()
 
     def take(engine):
         return photograph.looks(engine, tmp_path, one.passes, one.frames)
 
-    for done, share, ours, theirs in beside_cycles.looks(SAMPLES, take, theirs_at_once=name in AT_ONCE, blocks=(3, 4)):
+    for done, share, ours, theirs in beside_cycles.looks(samples, take, theirs_at_once=name in AT_ONCE, blocks=(3, 4)):
         told = sys.modules["petzval_addon"].render.statistics.last(blender.context.scene.name)
         assert all(np.isfinite(look).all() for look in ours.values())
         left = [line for line in told.warnings if not any(word in line for word in one.warns)]

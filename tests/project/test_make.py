@@ -45,6 +45,7 @@ RECIPES = {
     "panel-pictures": [],
     "parity": ["PARITY_OPTIONS=--only sun --samples 4 --size 32x24"],
     "price": ["PRICE_OPTIONS=--quick"],
+    "profile": ["SCENES=tests/scenes", "PROFILE_OPTIONS=--only demo"],
     "speed": ["SPEED_OPTIONS=--quick"],
     "ui-pictures": ["UI_SAMPLES=4"],
     "viewport-price": ["VIEWPORT_PRICE_OPTIONS=--divide 16 --repeats 1"],
@@ -114,8 +115,9 @@ def docs_put_back(tmp_path):
 @pytest.mark.recipe
 @pytest.mark.parametrize("target", RECIPES)
 def test_a_small_run_ends_well(target, docs_put_back):
-    if target == "instructions" and shutil.which("valgrind") is None:
-        pytest.skip("no valgrind: install it")
+    needs = {"instructions": "valgrind", "profile": "perf"}.get(target)
+    if needs is not None and shutil.which(needs) is None:
+        pytest.skip(f"no {needs}: install it")
     done = make(target, *RECIPES[target], timeout_s=2400.0)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
 

@@ -151,6 +151,32 @@ def test_qualities_prefilters_and_guides_are_cycles_own(parts, room, tmp_path):
 
 
 @pytest.mark.once
+def test_at_high_quality_what_is_turned_round_is_denoised_alike(parts, blender, tmp_path):
+    """Each pixel of a picture without any randomness is one of an image's, which is then turned by 180 degrees."""
+    scene = parts.set_up(WIDTH, HEIGHT, samples=1)
+    scene.camera.data.petzval.model, scene.petzval.filter_width = "PINHOLE", 0.0
+    scene.world = blender.data.worlds.new("Image")
+    scene.world.use_nodes = True
+    nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
+    shown, place = nodes.new("ShaderNodeTexImage"), nodes.new("ShaderNodeTexCoord")
+    shown.interpolation = "Closest"
+    links.new(place.outputs["Window"], shown.inputs["Vector"])
+    links.new(shown.outputs["Color"], nodes["Background"].inputs["Color"])
+    light = np.random.default_rng(1).uniform(0.1, 1.0, (HEIGHT, WIDTH, 4)).astype(np.float32)
+    differ = {}
+    for quality in ("HIGH", "BALANCED"):
+        found = []
+        for name, pixels in (("upright", light), ("turned", light[::-1, ::-1])):
+            shown.image = blender.data.images.new(name, WIDTH, HEIGHT, float_buffer=True)
+            shown.image.pixels.foreach_set(np.ascontiguousarray(pixels).ravel())
+            how = {"denoising_quality": quality, "denoising_input_passes": "RGB"}
+            found.append(picture(parts, scene, tmp_path, f"{quality} {name}", samples=1, denoise=True, **how))
+        assert abs(found[0] - light[..., :3]).mean() > 0.05, "nothing is denoised"
+        differ[quality] = abs(found[0] - found[1][::-1, ::-1]).max()
+    assert differ["HIGH"] < 1e-5 < 1e-3 < differ["BALANCED"]
+
+
+@pytest.mark.once
 def test_the_same_seed_gives_the_same_bits_on_any_number_of_threads(parts, room, tmp_path):
     room.render.threads_mode, found = "FIXED", []
     for threads in (1, 2, 3):

@@ -183,6 +183,7 @@ _ALL = (
         "lenses/*.lens",
         "tools/denoising",
     ),
+    _page("design/profile", "profile", *_BUILD, *_RENDER, "tools/cpu_profile.py"),
     _page(
         "panel",
         "panel-pictures",

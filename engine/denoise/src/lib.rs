@@ -91,6 +91,12 @@ impl Quality {
             quality => quality,
         }
     }
+
+    /// How often the picture is filtered. At [`Self::High`] it is filtered turned by 180 degrees, too, and the mean is taken: the filter's own
+    /// errors are partly others then.
+    fn runs(self) -> usize {
+        if self == Self::High { 2 } else { 1 }
+    }
 }
 
 /// What becomes of noise in albedo and normal before they guide the filter. Cycles' words.
@@ -154,7 +160,7 @@ impl PixelTimes {
     fn of_runs(&self, work: Work) -> [f64; 2] {
         let of = |quality| self.of(quality, work.use_gpu, work.threads);
         let filtered = if work.prefilter == Prefilter::Accurate { work.guides } else { 0 };
-        [filtered as f64 * of(work.quality.of_guides()), of(work.quality)]
+        [filtered as f64 * of(work.quality.of_guides()), work.quality.runs() as f64 * of(work.quality)]
     }
 
     /// Takes the times of this work's runs for those that it took in all; small pictures say nothing.
@@ -316,8 +322,18 @@ impl Denoiser {
                 false => (name, guide),
             });
         }
-        let clean =
-            self.filtered(&device, request, &images, true, &|part| watch(first + (1.0 - first) * part))?.read()?;
+        let runs = quality.runs() as f64;
+        let told = |part: f64| watch(first + (1.0 - first) * part / runs);
+        let mut clean = self.filtered(&device, request, &images, true, &told)?.read()?;
+        if quality.runs() > 1 {
+            for (_, image) in &mut images {
+                *image = device.filled(&turned(image.read()?))?;
+            }
+            let again = self.filtered(&device, request, &images, true, &|part| told(1.0 + part))?.read()?;
+            for (one, other) in clean.iter_mut().zip(turned(again)) {
+                *one = 0.5 * (*one + other);
+            }
+        }
         pixel_times().learn(work, device.is_cpu(), began.elapsed().as_secs_f64());
         Ok(clean)
     }
@@ -360,4 +376,10 @@ impl Denoiser {
             Quality::High => 6,
         }
     }
+}
+
+/// A picture turned by 180 degrees.
+fn turned(mut picture: Vec<f32>) -> Vec<f32> {
+    picture.as_chunks_mut::<3>().0.reverse();
+    picture
 }

@@ -339,6 +339,9 @@ class SceneBuilder:
         poses: Sequence[tuple[npt.NDArray[np.float32], _Values | None]] | None = None,
         grids: Sequence[Any] | None = None,  # fields of a volume, as `addon/export/grids.py` makes them
         keeps_opacity: bool = False,  # the volume is as opaque however large the object is
+        # True for pixels of the viewport, False for units; the length of an edge; the off-screen scale; the most halvings of an edge;
+        # the triangles that there is room for.
+        dicing: tuple[bool, float, float, int, int] | None = None,
     ) -> int:
         """Triangles with a non-finite corner or without area are left out and counted in `warnings`."""
     def add_curves(

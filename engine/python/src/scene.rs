@@ -11,7 +11,7 @@ use crate::points;
 use glam::{DMat4, DVec3};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use petzval_render::integrator::PreparedScene;
-use petzval_render::scene::mesh::MeshDescription;
+use petzval_render::scene::mesh::{Dicing, EdgeLength, MeshDescription};
 use petzval_render::scene::shadow_terminator::ShadowTerminator;
 use petzval_render::scene::texture::Texture;
 use petzval_render::scene::viewport::ViewportDescription;
@@ -82,7 +82,8 @@ impl SceneBuilder {
 
     #[pyo3(signature = (
         name, positions, triangles, *, loops = None, corner_normals = None, uv_maps = None, attributes = None,
-        material_slots = None, moved_positions = None, poses = None, grids = None, keeps_opacity = false
+        material_slots = None, moved_positions = None, poses = None, grids = None, keeps_opacity = false,
+        dicing = None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_mesh<'py>(
@@ -100,6 +101,7 @@ impl SceneBuilder {
         poses: Option<Vec<PyPose<'py>>>,
         grids: Option<Vec<PyGrid<'py>>>,
         keeps_opacity: bool,
+        dicing: Option<(bool, f32, f32, u32, u32)>,
     ) -> Result<usize, Error> {
         let bad = |what: &str| bad_scene(format!("mesh '{name}': {what}"));
         let description = MeshDescription {
@@ -136,6 +138,12 @@ impl SceneBuilder {
             },
             grids: grids.into_iter().flatten().map(|grid| read_grid(grid, name)).collect::<Result<_, _>>()?,
             keeps_opacity,
+            dicing: dicing.map(|(is_pixels, length, off_screen, halvings, room)| Dicing {
+                edge: if is_pixels { EdgeLength::Pixels(length) } else { EdgeLength::Units(length) },
+                off_screen,
+                halvings,
+                room: room as usize,
+            }),
         };
         let builder = &mut self.builder;
         Ok(without_gil(py, || builder.add_mesh(description))??)

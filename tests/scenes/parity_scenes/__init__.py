@@ -35,6 +35,8 @@ class ParityScene:
     passes: tuple[str, ...]
     #: The frames to compare in the picture's place.
     frames: tuple[int, ...]
+    #: How many times the tests' samples it takes, where their noise would be near the limit.
+    times: int
 
     def open(self) -> None:
         """Makes it the scene that is open."""
@@ -54,6 +56,7 @@ def scene(
     warns: tuple[str, ...] = (),
     passes: tuple[str, ...] = (),
     frames: tuple[int, ...] = (),
+    times: int = 1,
 ):
     """Puts the function below it among the scenes, under its own name."""
     assert tolerance <= 0.01 or why, title
@@ -61,7 +64,7 @@ def scene(
     def added(fill: Callable[[], None]):
         name, chapter = fill.__name__, fill.__module__.rsplit(".", 1)[-1]
         assert name not in SCENES, name
-        SCENES[name] = ParityScene(name, chapter, title, fill, tolerance, why, noise, warns, passes, frames)
+        SCENES[name] = ParityScene(name, chapter, title, fill, tolerance, why, noise, warns, passes, frames, times)
         return fill
 
     return added

@@ -214,6 +214,30 @@ def displacement_mesh():
     ball(plain(CREAM), (1.15, -0.3, 0.8), 0.8)
 
 
+def diced(thing: bpy.types.Object, kind: str) -> None:
+    """Adaptive subdivision of an object, where Blender has it."""
+    made = thing.modifiers.new("Adaptive", "SUBSURF")
+    made.subdivision_type, made.levels, made.render_levels = kind, 0, 0
+    if hasattr(made, "use_adaptive_subdivision"):
+        made.use_adaptive_subdivision = True
+    else:
+        bpy.context.scene.cycles.feature_set, thing.cycles.use_adaptive_subdivision = "EXPERIMENTAL", True
+
+
+@scene("Displacement with adaptive subdivision: a square of one face, and a cube that becomes round")
+def displacement_adaptive():
+    surface = material(_lifted)
+    surface.displacement_method = "DISPLACEMENT"
+    empty_studio()
+    # Fine enough that it does not matter where the vertices come to lie.
+    bpy.context.scene.cycles.dicing_rate = 0.25
+    diced(plane(surface, (-0.9, 0.6, 0.9), 1.5, (70, 0, 20)), "SIMPLE")
+    bpy.ops.mesh.primitive_cube_add(size=1.7, location=(1.1, -0.2, 0.85))
+    bpy.context.object.data.materials.append(surface)
+    bpy.ops.object.shade_smooth()
+    diced(bpy.context.object, "CATMULL_CLARK")
+
+
 @scene("Another colour to the camera than to the light (Light Path)")
 def light_path():
     def two_faced(t):

@@ -10,8 +10,8 @@ mod subsurface;
 use crate::accel::Accel;
 use crate::lights::{Lights, emission::Emission};
 use crate::nodes;
-use crate::scene::Scene;
 use crate::scene::plain::Plain;
+use crate::scene::{Scene, dicing};
 use crate::shading::{energy, principled::PrincipledTables};
 use media::Media;
 use rayon::prelude::*;
@@ -91,14 +91,14 @@ impl PreparedScene {
     fn with(previous: Option<&Self>, mut scene: Scene, trees: impl FnOnce(&Scene) -> Accel) -> Self {
         let start = Instant::now();
         nodes::world::bake(&mut scene, previous.map(|previous| &previous.scene));
-        let warnings = nodes::displacement::displace(&mut scene);
+        let mut warnings = dicing::dice(&mut scene);
+        warnings.extend(nodes::displacement::displace(&mut scene));
         scene.set_in_motion();
         let accel = trees(&scene);
-        let lights = Lights::new(&scene);
+        let lights = Lights::after(previous.map(|previous| &previous.lights), &scene);
         let emission = Emission::new(&scene, &lights, accel.bounds());
         let media = Media::new(&scene, accel.bounds());
         let reflection = energy::reflection().clone();
-        indices(&scene).into_par_iter().for_each(energy::prepare);
         // One set of tables for each that differs, made in parallel.
         let before = previous.map_or_else(HashMap::new, |previous| {
             let tables = |(key, tables): (_, &Option<Arc<PrincipledTables>>)| Some((key?, tables.clone()?));
@@ -120,12 +120,4 @@ impl PreparedScene {
 /// The keys of the tables of plain surfaces, by material; `None` for other materials.
 fn keys(scene: &Scene) -> impl Iterator<Item = Option<(u32, u32, bool, bool)>> {
     scene.materials.iter().map(|material| material.graph.plain.as_ref().map(PrincipledTables::key))
-}
-
-/// The indices of refraction that are constant over a surface.
-fn indices(scene: &Scene) -> Vec<f32> {
-    let mut found: Vec<f32> = scene.materials.iter().flat_map(|material| material.graph.indices()).collect();
-    found.sort_by(f32::total_cmp);
-    found.dedup();
-    found
 }

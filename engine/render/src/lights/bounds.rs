@@ -7,7 +7,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 const LEAST_TURN_RAD: f32 = 1e-5;
 
 /// Bounds of an emitter, or of all emitters under a node.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightBounds {
     /// Least corner of the box.
     pub min: Vec3A,

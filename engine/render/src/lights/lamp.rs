@@ -7,6 +7,7 @@
 mod area;
 mod ball;
 mod point;
+mod rectangle;
 pub(super) mod shape;
 mod spot;
 mod sun;

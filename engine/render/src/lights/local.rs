@@ -45,6 +45,17 @@ impl Local {
         self.lamps.len() + self.triangles.len() + self.moving.len()
     }
 
+    /// True if the bounds of all emitters are those of others, each with the lamps that its numbers are of. Of what moves nothing is said.
+    pub(super) fn is_alike(&self, lamps: &[PreparedLamp], other: &Self, other_lamps: &[PreparedLamp]) -> bool {
+        let bounds = |local: &Self, lamps: &[PreparedLamp]| -> Vec<LightBounds> {
+            local.lamps.iter().map(|&lamp| lamps[lamp as usize].bounds()).collect()
+        };
+        self.moving.is_empty()
+            && other.moving.is_empty()
+            && self.triangles == other.triangles
+            && bounds(self, lamps) == bounds(other, other_lamps)
+    }
+
     #[inline]
     pub(super) fn get(&self, index: usize) -> Option<Emitter<'_>> {
         match self.lamps.get(index) {

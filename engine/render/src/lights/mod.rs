@@ -63,6 +63,11 @@ const LEAST_CHANCE: f32 = 0.1;
 impl Lights {
     /// Finds the emitters of a scene.
     pub fn new(scene: &Scene) -> Self {
+        Self::after(None, scene)
+    }
+
+    /// Finds the emitters of a scene like [`Self::new`]; of those of another frame or edit, tables that are still valid are reused.
+    pub fn after(previous: Option<&Self>, scene: &Scene) -> Self {
         let lamps: Vec<PreparedLamp> =
             scene.lamps.iter().map(|lamp| PreparedLamp::new(lamp, scene.origin.as_vec3a())).collect();
         let mut local = Local::default();
@@ -75,10 +80,11 @@ impl Lights {
         }
         let met = LampTree::new((0..).zip(local.lamps.iter().map(|&i| &lamps[i as usize])));
         let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
-        let sky = Sky::new(scene, &lamps);
+        let sky = Sky::new(previous.map(|previous| &previous.sky), scene, &lamps);
         let sets = lamps.iter().map(PreparedLamp::sets).chain(scene.instances.iter().map(|one| one.links.sets));
         let is_linked = sets.into_iter().any(|sets| sets != LightSets::EVERYTHING);
-        let mut trees = vec![LightTree::new(&bounds)];
+        let same = previous.filter(|previous| previous.local.is_alike(&previous.lamps, &local, &lamps));
+        let mut trees = vec![same.map_or_else(|| LightTree::new(&bounds), |previous| previous.trees[0].clone())];
         let tree_of = if is_linked { linked_trees(scene, &local, &lamps, &bounds, &mut trees) } else { Vec::new() };
         let seen_groups = OnceLock::new();
         Self { local, trees, tree_of, emitter_of, lamps, met, sky, is_linked, seen_groups }

@@ -7,12 +7,14 @@ use crate::nodes::PathState;
 use crate::sampler::distribution::Grid2d;
 use crate::scene::{
     Scene,
+    texture::Texture,
     visibility::LightSets,
     world::{direction_to_equirectangular, equirectangular_to_direction},
 };
 use crate::{Rgb, luminance, nodes};
 use glam::{Vec2, Vec3A, Vec4Swizzles};
 use std::f32::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
 /// The most columns of the table that the world's image is sampled by. Larger tables find smaller suns in the
 /// image and take longer to build.
@@ -27,6 +29,8 @@ const BRIGHTEST: f32 = 1e30;
 pub(super) struct Sky {
     // `None` where the world has one colour: a surface's own scattering samples that better.
     image: Option<Grid2d>,
+    /// The image that the table was made of, and its factor.
+    made_of: Option<(Arc<Texture>, Rgb)>,
     /// Approximate irradiance by the world's image, by which the world is chosen.
     world: f32,
     suns: Vec<u32>,
@@ -65,16 +69,21 @@ fn mean_cosine(cos: f32, sin_cone: f32) -> f32 {
 }
 
 impl Sky {
-    pub(super) fn new(scene: &Scene, lamps: &[PreparedLamp]) -> Self {
+    /// `previous`: of another frame or edit, whose table is kept where the world's image is the same.
+    pub(super) fn new(previous: Option<&Self>, scene: &Scene, lamps: &[PreparedLamp]) -> Self {
         let suns: Vec<u32> = (0..lamps.len() as u32).filter(|&i| lamps[i as usize].is_at_infinity()).collect();
-        let image = image_table(scene);
-        let world = match scene.world.texture {
-            Some(t) if image.is_some() => {
-                luminance((scene.world.color * scene.textures[t as usize].average()).abs()) * PI
+        let made_of = scene.world.texture.map(|t| (scene.textures[t as usize].clone(), scene.world.color));
+        let (image, world) = match previous.filter(|previous| is_same_image(&previous.made_of, &made_of)) {
+            Some(previous) => (previous.image.clone(), previous.world),
+            None => {
+                let image = image_table(scene);
+                let average =
+                    |(texture, color): &(Arc<Texture>, Rgb)| luminance((*color * texture.average()).abs()) * PI;
+                let world = made_of.as_ref().filter(|_| image.is_some()).map_or(0.0, average);
+                let world = if image.is_some() { world.max(1e-6) } else { 0.0 };
+                (image, world)
             }
-            _ => 0.0,
         };
-        let world = if image.is_some() { world.max(1e-6) } else { 0.0 };
         let disc = |&i: &u32| {
             let lamp = &lamps[i as usize];
             let (towards, half_angle_rad) = lamp.as_sun().expect("only suns are in the list");
@@ -82,7 +91,7 @@ impl Sky {
         };
         let discs = suns.iter().map(disc).collect();
         let tells_bounces_apart = scene.world.graph.as_ref().is_some_and(|graph| graph.reads_any(&nodes::OF_BOUNCES));
-        Self { image, world, suns, discs, tells_bounces_apart }
+        Self { image, made_of, world, suns, discs, tells_bounces_apart }
     }
 
     /// Light that may arrive from the sky at a surface with this normal, in brightness, where nothing stands in the way; without one, from
@@ -215,6 +224,11 @@ impl Sky {
         let pdf = table.pdf(uv.clamp(Vec2::ZERO, Vec2::ONE).to_array());
         (scene.world.radiance_at(uv, &scene.textures), per_steradian(pdf, local).unwrap_or(0.0))
     }
+}
+
+/// True if both are of the very same image, with the same factor.
+fn is_same_image(a: &Option<(Arc<Texture>, Rgb)>, b: &Option<(Arc<Texture>, Rgb)>) -> bool {
+    matches!((a, b), (Some((a, by)), Some((b, with))) if Arc::ptr_eq(a, b) && by == with)
 }
 
 /// A density over the image as one over directions; `None` at the poles, where it has none.

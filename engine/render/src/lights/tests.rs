@@ -426,3 +426,46 @@ fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
         }
     }
 }
+
+/// After an edit lights are as if they were found anew: whether nothing of them changed, an emitter moved, a lamp did, or the sky is another.
+#[test]
+fn lights_of_an_edited_scene_are_those_of_a_new_one() {
+    let sky = |bright: f32| {
+        let pixels: Vec<f32> = (0..16 * 8).flat_map(|i| [0.5, 0.6, bright * (i % 7) as f32, 1.0]).collect();
+        std::sync::Arc::new(Texture::from_floats("sky", 16, 8, &pixels, false).unwrap())
+    };
+    let (usual, other) = (sky(0.1), sky(2.0));
+    let scene = |glow_at: f64, lamp_at: f64, sky: &std::sync::Arc<Texture>| {
+        let mut builder = SceneBuilder::new();
+        let m = builder.add_material(Material::diffuse("glow", Rgb::ONE, Rgb::new(2.0, 4.0, 6.0)));
+        let positions: Vec<Vec3> = (0..40).map(|i| Vec3::new((i % 2) as f32, (i / 2) as f32, (i % 3) as f32)).collect();
+        let triangles = (0..38).map(|i| [i, i + 1, i + 2]).collect();
+        let mesh = MeshDescription { name: "glow".into(), positions, triangles, ..Default::default() };
+        let mesh = builder.add_mesh(mesh).unwrap();
+        let place = |x: f64| DMat4::from_translation(DVec3::new(x, 0.0, 3.0));
+        builder.add_instance("glow", mesh, place(glow_at), &[m], true, true).unwrap();
+        builder.add_lamp(lamp(LampKind::Point { radius: 0.1, soft: false }), place(lamp_at)).unwrap();
+        let t = builder.add_texture(Texture::empty());
+        builder.set_world(World { color: Rgb::ONE, texture: Some(t as u32), ..Default::default() }).unwrap();
+        let mut scene = builder.build(DVec3::ZERO);
+        scene.textures[t] = sky.clone();
+        scene
+    };
+    let samples = |scene: &Scene, lights: &Lights| -> Vec<_> {
+        let to = lights.receiver(Vec3A::new(1.0, 2.0, -1.0), Some(Vec3A::Z), 0.5);
+        (0..256)
+            .map(|i| {
+                let u = sobol_burley::sample_4d(i, 0, 3);
+                let found = lights.sample_source(scene, &to, u[0], [u[1], u[2]], PathState::CAMERA);
+                found.map(|(s, source)| (s.wi, s.pdf, s.radiance, source))
+            })
+            .collect()
+    };
+    let before = scene(0.0, 4.0, &usual);
+    let lights = Lights::new(&before);
+    for (glow_at, lamp_at, sky) in [(0.0, 4.0, &usual), (0.5, 4.0, &usual), (0.0, 5.0, &usual), (0.0, 4.0, &other)] {
+        let edited = scene(glow_at, lamp_at, sky);
+        let (kept, anew) = (Lights::after(Some(&lights), &edited), Lights::new(&edited));
+        assert_eq!(samples(&edited, &kept), samples(&edited, &anew), "{glow_at} {lamp_at}");
+    }
+}

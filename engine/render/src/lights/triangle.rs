@@ -15,7 +15,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 const FROM_LIGHTS: View = View { direction: Vec3A::NEG_Z, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE };
 
 /// A triangle that emits, render space.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LitTriangle {
     /// Index of the instance.
     pub(super) instance: u32,

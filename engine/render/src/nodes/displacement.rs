@@ -116,10 +116,12 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], by_vertices: impl Fn(u32) -> bool, bends
     let positions: Vec<Vec3> = shift(&mesh.positions);
     let shape = Mesh { positions, ..mesh.clone() };
     let new = vertex_normals(&shape, |i| by_vertices(mesh.slot(i)));
+    // Blender keeps normals by vertex where all faces are smooth.
+    let is_smooth = matches!(mesh.corner_normals, Some(Corners::Vertices(_)));
     let corner_normals = mesh.corner_normals.as_ref().map(|old| {
         let of = |i: u32| {
             let (old, before) = (old.at(mesh.numbers(), i), face_normal(mesh.corners(i)));
-            if old.iter().all(|normal| normal.distance_squared(before) < 1e-8) {
+            if !is_smooth && old.iter().all(|normal| normal.distance_squared(before) < 1e-8) {
                 return [face_normal(shape.corners(i)); 3];
             }
             let corners = shape.triangles[i as usize];
@@ -142,6 +144,7 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], by_vertices: impl Fn(u32) -> bool, bends
         poses,
         grids,
         keeps_opacity,
+        dicing,
         ..
     } = shape;
     if bends {
@@ -167,5 +170,6 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], by_vertices: impl Fn(u32) -> bool, bends
         }),
         grids,
         keeps_opacity,
+        dicing,
     }
 }

@@ -391,6 +391,16 @@ impl Context for Point<'_> {
     }
 
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A {
+        // Of normals these two are by far the most frequent, and need no inverse.
+        match (direction, from, to) {
+            (Direction::Normal, Space::Object, Space::World) => {
+                return (self.instance.normal_to_render * vector).normalize_or_zero();
+            }
+            (Direction::Normal, Space::World, Space::Object) => {
+                return (self.instance.to_render.matrix3.transpose() * vector).normalize_or_zero();
+            }
+            _ => {}
+        }
         let origin = self.scene.origin.as_vec3a();
         let viewport = &self.scene.viewport;
         let map = match (from, to) {

@@ -224,16 +224,6 @@ impl Graph {
             _ => false,
         })
     }
-
-    /// The indices of refraction that stand still.
-    pub fn indices(&self) -> impl Iterator<Item = f32> + '_ {
-        let sources = self.layers.iter().flat_map(|layer| match &layer.closure {
-            Closure::Glass { ior, .. } => vec![*ior],
-            Closure::Principled(p) => vec![p.ior, p.coat_ior],
-            _ => vec![],
-        });
-        sources.filter_map(|source| source.constant(&self.program)).map(|value| value.x)
-    }
 }
 
 /// A layer as Blender names its inputs.

@@ -11,6 +11,28 @@ use glam::{Vec2, Vec3, Vec4};
 /// The name by which a mesh keeps its undeformed coordinates in its box.
 pub const GENERATED: &str = ".generated";
 
+/// The fineness to which a mesh is divided.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dicing {
+    /// The length of an edge, about.
+    pub edge: EdgeLength,
+    /// Factor on the length of edges far beyond the picture's frame: see [`super::viewport::Viewport::diced_width`].
+    pub off_screen: f32,
+    /// The most times that an edge is halved.
+    pub halvings: u32,
+    /// The triangles that there is memory for beside those of the meshes as they are.
+    pub room: usize,
+}
+
+/// The length of an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EdgeLength {
+    /// In pixels of Blender's own camera.
+    Pixels(f32),
+    /// In units of the mesh's space.
+    Units(f32),
+}
+
 /// A mesh as it arrives; arrays by triangle have one entry a triangle.
 #[derive(Clone, Debug, Default)]
 pub struct MeshDescription {
@@ -38,6 +60,8 @@ pub struct MeshDescription {
     pub grids: Vec<Grid>,
     /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
+    /// The fineness to which it is divided before it is displaced; `None` where it stays as it is.
+    pub dicing: Option<Dicing>,
 }
 
 impl MeshDescription {
@@ -112,6 +136,8 @@ pub struct Mesh {
     pub grids: Vec<Grid>,
     /// True if the mesh's volume has the same opacity whatever the object's size.
     pub keeps_opacity: bool,
+    /// The fineness to which it is divided before it is displaced.
+    pub dicing: Option<Dicing>,
     /// The corners of the box that holds `positions`.
     pub bounds: [Vec3; 2],
     /// Hair or other curves, instead of triangles.
@@ -167,6 +193,7 @@ impl Mesh {
             moved_positions: d.moved_positions,
             grids,
             keeps_opacity: d.keeps_opacity,
+            dicing: d.dicing,
             curves: None,
             points: None,
             is_special: d.poses.is_some(),

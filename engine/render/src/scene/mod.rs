@@ -5,6 +5,7 @@ mod builder;
 pub mod closure;
 pub mod corners;
 pub mod curves;
+pub mod dicing;
 pub mod edges;
 pub mod graph;
 pub mod grid;

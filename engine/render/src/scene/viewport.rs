@@ -69,6 +69,23 @@ impl Viewport {
         0.5 * (self.pixel.x + self.pixel.y)
     }
 
+    /// Width of a pixel that an edge at a place of the camera's space is diced by, world units: that of the middle of the picture at the
+    /// same distance. Beyond the frame it is as if the place were `off_screen` - 1 times its distance from the frame farther away. As
+    /// `Camera::world_to_raster_size` of Cycles.
+    pub fn diced_width(&self, place: Vec3A, off_screen: f32) -> f32 {
+        let Vec2 { x: left, y: bottom } = -self.center / self.focal;
+        let Vec2 { x: right, y: top } = (Vec2::ONE - self.center) / self.focal;
+        let beyond = |out: Vec3A| place.dot(out.normalize());
+        let sides = [
+            Vec3A::new(1.0, 0.0, -right),
+            Vec3A::new(-1.0, 0.0, left),
+            Vec3A::new(0.0, 1.0, -top),
+            Vec3A::new(0.0, -1.0, bottom),
+        ];
+        let outside = sides.map(beyond).into_iter().fold(0.0, f32::max);
+        self.pixel.min_element() * (place.length() + outside * (off_screen - 1.0).max(0.0))
+    }
+
     /// Width of a pixel across the line of sight at a place of the camera's space: the mean of both ways, world units.
     pub fn pixel_width(&self, place: Vec3A) -> f32 {
         let ahead = place / place.z.abs().max(1e-6);

@@ -12,8 +12,11 @@ const STEPS: usize = 24;
 /// of these, a metal of roughness 0.4 comes out one percent too dark at each bounce.
 const POINTS: u32 = 1024;
 
+/// Numbers of a table.
+pub const NUMBERS: usize = STEPS * STEPS + STEPS;
+
 /// Directional albedo over roughness and cosine, interpolated linearly.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AlbedoTable {
     values: [[f32; STEPS]; STEPS],
     // Cosine-weighted, by roughness.
@@ -73,6 +76,20 @@ impl AlbedoTable {
             table.averages[i] = table.integrate(i as f32 / (STEPS - 1) as f32);
         }
         table
+    }
+
+    /// The table of these numbers, in the order of [`Self::numbers`].
+    pub fn of(numbers: &[f32; NUMBERS]) -> Self {
+        let (values, averages) = numbers.split_at(STEPS * STEPS);
+        let mut table = Self { values: [[0.0; STEPS]; STEPS], averages: [0.0; STEPS] };
+        table.values.as_flattened_mut().copy_from_slice(values);
+        table.averages.copy_from_slice(averages);
+        table
+    }
+
+    /// All numbers: for each roughness those of the cosines, then the averages.
+    pub fn numbers(&self) -> impl Iterator<Item = f32> + '_ {
+        self.values.as_flattened().iter().chain(&self.averages).copied()
     }
 
     /// The albedo seen at that cosine.

@@ -1,12 +1,15 @@
-//! Albedos of facets for any index of refraction, from tables that are made when first asked for.
+//! Albedos of facets for any index of refraction, from tables that are part of the program: `data/albedos.bin`, written by the example
+//! `albedos`. They would take half a second of a processor's time at the start of a render.
 
-use super::albedo::AlbedoTable;
+use super::albedo::{AlbedoTable, NUMBERS};
 use super::fresnel::{self, F82Tint};
-use std::sync::{Arc, LazyLock, OnceLock};
+use std::sync::{Arc, LazyLock};
 
 /// Steps of the index, even in [`place`]: between them the part of the way from the reflectance at normal incidence to 1
 /// is off by less than 0.002.
 const STEPS: usize = 32;
+/// The numbers of all tables in the order of [`compute`], little-endian.
+const DATA: &[u8; 4 * NUMBERS * (3 + 3 * STEPS)] = include_bytes!("../../data/albedos.bin");
 
 /// The tables of one index (above 1).
 struct Dielectric {
@@ -16,17 +19,44 @@ struct Dielectric {
     eta: f32,
 }
 
-/// Albedo of facets that reflect everything, by roughness and cosine; one for all scenes.
-pub fn reflection() -> &'static Arc<AlbedoTable> {
-    static REFLECTION: LazyLock<Arc<AlbedoTable>> = LazyLock::new(|| Arc::new(AlbedoTable::reflection()));
-    &REFLECTION
+/// All tables.
+struct Tables {
+    reflection: Arc<AlbedoTable>,
+    metal: [AlbedoTable; 2],
+    dielectrics: Box<[Dielectric]>,
 }
 
-/// Makes the tables for an index ahead of time.
-pub fn prepare(eta: f32) {
-    let (step, _) = place(eta);
-    step_at(step);
-    step_at(step + 1);
+static TABLES: LazyLock<Tables> = LazyLock::new(|| {
+    let mut left = DATA.as_chunks::<4>().0.as_chunks::<NUMBERS>().0.iter();
+    let mut next = || AlbedoTable::of(&left.next().map_or([0.0; NUMBERS], |bytes| bytes.map(f32::from_le_bytes)));
+    Tables {
+        reflection: Arc::new(next()),
+        metal: [next(), next()],
+        dielectrics: (0..STEPS)
+            .map(|step| Dielectric { reflection: next(), boundary: [next(), next()], eta: eta_of(step) })
+            .collect(),
+    }
+});
+
+/// Computes the tables anew, which takes seconds: of facets that reflect everything, of the terms of metals, and for each step of the index
+/// of reflection and of the boundary, entering and leaving.
+pub fn compute() -> impl Iterator<Item = AlbedoTable> {
+    let first = [AlbedoTable::reflection(), metal_table(0), metal_table(1)];
+    first.into_iter().chain((0..STEPS).flat_map(|step| {
+        let eta = eta_of(step);
+        let [enters, leaves] = [eta, 1.0 / eta].map(AlbedoTable::dielectric_boundary);
+        [AlbedoTable::dielectric_reflection(eta), enters, leaves]
+    }))
+}
+
+/// The means of one of [`F82Tint::terms`] over what facets mirror.
+fn metal_table(term: usize) -> AlbedoTable {
+    AlbedoTable::reflecting(|cos| F82Tint::terms(cos)[term])
+}
+
+/// Albedo of facets that reflect everything, by roughness and cosine; one for all scenes.
+pub fn reflection() -> &'static Arc<AlbedoTable> {
+    &TABLES.reflection
 }
 
 /// The rise of a dielectric's mean reflectance at an angle, from 0 at normal incidence to 1; as in Cycles an index below 1 has that of its
@@ -42,10 +72,9 @@ pub fn rise(eta: f32, roughness: f32, cos: f32) -> f32 {
 
 /// The means of [`F82Tint::terms`] over what facets of that roughness mirror towards that cosine.
 pub fn metal_terms(roughness: f32, cos: f32) -> [f32; 2] {
-    static TERMS: LazyLock<[AlbedoTable; 2]> =
-        LazyLock::new(|| [0, 1].map(|term| AlbedoTable::reflecting(|cos| F82Tint::terms(cos)[term])));
-    let single = reflection().at(roughness, cos).max(1e-3);
-    [0, 1].map(|term| TERMS[term].at(roughness, cos) / single)
+    let Tables { reflection, metal, .. } = &*TABLES;
+    let single = reflection.at(roughness, cos).max(1e-3);
+    [0, 1].map(|term| metal[term].at(roughness, cos) / single)
 }
 
 /// The part of the light that single scattering at a dielectric boundary keeps, reflection and transmission together: at an angle, and on
@@ -58,7 +87,8 @@ pub fn boundary(eta: f32, roughness: f32, cos: f32) -> (f32, f32) {
 
 fn between(eta: f32, value: impl Fn(&Dielectric) -> f32) -> f32 {
     let (step, part) = place(eta);
-    value(step_at(step)) * (1.0 - part) + value(step_at(step + 1)) * part
+    let dielectrics = &TABLES.dielectrics;
+    value(&dielectrics[step]) * (1.0 - part) + value(&dielectrics[step + 1]) * part
 }
 
 /// The step below an index, and how far it is to the next.
@@ -70,23 +100,33 @@ fn place(eta: f32) -> (usize, f32) {
     (step, (z - step as f32).clamp(0.0, 1.0))
 }
 
-fn step_at(step: usize) -> &'static Dielectric {
-    static TABLES: [OnceLock<Box<Dielectric>>; STEPS] = [const { OnceLock::new() }; STEPS];
-    TABLES[step].get_or_init(|| {
-        let root = (step as f32 / STEPS as f32).powi(2);
-        // An index of exactly 1 has no reflectance to be in proportion to.
-        let eta = ((1.0 + root) / (1.0 - root)).max(1.0001);
-        Box::new(Dielectric {
-            reflection: AlbedoTable::dielectric_reflection(eta),
-            boundary: [eta, 1.0 / eta].map(AlbedoTable::dielectric_boundary),
-            eta,
-        })
-    })
+/// The index of a step.
+fn eta_of(step: usize) -> f32 {
+    let root = (step as f32 / STEPS as f32).powi(2);
+    // An index of exactly 1 has no reflectance to be in proportion to.
+    ((1.0 + root) / (1.0 - root)).max(1.0001)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The tables of the program are what their integrals say. Roundings of another processor put a point of the 1024 here and there on the
+    /// other side of a limit.
+    #[test]
+    fn tables_are_those_that_are_computed() {
+        let stored = |of: &AlbedoTable, table: &AlbedoTable| {
+            table.numbers().zip(of.numbers()).all(|(a, b)| (a - b).abs() < 2.0 / 1024.0)
+        };
+        assert!(stored(reflection(), &AlbedoTable::reflection()));
+        assert!(stored(&TABLES.metal[1], &metal_table(1)));
+        for step in [0, 14, STEPS - 1] {
+            let Dielectric { reflection, boundary, eta } = &TABLES.dielectrics[step];
+            assert!(stored(reflection, &AlbedoTable::dielectric_reflection(*eta)), "{step}");
+            assert!(stored(&boundary[0], &AlbedoTable::dielectric_boundary(*eta)), "{step}");
+            assert!(stored(&boundary[1], &AlbedoTable::dielectric_boundary(1.0 / eta)), "{step}");
+        }
+    }
 
     /// Between steps the tables say what a table of that very index says.
     #[test]

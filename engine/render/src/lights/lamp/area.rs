@@ -2,6 +2,7 @@
 
 use super::super::bounds::LightBounds;
 use super::super::sample::{Leaving, LightSample};
+use super::rectangle::SphericalRectangle;
 use super::shape::{LampExtent, LampFrame, LampRay, LampShape, LampView};
 use crate::{Rgb, sampler::warp};
 use glam::{Vec2, Vec3A};
@@ -28,6 +29,20 @@ impl AreaLamp {
     fn point(&self, frame: &LampFrame, u: [f32; 2]) -> Vec3A {
         let p = if self.ellipse { warp::sample_disk(u) * 0.5 } else { Vec2::new(u[0] - 0.5, u[1] - 0.5) };
         frame.center + frame.axes.x_axis * (p.x * self.size[0]) + frame.axes.y_axis * (p.y * self.size[1])
+    }
+
+    /// The lamp as it is seen from a place, where points are chosen by that; else they are even by area.
+    fn seen(&self, frame: &LampFrame, from: Vec3A) -> Option<SphericalRectangle> {
+        if self.ellipse {
+            return None;
+        }
+        SphericalRectangle::new(frame.local(frame.center - from), self.size)
+    }
+
+    /// The density per steradian with which [`LampShape::sample`] at a place chooses a direction at `cos` to the normal, in which the lamp is
+    /// `distance` away.
+    fn pdf(&self, seen: Option<&SphericalRectangle>, cos: f32, distance: f32) -> f32 {
+        seen.map_or_else(|| distance * distance / (cos * self.area()), |seen| 1.0 / seen.solid_angle)
     }
 
     /// The factor of the spread on light that leaves the lamp at `cos` to its normal, brighter on axis for less spread.
@@ -87,14 +102,15 @@ impl LampShape for AreaLamp {
     }
 
     fn sample(&self, frame: &LampFrame, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
-        let to = self.point(frame, u) - from;
+        let seen = self.seen(frame, from);
+        let to = seen.as_ref().map_or_else(|| self.point(frame, u) - from, |seen| frame.axes * seen.point(u));
         let distance = to.length();
         let wi = to / distance;
         let cos = wi.dot(frame.axes.z_axis);
         if !(cos > 0.0 && distance > 0.0) {
             return None;
         }
-        let pdf = distance * distance / (cos * self.area());
+        let pdf = self.pdf(seen.as_ref(), cos, distance);
         let leaves = Some(Leaving { cos, error: frame.rounding });
         Some(LightSample { leaves, ..frame.light(wi, distance, frame.strength * self.spread(cos), pdf) })
     }
@@ -112,7 +128,7 @@ impl LampShape for AreaLamp {
         let p = origin + d * t - frame.center;
         let (x, y) = (2.0 * p.dot(frame.axes.x_axis) / self.size[0], 2.0 * p.dot(frame.axes.y_axis) / self.size[1]);
         let inside = if self.ellipse { x * x + y * y <= 1.0 } else { x.abs() <= 1.0 && y.abs() <= 1.0 };
-        inside.then(|| (frame.strength * self.spread(cos), t * t / (cos * self.area()), t))
+        inside.then(|| (frame.strength * self.spread(cos), self.pdf(self.seen(frame, origin).as_ref(), cos, t), t))
     }
 
     fn emit(&self, frame: &LampFrame, u_place: [f32; 2], u_direction: [f32; 2], _scene: (Vec3A, f32)) -> LampRay {
@@ -129,8 +145,8 @@ impl LampShape for AreaLamp {
         1.0 / (self.area() * PI * sin * sin)
     }
 
-    fn arrival_pdf(&self, frame: &LampFrame, _at: Vec3A, direction: Vec3A, distance: f32) -> Option<f32> {
+    fn arrival_pdf(&self, frame: &LampFrame, at: Vec3A, direction: Vec3A, distance: f32) -> Option<f32> {
         let cos = -direction.dot(frame.axes.z_axis);
-        (cos > 0.0).then(|| distance * distance / (cos * self.area()))
+        (cos > 0.0).then(|| self.pdf(self.seen(frame, at).as_ref(), cos, distance))
     }
 }
