@@ -34,7 +34,8 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: 
     """How finely an object's mesh is divided; None where it stays as Blender's modifiers make it."""
     modifier = holder.modifiers[-1] if holder.modifiers else None
     if (
-        modifier is None
+        holder.type != "MESH"
+        or modifier is None
         or modifier.type != "SUBSURF"
         or not (modifier.show_render if is_render else modifier.show_viewport)
     ):

@@ -246,9 +246,9 @@ class Stage:
             if isinstance(data, bpy.types.PointCloud):
                 return self._cloud(data, place, wanted)
             diced = dicing.of(holder, self._scene, self._is_render, self._room, self._report)
-            # Shapes at other times are those of the whole modifier.
-            is_still = self._motion is None and self._blur is None
-            with dicing.cage(holder, self._depsgraph) if diced and is_still else mesh.shape(holder, data) as shape:
+            # Shapes at other times are those of the whole modifier; of an instance the modifier may be its instancer's.
+            has_cage = self._motion is None and self._blur is None and not place.is_instance and not data.is_editmode
+            with dicing.cage(holder, self._depsgraph) if diced and has_cage else mesh.shape(holder, data) as shape:
                 self._room.take(holder.name, mesh.triangle_count(shape))
                 return self._add(data.name, shape, place, wanted, grids.of_smoke(holder, self._report), diced)
 

@@ -92,8 +92,8 @@ impl Quality {
         }
     }
 
-    /// How often the picture is filtered. At [`Self::High`] it is filtered turned by 180 degrees, too, and the mean is taken: the filter's own
-    /// errors are partly others then.
+    /// Number of runs of the filter on the picture. At [`Self::High`] a second run filters the picture turned by 180 degrees, and the mean
+    /// of both is taken: the filter's own errors are partly others then.
     fn runs(self) -> usize {
         if self == Self::High { 2 } else { 1 }
     }

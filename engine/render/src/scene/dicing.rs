@@ -93,9 +93,9 @@ struct Piece {
 /// A mesh in pieces.
 struct Pieces {
     list: Vec<Piece>,
-    /// Of all vertices, those between edges included.
+    /// Positions of all vertices, those in the middle of edges included.
     positions: Vec<Vec3>,
-    /// Of each vertex in the middle of an edge, the two at its ends.
+    /// The two ends of the edge of each vertex in the middle of one.
     ends: Vec<[u32; 2]>,
 }
 
