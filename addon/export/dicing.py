@@ -52,6 +52,13 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: 
         pixels = holder.cycles.dicing_rate if is_diced else 1.0
     if not is_diced:
         return None
+    if not any(_is_displaced(slot.material) for slot in holder.material_slots):
+        if modifier.subdivision_type != "SIMPLE":
+            report.warn(
+                f"Object '{holder.name}': adaptive subdivision without displacement is not supported yet, it is divided as often as "
+                "its modifier's levels say"
+            )
+        return None
     if own is not None and own.dicing_camera not in (None, scene.camera):
         report.warn(
             f"Adaptive subdivision: the dicing camera '{own.dicing_camera.name}' is not supported yet, the scene's camera is taken"
@@ -63,19 +70,28 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: 
     return not is_in_units, length, off_screen, most, room.left_triangles()
 
 
+def _is_displaced(material: bpy.types.Material | None) -> bool:
+    """Whether a material moves vertices."""
+    if material is None or material.node_tree is None or material.displacement_method == "BUMP":
+        return False
+    ends = [node for node in material.node_tree.nodes if node.type == "OUTPUT_MATERIAL"]
+    return any(end.inputs["Displacement"].is_linked for end in ends)
+
+
 @contextmanager
 def cage(holder: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Mesh]:
     """The mesh of an evaluated object before its last modifier, a Subdivision Surface; a rounded one is divided so far that it is round."""
     modifier = holder.modifiers[-1]
     before = modifier.levels, modifier.render_levels
     try:
-        level = 0
+        is_simple = modifier.subdivision_type == "SIMPLE"
+        # Once at least: the vertices of a cage do not lie on the rounded surface.
+        level = 0 if is_simple else 1
         while True:
             # Of the evaluated object alone, which is thrown away; Blender runs its modifiers again.
             modifier.levels = modifier.render_levels = level
             made = holder.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
-            is_round = modifier.subdivision_type == "SIMPLE" or len(made.polygons) >= ROUND_FACES
-            if is_round or level == MOST_LEVELS or not made.polygons:
+            if is_simple or len(made.polygons) >= ROUND_FACES or level == MOST_LEVELS or not made.polygons:
                 break
             level += 1
         yield made

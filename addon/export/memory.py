@@ -47,7 +47,7 @@ class Room:
         self._triangles = 0
 
     def left_triangles(self) -> int:
-        """How many more there is room for."""
+        """The number of triangles that there is still room for."""
         taken, free = self._triangles * BYTES_A_TRIANGLE, engine().free_memory_bytes()
         left = min(
             self._limit_bytes - taken if self._limit_bytes else float("inf"),

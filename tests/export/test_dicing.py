@@ -7,12 +7,24 @@ import numpy as np
 import pytest
 
 
+def raised(blender) -> object:
+    """A material that moves vertices."""
+    surface = blender.data.materials.new("Raised")
+    surface.use_nodes, surface.displacement_method = True, "DISPLACEMENT"
+    nodes, links = surface.node_tree.nodes, surface.node_tree.links
+    end = nodes.new("ShaderNodeDisplacement")
+    end.inputs["Height"].default_value = 1.5
+    links.new(end.outputs[0], nodes["Material Output"].inputs["Displacement"])
+    return surface
+
+
 @pytest.fixture
 def square(parts, blender):
     """A square of one face with a Subdivision Surface that is adaptive."""
     scene = parts.set_up(32, 32, samples=1)
     blender.ops.mesh.primitive_plane_add(size=2.0)
     made = blender.context.object
+    made.data.materials.append(raised(blender))
     modifier = made.modifiers.new("Adaptive", "SUBSURF")
     modifier.subdivision_type, modifier.levels, modifier.render_levels = "SIMPLE", 2, 5
     if hasattr(modifier, "use_adaptive_subdivision"):
@@ -47,6 +59,7 @@ def test_the_cage_is_sent_with_its_dicing(parts, square):
 def test_what_is_rounded_is_sent_round(parts, blender, square):
     blender.data.objects.remove(square)
     blender.ops.mesh.primitive_cube_add(size=2.0)
+    blender.context.object.data.materials.append(raised(blender))
     modifier = blender.context.object.modifiers.new("Adaptive", "SUBSURF")
     if hasattr(modifier, "use_adaptive_subdivision"):
         modifier.use_adaptive_subdivision = True
@@ -85,19 +98,21 @@ def test_what_moves_is_divided_and_displaced(parts, blender, square, tmp_path):
     """Its shapes at other times are those of the whole modifier, and so is the one that is divided."""
     scene = blender.context.scene
     scene.render.use_motion_blur, scene.world = True, parts.grey_world(1.0)
-    surface = blender.data.materials.new("Raised")
-    surface.use_nodes, surface.displacement_method = True, "DISPLACEMENT"
-    nodes, links = surface.node_tree.nodes, surface.node_tree.links
-    raised = nodes.new("ShaderNodeDisplacement")
-    raised.inputs["Height"].default_value = 1.5
-    links.new(raised.outputs[0], nodes["Material Output"].inputs["Displacement"])
-    square.data.materials.append(surface)
     square.rotation_euler = (np.pi / 2, 0.0, 0.0)
     for frame, x in ((0, -0.5), (2, 0.5)):
         square.location = (x, 5.0, 0.0)
         square.keyframe_insert("location", frame=frame)
     assert np.isfinite(parts.render(tmp_path, "moving.exr")).all()
     assert not parts.part("render.statistics").last(scene.name).warnings
+
+
+def test_without_displacement_the_modifier_counts(parts, square):
+    square.material_slots[0].material.displacement_method = "BUMP"
+    mesh = sent(parts)
+    assert mesh["dicing"] is None and len(mesh["triangles"]) == 2 * 4**5
+    square.modifiers[-1].subdivision_type = "CATMULL_CLARK"
+    _, warnings, _ = parts.sent()
+    assert any("without displacement" in line for line in warnings)
 
 
 def test_another_dicing_camera_is_named(parts, blender, square):

@@ -23,7 +23,7 @@ pub(super) struct SphericalRectangle {
     height: f32,
     /// Sum of two of its angles on the sphere, taken from a whole turn.
     k: f32,
-    /// Of the normals of the planes through the place and the two edges along x, the part along z.
+    /// Parts along z of the normals of the planes through the place and the two edges along x.
     b: [f32; 2],
     /// Solid angle, sr.
     pub(super) solid_angle: f32,
