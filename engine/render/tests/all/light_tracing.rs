@@ -278,14 +278,17 @@ fn bidirectional_paths_share_the_lights_too() {
         exposure: Some(Exposure::new(&Shutter::default()).displaced(DVec3::new(0.03, -0.02, 0.1))),
         ..OutputOptions::default()
     };
-    for (name, d, beside) in [
-        ("all wavelengths", &d, OutputOptions::default as fn() -> _),
-        ("one", &grey, OutputOptions::default),
-        ("aside", &d, moved),
+    for (name, d, clamp_direct, beside) in [
+        ("all wavelengths", &d, 0.0, OutputOptions::default as fn() -> _),
+        ("one", &grey, 0.0, OutputOptions::default),
+        ("aside", &d, 0.0, moved),
+        // Half of the brightest lamp's radiance: what is clamped is the light of the ray, not its weighted parts. Scattered light is clamped
+        // otherwise than in path tracing.
+        ("clamped", &d, 4.0, OutputOptions::default),
     ] {
         let many = |integrator, traced: bool, samples: u32, first: u32| -> Vec<Vec<f64>> {
             let one = |k| {
-                let s = Settings { integrator, ..settings(traced, samples, first + k) };
+                let s = Settings { integrator, clamp_direct, ..settings(traced, samples, first + k) };
                 let Rendered { picture, report, .. } = render_with(&stage, d, s, beside());
                 assert_eq!(report.aimed, if traced { 6 } else { 0 }, "{report:?}");
                 blocks(&picture)
@@ -293,7 +296,8 @@ fn bidirectional_paths_share_the_lights_too() {
             (0..RENDERS).map(one).collect()
         };
         let traced = many(Integrator::Bidirectional, true, 32, 1);
-        agree(name, &traced, &many(Integrator::Path, false, 128, 101));
+        let alone = if clamp_direct == 0.0 { Integrator::Path } else { Integrator::Bidirectional };
+        agree(name, &traced, &many(alone, false, 128, 101));
     }
 }
 

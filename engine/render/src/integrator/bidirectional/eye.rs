@@ -36,13 +36,13 @@ pub(super) fn trace(
         let kind = if bounce == 0 { Rays::CAMERA } else { Rays::BOUNCE };
         let stretch = walk.follow(ray, kind, |_, _| true);
         carried *= stretch.through;
-        let straight = match camera.aimed {
+        let lens = match camera.aimed {
             Some(aimed) if bounce == 0 => LensWeight::Shared(aimed, camera.density as f32),
             _ => LensWeight::Alone,
         };
-        let met = HitLight { stage, ray: &ray, bounce, partial, straight };
-        met.lamps(stretch.distance, |light| {
-            result.radiance += limits.clamp_met(carried * light, bounce);
+        let met = HitLight { stage, ray: &ray, bounce, partial, lens };
+        met.lamps(stretch.distance, |light, shared| {
+            result.radiance += limits.clamp_met(carried * light, bounce) * shared;
             result.hit = true;
         });
         let Some((point, hit)) = stretch.end else {
@@ -56,8 +56,8 @@ pub(super) fn trace(
             result.first = Some(FirstSurface::from(&point));
         }
         if material(stage, &point).emits() {
-            result.radiance +=
-                limits.clamp_met(carried * met.surface(&point, &hit, stretch.distance) * stretch.kept, bounce);
+            let (light, shared) = met.surface(&point, &hit, stretch.distance);
+            result.radiance += limits.clamp_met(carried * light * stretch.kept, bounce) * shared;
         }
         let cos_in = point.geometric_normal.dot(ray.direction).abs();
         if bounce > limits.max_bounces || cos_in <= 0.0 {
@@ -121,12 +121,14 @@ pub(super) fn see(
         ray: &ray,
         bounce: 0,
         partial: Partial { ends: 0.0, before: 0.0 },
-        straight: LensWeight::From(source),
+        lens: LensWeight::From(source),
     };
-    met.lamps(stretch.distance, |light| result.radiance += limits.clamp_met(stretch.through * light, 0));
+    met.lamps(stretch.distance, |light, shared| {
+        result.radiance += limits.clamp_met(stretch.through * light, 0) * shared;
+    });
     if let Some((point, hit)) = stretch.end.filter(|(point, _)| material(stage, point).emits()) {
-        let light = met.surface(&point, &hit, stretch.distance) * stretch.kept;
-        result.radiance += limits.clamp_met(stretch.through * light, 0);
+        let (light, shared) = met.surface(&point, &hit, stretch.distance);
+        result.radiance += limits.clamp_met(stretch.through * light * stretch.kept, 0) * shared;
     }
     result.rays = walk.rays;
     result
@@ -149,7 +151,7 @@ struct HitLight<'a> {
     ray: &'a Ray,
     bounce: u32,
     partial: Partial,
-    straight: LensWeight<'a>,
+    lens: LensWeight<'a>,
 }
 
 impl HitLight<'_> {
@@ -160,8 +162,8 @@ impl HitLight<'_> {
     }
 
     /// The weight of light of a source that the ray hits at a point, beside rays that the source sends to the lens.
-    fn straight(&self, source: Option<Source>, at: Vec3A) -> f32 {
-        match (self.straight, source) {
+    fn lens_weight(&self, source: Option<Source>, at: Vec3A) -> f32 {
+        match (self.lens, source) {
             (LensWeight::Shared(aimed, density), Some(source)) => {
                 aimed.weight(self.stage, source, self.ray, at, density)
             }
@@ -179,7 +181,8 @@ impl HitLight<'_> {
         (self.bounce > 0).then(|| self.stage.lights.receiver_between(self.ray.origin))
     }
 
-    fn lamps(&self, t_max: f32, mut found: impl FnMut(Rgb)) {
+    /// Gives the light of lamps to `found`, each with its weight beside rays that sources send to the lens.
+    fn lamps(&self, t_max: f32, mut found: impl FnMut(Rgb, f32)) {
         let PreparedScene { scene, lights, emission, .. } = self.stage;
         let Ray { origin, direction, .. } = *self.ray;
         let to = self.receiver();
@@ -187,8 +190,8 @@ impl HitLight<'_> {
         lights.lamps_along(scene, line, self.way(), to.as_ref(), |LightHit { source, radiance, pdf, distance }| {
             // Every lamp that can be hit has extent: the distance does not matter for the density.
             let density = emission.density(scene, lights, source, direction, 1.0, self.ray.moment);
-            let straight = self.straight(Some(source), origin + direction * distance);
-            found(radiance * (self.weight(pdf, density) * straight));
+            let shared = self.lens_weight(Some(source), origin + direction * distance);
+            found(radiance * self.weight(pdf, density), shared);
         });
     }
 
@@ -212,18 +215,19 @@ impl HitLight<'_> {
         );
     }
 
-    fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> Rgb {
+    /// The light of the surface that the ray hits, and its weight beside rays that sources send to the lens.
+    fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> (Rgb, f32) {
         let PreparedScene { scene, lights, emission, .. } = self.stage;
         let view = View::along(self.ray, distance, self.way());
         let radiance = nodes::emission_at(material(self.stage, point), self.stage.around(), point, &view);
         let source = lights.triangle_source(hit.instance, hit.triangle);
         let (Some(to), Some(source)) = (self.receiver(), source) else {
-            return radiance * self.straight(source, point.position);
+            return (radiance, self.lens_weight(source, point.position));
         };
         let cos = point.geometric_normal.dot(self.ray.direction).abs();
         let pdf = lights.triangle_pdf(scene, &to, (hit.instance, hit.triangle), distance, cos);
-        radiance
-            * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, distance, self.ray.moment))
+        let density = emission.density(scene, lights, source, self.ray.direction, distance, self.ray.moment);
+        (radiance * self.weight(pdf, density), 1.0)
     }
 }
 
