@@ -119,7 +119,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
         description=(
             "Spread the noise so that the errors of neighbouring pixels cancel: finer grain for the eye and for "
             "denoisers at the same cost. Each number of samples has points of its own, so that it does nothing with a sample "
-            "offset, in layers that are mergeable, and with a noise threshold"
+            "offset, in layers that are mergeable, with a noise threshold, and with the pipeline From the Scene"
         ),
         default=True,
     )
