@@ -30,15 +30,20 @@ def library() -> Path | None:
 
 def _folders() -> Iterator[Path]:
     """Folders in which it may lie, the likeliest first."""
-    # Beside the folder of Blender's own scripts, of the program and of the module alike: in `lib` on Linux and in macOS's bundle, in
-    # `blender.shared` on Windows.
-    local = bpy.utils.resource_path("LOCAL")
+    # Beside the folder of Blender's own scripts, of the program and of the module alike: in `lib` on Linux and macOS; on Windows in
+    # `blender.shared` of the program, and with the module itself.
+    local = _local()
     if local:
         home = Path(local).parent
-        yield from (home / "lib", home / "blender.shared")
+        yield from (home / "lib", home / "blender.shared", home)
     package = importlib.util.find_spec("pyoidn")
     for place in (package.submodule_search_locations or ()) if package else ():
         yield from (Path(place) / "oidn" / "lib", Path(place) / "oidn" / "bin")
+
+
+def _local() -> str:
+    """The folder of the scripts that this Blender has of its own; empty: it has none."""
+    return bpy.utils.resource_path("LOCAL")
 
 
 def _of_the_system() -> Path | None:

@@ -75,7 +75,9 @@ def _fast_gi(scene: bpy.types.Scene, is_viewport: bool) -> str | dict[str, dict[
 def of_layer(
     settings: SettingsDescription, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
 ) -> SettingsDescription:
-    """The same with a view layer's own number of samples, as Cycles's setting for that has it."""
+    """The same with a view layer's own number of samples, as Cycles's setting for that has it; parts of a picture have independent pixels."""
+    if view_layer.petzval.use_pass_mergeable:
+        settings = dataclasses.replace(settings, blue_noise=False)
     use = getattr(getattr(scene, "cycles", None), "use_layer_samples", "IGNORE")
     if use == "IGNORE" or view_layer.samples <= 0:
         return settings

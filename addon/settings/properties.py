@@ -118,10 +118,10 @@ class PetzvalScene(bpy.types.PropertyGroup):
         name="Blue Noise",
         description=(
             "Spread the noise so that the errors of neighbouring pixels cancel: finer grain for the eye and for "
-            "denoisers at the same cost. Each number of samples has points of its own: leave it off where ranges of "
-            "samples are rendered apart and joined, and it does nothing with a noise threshold"
+            "denoisers at the same cost. Each number of samples has points of its own, so that it does nothing with a sample "
+            "offset, in layers that are mergeable, with a noise threshold, and with the pipeline From the Scene"
         ),
-        default=False,
+        default=True,
     )
     use_checkpoints: BoolProperty(
         name="Checkpoints",

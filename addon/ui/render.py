@@ -120,7 +120,7 @@ class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
         settings = context.scene.petzval
         layout.prop(settings, "seed")
         row = layout.row()
-        row.active = not settings.use_noise_threshold
+        row.active = not settings.use_noise_threshold and settings.sample_offset == 0 and settings.pipeline != "SCENE"
         row.prop(settings, "use_blue_noise")
         layout.prop(settings, "sample_offset", text="Sample Offset")
 

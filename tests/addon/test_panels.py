@@ -245,7 +245,10 @@ def test_settings_that_make_no_sense_together_are_explained(blender, parts, layo
     own.model, own.spectrum = "THICK", "VISIBLE"
     assert "spectrum" in layout.draw("data", layout.context(camera=scene.camera.data)).active_parts
     own.model = "LENS"
-    scene.petzval.use_noise_threshold = scene.petzval.use_blue_noise = True
+    assert "use_blue_noise" not in layout.draw("render", layout.context()).active_parts
+    scene.petzval.sample_offset = 4
+    assert "use_blue_noise" in layout.draw("render", layout.context()).active_parts
+    scene.petzval.sample_offset, scene.petzval.use_noise_threshold = 0, True
     assert "use_blue_noise" in layout.draw("render", layout.context()).active_parts
 
 

@@ -60,7 +60,10 @@ def test_seed_and_offset(blender, cli_render, cli_renders):
     # Two halves make the whole.
     halves = [(*options, "--seed", 3, "--sample-offset", offset) for offset in (0, 2)]
     several = cli_renders(
-        (*options, "--seed", 3), (*options, "--seed", 4), *halves, (*options[:2], "--samples", 4, "--seed", 3)
+        (*options, "--seed", 3),
+        (*options, "--seed", 4),
+        *halves,
+        (*options[:2], "--samples", 4, "--seed", 3, "--sample-offset", 0),
     )
     assert all(one.returncode == 0 for one in several), several
     three, four, *halves, whole = (picture(one.out) for one in several)
@@ -94,10 +97,21 @@ def test_as_many_samples_as_the_noise_asks_for(blender, cli_renders):
 @pytest.mark.once
 def test_blue_noise_is_another_picture_of_the_same_light(blender, cli_renders):
     options = ("--camera", "pinhole", "--samples", 4)
-    done = cli_renders(options, (*options, "--blue-noise", "on"), (*options, "--blue-noise", "off"))
-    own, shared, same = (picture(one.out) for one in done)
-    assert (own == same).all() and (own != shared).any()
+    off = (*options, "--blue-noise", "off")
+    threshold = ("--noise-threshold", 1e-6)
+    asked = [
+        options,
+        (*options, "--blue-noise", "on"),
+        off,
+        (*options, "--sample-offset", 0),
+        (*options, *threshold),
+        (*off, *threshold),
+    ]
+    same, shared, own, part, adaptive, plain = (picture(one.out) for one in cli_renders(*asked))
+    assert (shared == same).all() and (own != shared).any()
     assert abs(shared.mean() / own.mean() - 1.0) < 0.01
+    # Not for parts of a picture, and not where pixels stop by themselves.
+    assert (part == own).all() and (adaptive == plain).all()
 
 
 @pytest.mark.once

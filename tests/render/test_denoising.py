@@ -134,6 +134,31 @@ def test_where_nothing_can_be_denoised_the_threshold_is_for_the_noise(parts, roo
     assert adaptive(parts, room, tmp_path, "broken", 0.1, use_threshold_after_denoising=True)[1] == by_samples
 
 
+#: As the wheels of bpy 5.2.3 from PyPI have it, and Blender for Windows.
+LAYOUTS = (
+    ("linux", "bpy/lib/libOpenImageDenoise.so.2", "bpy/5.2"),
+    ("win32", "bpy/OpenImageDenoise.dll", "bpy/5.2"),
+    ("win32", "Blender 5.2/blender.shared/OpenImageDenoise.dll", "Blender 5.2/5.2"),
+    ("darwin", "bpy/lib/libOpenImageDenoise.dylib", "bpy/5.2"),
+    ("darwin", "Blender.app/Contents/Resources/lib/libOpenImageDenoise.dylib", "Blender.app/Contents/Resources/5.2"),
+)
+
+
+@pytest.mark.once
+@pytest.mark.parametrize(("system", "library", "scripts"), LAYOUTS)
+def test_blenders_own_library_is_found_on_every_system(parts, blender, tmp_path, monkeypatch, system, library, scripts):
+    denoiser, file = parts.part("data.denoiser"), tmp_path / library
+    file.parent.mkdir(parents=True)
+    file.write_text("")
+    monkeypatch.setattr(denoiser.sys, "platform", system)
+    monkeypatch.setattr(denoiser, "_local", lambda: str(tmp_path / scripts))
+    denoiser.library.cache_clear()
+    try:
+        assert denoiser.library() == file
+    finally:
+        denoiser.library.cache_clear()
+
+
 @pytest.mark.once
 def test_qualities_prefilters_and_guides_are_cycles_own(parts, room, tmp_path):
     noisy = picture(parts, room, tmp_path, "noisy", samples=4, denoise=False)

@@ -78,7 +78,8 @@ def looks(
         if not more:
             return
         if engine == "PETZVAL":
-            own.samples, own.sample_offset = more, first
+            # Neighbours that share a sequence would share another one in each part.
+            own.samples, own.sample_offset, own.use_blue_noise = more, first, False
         elif hasattr(cycles, "use_sample_subset"):
             cycles.samples, cycles.use_sample_subset = samples, True
             cycles.sample_offset, cycles.sample_subset_length = first, more

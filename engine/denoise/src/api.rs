@@ -20,6 +20,21 @@ const FLOAT3: c_int = 3;
 pub(crate) const OUT_OF_MEMORY: c_int = 4;
 pub(crate) const CANCELLED: c_int = 6;
 
+/// Opens a library, with those in its own folder that it needs: there Windows does not look by itself.
+#[cfg(windows)]
+unsafe fn open(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    use libloading::os::windows::{LOAD_WITH_ALTERED_SEARCH_PATH, Library};
+    // SAFETY: the caller answers for what the library does when it is loaded.
+    unsafe { Library::load_with_flags(path, LOAD_WITH_ALTERED_SEARCH_PATH) }.map(libloading::Library::from)
+}
+
+/// Opens a library, with those that it needs.
+#[cfg(not(windows))]
+unsafe fn open(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    // SAFETY: the caller answers for what the library does when it is loaded.
+    unsafe { libloading::Library::new(path) }
+}
+
 macro_rules! functions {
     ($($(#[$about:meta])* $name:ident = $symbol:literal: fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// The functions of a library that is loaded. They stay valid as long as it is.
@@ -35,7 +50,7 @@ macro_rules! functions {
                 // SAFETY: the file is Open Image Denoise's, which does nothing when it is loaded; its functions have these types in all
                 // versions 2 (its headers 2.0 to 2.5).
                 unsafe {
-                    let library = libloading::Library::new(path).map_err(fail)?;
+                    let library = open(path).map_err(fail)?;
                     Ok(Self { $($name: *library.get($symbol).map_err(fail)?,)* _library: library })
                 }
             }

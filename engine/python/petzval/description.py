@@ -195,7 +195,7 @@ class SettingsDescription:
     denoising: DenoisingDescription | None = None  # the error is what this leaves; None: it is that of the samples
     min_samples: int = 0  # before a pixel's error is first looked at; 0: 16
     seed: int = 0
-    blue_noise: bool = False  # the errors of neighbouring pixels cancel; ranges of samples then do not make the whole
+    blue_noise: bool = False  # the errors of neighbouring pixels cancel, where all samples are rendered at once
     film_exposure: float = 1.0  # what the finished light is multiplied by
     # Left, bottom, width, height in pixels: the part that is looked at, with light missing near its edge; None: all.
     window: tuple[int, int, int, int] | None = None

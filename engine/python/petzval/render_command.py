@@ -43,7 +43,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     p.add_argument(
         "--blue-noise",
         choices=("on", "off"),
-        help="errors of neighbouring pixels cancel; off to join ranges of samples, and with --noise-threshold",
+        help="errors of neighbouring pixels cancel; off with --sample-offset, --mergeable and --noise-threshold",
     )
     p.add_argument("--sample-offset", type=types.natural, metavar="N", help="number of the first sample")
     p.add_argument(

@@ -281,6 +281,9 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
             setattr(own, name, o[name])
     if o["blue_noise"] is not None:
         own.use_blue_noise = o["blue_noise"] == "on"
+    elif o["sample_offset"] is not None:
+        # Ranges of samples are to make the whole, the first of them, too.
+        own.use_blue_noise = False
     if o["denoise"] is not None:
         # Cycles keeps these; a scene has one set of them.
         cycles = _Strict(scene.cycles)

@@ -446,7 +446,7 @@ impl Shared {
             light_paths: (s.integrator == Integrator::Bidirectional).then_some(Techniques::All),
             raster: &self.raster,
             limits: self.limits(),
-            pattern: s.pattern(),
+            pattern: s.pattern(self.pipeline),
             motion: self.motion.as_ref(),
             exposure: self.exposure.as_ref(),
             parts: &self.parts,

@@ -7,5 +7,5 @@ petzval.samples = 256
 petzval.use_noise_threshold = True
 petzval.noise_threshold = 0.05
 petzval.min_samples = 0
-petzval.use_blue_noise = False
+petzval.use_blue_noise = True
 petzval.time_limit = 0.0

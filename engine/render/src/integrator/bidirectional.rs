@@ -11,11 +11,13 @@ mod vertex;
 mod weights;
 
 use super::PreparedScene;
+use super::aimed::AimedLights;
 use super::path::{Limits, PathResult};
 use crate::Rgb;
 use crate::accel::Ray;
 use crate::camera::clip::Clip;
 use crate::camera::lens::real_lens::RealLens;
+use crate::lights::Source;
 use crate::sampler::{PathSampler, raster::Raster};
 use glam::Affine3A;
 use vertex::Vertex;
@@ -39,6 +41,8 @@ pub struct CameraEnd<'a> {
     pub density: f64,
     /// The transform from the lens's place in the middle of the exposure to its present place; `None`: it stands still.
     pub way: Option<Affine3A>,
+    /// The lights that send rays to the lens; `None`: the camera alone finds the light that goes straight to it.
+    pub aimed: Option<&'a AimedLights>,
 }
 
 /// The lens and film that light paths are connected to.
@@ -100,6 +104,11 @@ impl LightPath {
     ) -> PathResult {
         eye::trace(stage, camera, limits, sampler, &self.places)
     }
+}
+
+/// Follows a ray that a source sent straight to the lens, turned round, and finds the light of that source alone.
+pub fn see(stage: &PreparedScene, ray: Ray, source: Source, limits: &Limits, sampler: PathSampler) -> PathResult {
+    eye::see(stage, ray, source, limits, sampler)
 }
 
 /// True if the light is zero or not finite, so that there is nothing to add.

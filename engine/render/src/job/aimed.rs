@@ -25,7 +25,8 @@ impl Shared {
     /// The lights that send rays to the lens, and the decision on them.
     pub(super) fn find_aimed(&self) -> (Option<Arc<AimedLights>>, AimedReport) {
         let s = &self.settings;
-        let lens = aimable(&self.cameras, s).filter(|_| self.pipeline == Pipeline::Hero);
+        let knows_densities = s.integrator == Integrator::Bidirectional || self.pipeline == Pipeline::Hero;
+        let lens = aimable(&self.cameras, s).filter(|_| knows_densities);
         let Some(lens) = lens else { return Default::default() };
         let context = AimingContext {
             stage: &self.stage,
@@ -67,6 +68,5 @@ pub(super) fn pipeline(
 /// The lens to which lights may send rays, if the render is one that can have that: through one lens that is traced.
 fn aimable<'a>(cameras: &'a [Camera], s: &Settings) -> Option<&'a Arc<RealLens>> {
     let [Camera::Lens(lens)] = cameras else { return None };
-    let is_possible = s.integrator == Integrator::Path && lens.takes_light_paths();
-    (s.light_tracing && is_possible).then_some(lens)
+    (s.light_tracing && lens.takes_light_paths()).then_some(lens)
 }

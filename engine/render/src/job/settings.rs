@@ -34,7 +34,8 @@ pub struct Settings {
     /// Seed of all random choices.
     pub seed: u32,
     /// True if the errors of neighbouring pixels are to cancel once all samples are there. Not where pixels get as many as they need: what
-    /// stops them must not know of their neighbours. Ranges of samples make the whole picture only without.
+    /// stops them must not know of their neighbours. Not from a later sample on, either: ranges of samples make the whole picture only
+    /// without. Nor scene-first, where the rays of one pixel land in others.
     pub blue_noise: bool,
     /// Factor of the finished light.
     pub film_exposure: f32,
@@ -208,9 +209,10 @@ impl Settings {
     }
 
     /// The pattern of the points that pixels get.
-    pub(super) fn pattern(&self) -> Pattern {
-        if self.blue_noise && self.noise_threshold == 0.0 {
-            Pattern::shared(self.seed, self.sample_offset + self.samples)
+    pub(super) fn pattern(&self, pipeline: Pipeline) -> Pattern {
+        let all_at_once = self.noise_threshold == 0.0 && self.sample_offset == 0;
+        if self.blue_noise && all_at_once && pipeline != Pipeline::SceneFirst {
+            Pattern::shared(self.seed, self.samples)
         } else {
             Pattern::independent(self.seed)
         }

@@ -37,6 +37,10 @@ const NEAR_PAIRS: usize = 64;
 const LEAST_DISTANCE_PX: f32 = 2.0;
 /// Most rays from lights for each camera ray.
 const MOST_RAYS: f32 = 0.5;
+/// Most rays from lights for each pixel that they cover and sample.
+const MOST_RAYS_A_PIXEL: f32 = 8.0;
+/// Rays from lights for each camera ray, up to which pixels get more than one a sample: as many take a tenth of the time.
+const CHEAP_RAYS: f32 = 0.1;
 /// The seed of the rays that measure, apart from those of the picture.
 const MEASURING_SEED: u32 = 0x2545_f491;
 
@@ -189,7 +193,8 @@ impl AimingContext<'_> {
         let mut report = AimedReport { lights, ..AimedReport::default() };
         let wanted: f32 = chosen.iter().map(|(_, rays)| rays).sum();
         let aimed = (wanted > 0.0).then(|| {
-            let rays = wanted / self.rendered;
+            let one_a_pixel = wanted / self.rendered;
+            let rays = one_a_pixel * (CHEAP_RAYS / one_a_pixel).clamp(1.0, MOST_RAYS_A_PIXEL);
             let parts = chosen.iter().map(|&(group, rays)| (group, rays / wanted));
             let mut aimed = AimedLights::new(self.lens, self.exposure, rays.min(MOST_RAYS), self.seed);
             aimed.share_out(parts, self.rendered);

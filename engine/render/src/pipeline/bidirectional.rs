@@ -5,7 +5,7 @@
 use super::Sample;
 use crate::camera::lens::real_lens::RealLens;
 use crate::camera::lens::real_lens::packet::Request;
-use crate::integrator::bidirectional::{CameraEnd, FilmEnd, LightPath, Techniques};
+use crate::integrator::bidirectional::{self, CameraEnd, FilmEnd, LightPath, Techniques};
 
 /// The seed that separates the light path's random numbers from the camera's.
 const LIGHT_SEED: u32 = 0x51ab_73c9;
@@ -33,6 +33,9 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     );
     s.counts.rays += u64::from(rays);
     s.counts.non_finite += non_finite;
+    if techniques == Techniques::All {
+        add_aimed(lens, path.moment(), &mut s);
+    }
     let mut sampler = s.sampler();
     let [u0, u1, u2, u3] = sampler.next_4d();
     let [u_wavelength, u_column, u_row, _] = sampler.next_4d();
@@ -45,7 +48,8 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
     let Some(led) = led else { return s.lost() };
     let ray = shot.seen(led.ray).at(path.moment());
     let ray = shot.exposure.map_or(ray, |exposure| exposure.sent(ray, path.moment()));
-    let camera = CameraEnd { lens, ray, density: lens.led_density(&led), way };
+    let aimed = shot.aimed.as_deref();
+    let camera = CameraEnd { lens, ray, density: lens.led_density(&led), way, aimed };
     let found = path.join(stage, &camera, limits, sampler);
     if !s.count_path(&found) {
         return;
@@ -54,4 +58,19 @@ pub(super) fn sample(lens: &RealLens, techniques: Techniques, path: &mut LightPa
         s.splat(lens, &led.splats, found.radiance);
     }
     s.note(&found, &led.ray, u_wavelength);
+}
+
+/// Adds the light of the ray that a source sends straight to the lens, if one belongs to the sample.
+fn add_aimed(lens: &RealLens, moment: u16, s: &mut Sample<'_>) {
+    let shot = s.shot;
+    let Some(aimed) = &shot.aimed else { return };
+    let Some((sent, sampler)) = aimed.ray(shot.stage, shot.raster, shot.number([s.x, s.y], s.index), moment) else {
+        return;
+    };
+    let ray = shot.seen(sent.ray).at(moment);
+    let ray = shot.exposure.map_or(ray, |exposure| exposure.sent(ray, moment));
+    let found = bidirectional::see(shot.stage, ray, sent.source, &shot.limits, sampler);
+    if s.count_path(&found) {
+        lens.expose(&sent.splats, found.radiance, |x, y, colour| s.light.add_aimed(x, y, colour.truncate()));
+    }
 }

@@ -103,7 +103,7 @@ pub struct RenderContext<'a> {
     pub exposure: Option<&'a Exposure>,
     /// The parts of the paths' light that are kept beside the whole and the groups.
     pub parts: &'a Parts,
-    /// The lights that send rays to the lens: in [`Pipeline::Hero`] alone.
+    /// The lights that send rays to the lens: in [`Pipeline::Hero`] and with light paths alone.
     pub aimed: Option<Arc<AimedLights>>,
 }
 
@@ -112,6 +112,13 @@ impl RenderContext<'_> {
     #[inline]
     fn seen(&self, ray: Ray) -> Ray {
         self.clip.map_or(ray, |clip| clip.cut(ray))
+    }
+
+    /// The number of a sample among all of the picture.
+    fn number(&self, [x, y]: [u32; 2], index: u32) -> u64 {
+        let (width, height) = self.raster.size();
+        let [width, height, x, y, index] = [width, height, x, y, index].map(u64::from);
+        index * width * height + y * width + x
     }
 
     /// The time of a sample, as a part of the exposure.

@@ -236,11 +236,8 @@ impl SampleBatch {
         aimed: &AimedLights,
         wave: &mut Wavefront<N, VOLUMES>,
     ) {
-        let (width, height) = shot.raster.size();
         for i in 0..self.requests.len() {
-            let [x, y] = self.requests[i].pixel;
-            let [width, height, x, y, index] = [width, height, x, y, self.indices[i]].map(u64::from);
-            let number = index * width * height + y * width + x;
+            let number = shot.number(self.requests[i].pixel, self.indices[i]);
             let found = aimed.ray(shot.stage, shot.raster, number, self.moment(i));
             let Some((ray, sampler)) = found else { continue };
             wave.start_aimed(self.sent(shot, i, ray.ray), sampler, ray.source);

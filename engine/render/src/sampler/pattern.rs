@@ -141,36 +141,50 @@ mod tests {
     /// alone as good as ever.
     #[test]
     fn errors_of_neighbours_cancel() {
-        const SAMPLES: u32 = 16;
+        let [alone, together] = mean_squares(|seed| Pattern::shared(seed, 16), 16);
+        let [own, own_together] = mean_squares(Pattern::independent, 16);
+        assert!((alone / own - 1.0).abs() < 0.05, "{alone} {own}");
+        // Independent errors: a sixteenth. An edge, by points that are even: n^-1.5, a quarter of that again.
+        assert!((own_together / own * 16.0 - 1.0).abs() < 0.15, "{own_together} {own}");
+        assert!(together < 0.35 * own_together, "{together} {own_together}");
+    }
+
+    /// Where a stretch is not used up, the order of its points is random (`PathSampler`): neighbours leave out different ones, and together
+    /// are no worse than pixels apart.
+    #[test]
+    fn errors_of_neighbours_do_not_add_up_where_samples_are_fewer() {
+        for (planned, samples) in [(24, 24), (12, 12), (256, 20)] {
+            let [alone, together] = mean_squares(|seed| Pattern::shared(seed, planned), samples);
+            let [own, own_together] = mean_squares(Pattern::independent, samples);
+            println!("{samples} of {planned}: {} {}", alone / own, together / own_together);
+            assert!((alone / own - 1.0).abs() < 0.05, "{samples} of {planned}: {alone} {own}");
+            assert!(together < 1.0 * own_together, "{samples} of {planned}: {together} {own_together}");
+        }
+    }
+
+    /// Mean squares of the errors of pixels, and of the means of blocks of 4 x 4 pixels, of a shadow's edge.
+    fn mean_squares(pattern: impl Fn(u32) -> Pattern, samples: u32) -> [f64; 2] {
         const SQUARES: u32 = 128;
         // A bent edge through two dimensions, as a shadow has it; its mean is π / 4.
         let value = |mut sampler: PathSampler| {
             let [a, b, ..] = sampler.next_4d();
             f64::from(u8::from(a * a + b * b < 1.0))
         };
+        let (mut alone, mut together) = (0.0, 0.0);
         // Of many squares of 64 x 64 pixels, for the pixels of one have much in common.
-        let mean_squares = |pattern: fn(u32) -> Pattern| {
-            let (mut alone, mut together) = (0.0, 0.0);
-            for square in 0..SQUARES {
-                let pattern = pattern(square);
-                for block in 0..256 {
-                    let mut sum = 0.0;
-                    for i in 0..16 {
-                        let pixel = pattern.pixel(block % 16 * 4 + i % 4, block / 16 * 4 + i / 4);
-                        let mean = (0..SAMPLES).map(|s| value(pixel.sampler(s))).sum::<f64>() / f64::from(SAMPLES);
-                        alone += (mean - FRAC_PI_4).powi(2) / 16.0;
-                        sum += mean / 16.0;
-                    }
-                    together += (sum - FRAC_PI_4).powi(2);
+        for square in 0..SQUARES {
+            let pattern = pattern(square);
+            for block in 0..256 {
+                let mut sum = 0.0;
+                for i in 0..16 {
+                    let pixel = pattern.pixel(block % 16 * 4 + i % 4, block / 16 * 4 + i / 4);
+                    let mean = (0..samples).map(|s| value(pixel.sampler(s))).sum::<f64>() / f64::from(samples);
+                    alone += (mean - FRAC_PI_4).powi(2) / 16.0;
+                    sum += mean / 16.0;
                 }
+                together += (sum - FRAC_PI_4).powi(2);
             }
-            [alone, together].map(|sum| sum / f64::from(256 * SQUARES))
-        };
-        let [alone, together] = mean_squares(|seed| Pattern::shared(seed, SAMPLES));
-        let [own, own_together] = mean_squares(Pattern::independent);
-        assert!((alone / own - 1.0).abs() < 0.05, "{alone} {own}");
-        // Independent errors: a sixteenth. An edge, by points that are even: n^-1.5, a quarter of that again.
-        assert!((own_together / own * 16.0 - 1.0).abs() < 0.15, "{own_together} {own}");
-        assert!(together < 0.35 * own_together, "{together} {own_together}");
+        }
+        [alone, together].map(|sum| sum / f64::from(256 * SQUARES))
     }
 }

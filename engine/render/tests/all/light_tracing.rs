@@ -8,8 +8,8 @@ use petzval_render::Rgb;
 use petzval_render::camera::clip::Clip;
 use petzval_render::camera::shutter::{Exposure, Shutter};
 use petzval_render::camera::{Camera, CameraDescription, Model};
-use petzval_render::integrator::PreparedScene;
 use petzval_render::integrator::path::parts::{LightPass, Parts, Seen};
+use petzval_render::integrator::{Integrator, PreparedScene};
 use petzval_render::job::{Job, OutputOptions, Settings};
 use petzval_render::nodes::OF_MATERIALS;
 use petzval_render::pipeline::Pipeline;
@@ -268,15 +268,52 @@ fn a_part_of_the_picture_has_its_light() {
     assert!(light(&whole) > 10.0 && (ratio - 1.0).abs() < 0.02, "{ratio}");
 }
 
+/// The same picture by bidirectional paths, of all wavelengths and of one, and as the camera of path tracing finds it alone.
+#[test]
+fn bidirectional_paths_share_the_lights_too() {
+    let stage = lights(0.012);
+    let d = description();
+    let grey = CameraDescription { wavelength_nm: Some(550.0), ..d.clone() };
+    let moved = || OutputOptions {
+        exposure: Some(Exposure::new(&Shutter::default()).displaced(DVec3::new(0.03, -0.02, 0.1))),
+        ..OutputOptions::default()
+    };
+    for (name, d, clamp_direct, beside) in [
+        ("all wavelengths", &d, 0.0, OutputOptions::default as fn() -> _),
+        ("one", &grey, 0.0, OutputOptions::default),
+        ("aside", &d, 0.0, moved),
+        // Half of the brightest lamp's radiance: what is clamped is the light of the ray, not its weighted parts. Scattered light is clamped
+        // otherwise than in path tracing.
+        ("clamped", &d, 4.0, OutputOptions::default),
+    ] {
+        let many = |integrator, traced: bool, samples: u32, first: u32| -> Vec<Vec<f64>> {
+            let one = |k| {
+                let s = Settings { integrator, clamp_direct, ..settings(traced, samples, first + k) };
+                let Rendered { picture, report, .. } = render_with(&stage, d, s, beside());
+                assert_eq!(report.aimed, if traced { 6 } else { 0 }, "{report:?}");
+                blocks(&picture)
+            };
+            (0..RENDERS).map(one).collect()
+        };
+        let traced = many(Integrator::Bidirectional, true, 32, 1);
+        let alone = if clamp_direct == 0.0 { Integrator::Path } else { Integrator::Bidirectional };
+        agree(name, &traced, &many(alone, false, 128, 101));
+    }
+}
+
 /// The smaller a light, the more is won: one of 2 mm before a pupil of 24 mm is hit 0.002 times a sample, whose variance is 500 times its
 /// square, and more where the rays of lights are stratified. Measured: 1500.
 #[test]
 fn small_lights_lose_their_noise() {
+    [Integrator::Path, Integrator::Bidirectional].into_iter().for_each(small_lights_lose_their_noise_by);
+}
+
+fn small_lights_lose_their_noise_by(integrator: Integrator) {
     let stage = lights(0.002);
     let d = description();
     let many = |traced: bool| -> Vec<[f64; 2]> {
         let one = |k: u32| {
-            let (picture, _) = render(&stage, &d, settings(traced, 16, 1 + k));
+            let (picture, _) = render(&stage, &d, Settings { integrator, ..settings(traced, 16, 1 + k) });
             picture.iter().map(|pixel| f64::from(pixel[1])).collect()
         };
         statistics(&(0..16).map(one).collect::<Vec<Vec<f64>>>())

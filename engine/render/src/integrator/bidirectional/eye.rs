@@ -6,9 +6,10 @@ use super::{CameraEnd, is_dark};
 use crate::Rgb;
 use crate::accel::{Hit, Ray};
 use crate::integrator::PreparedScene;
+use crate::integrator::aimed::AimedLights;
 use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, transmittance};
 use crate::lights::receiver::LightSampleContext;
-use crate::lights::{LightHit, Line};
+use crate::lights::{LightHit, Line, Source};
 use crate::nodes::{self, PathState, View};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
@@ -35,9 +36,13 @@ pub(super) fn trace(
         let kind = if bounce == 0 { Rays::CAMERA } else { Rays::BOUNCE };
         let stretch = walk.follow(ray, kind, |_, _| true);
         carried *= stretch.through;
-        let met = HitLight { stage, ray: &ray, bounce, partial };
-        met.lamps(stretch.distance, |light| {
-            result.radiance += limits.clamp_met(carried * light, bounce);
+        let lens = match camera.aimed {
+            Some(aimed) if bounce == 0 => LensWeight::Shared(aimed, camera.density as f32),
+            _ => LensWeight::Alone,
+        };
+        let met = HitLight { stage, ray: &ray, bounce, partial, lens };
+        met.lamps(stretch.distance, |light, shared| {
+            result.radiance += limits.clamp_met(carried * light, bounce) * shared;
             result.hit = true;
         });
         let Some((point, hit)) = stretch.end else {
@@ -51,8 +56,8 @@ pub(super) fn trace(
             result.first = Some(FirstSurface::from(&point));
         }
         if material(stage, &point).emits() {
-            result.radiance +=
-                limits.clamp_met(carried * met.surface(&point, &hit, stretch.distance) * stretch.kept, bounce);
+            let (light, shared) = met.surface(&point, &hit, stretch.distance);
+            result.radiance += limits.clamp_met(carried * light * stretch.kept, bounce) * shared;
         }
         let cos_in = point.geometric_normal.dot(ray.direction).abs();
         if bounce > limits.max_bounces || cos_in <= 0.0 {
@@ -100,12 +105,53 @@ pub(super) fn trace(
     result
 }
 
+/// Follows a ray that a source sent to the lens, as the camera would have sent it.
+pub(super) fn see(
+    stage: &PreparedScene,
+    ray: Ray,
+    source: Source,
+    limits: &Limits,
+    sampler: PathSampler,
+) -> PathResult {
+    let mut result = PathResult::default();
+    let mut walk = Walk { stage, sampler, first_set: CAMERA_SETS, step: 0, rays: 0 };
+    let stretch = walk.follow(ray, Rays::CAMERA, |_, _| true);
+    let met = HitLight {
+        stage,
+        ray: &ray,
+        bounce: 0,
+        partial: Partial { ends: 0.0, before: 0.0 },
+        lens: LensWeight::From(source),
+    };
+    met.lamps(stretch.distance, |light, shared| {
+        result.radiance += limits.clamp_met(stretch.through * light, 0) * shared;
+    });
+    if let Some((point, hit)) = stretch.end.filter(|(point, _)| material(stage, point).emits()) {
+        let (light, shared) = met.surface(&point, &hit, stretch.distance);
+        result.radiance += limits.clamp_met(stretch.through * light * stretch.kept, 0) * shared;
+    }
+    result.rays = walk.rays;
+    result
+}
+
+/// The weight of light that goes straight from a source to the lens.
+#[derive(Clone, Copy)]
+enum LensWeight<'a> {
+    /// No other technique finds it.
+    Alone,
+    /// The camera led to the ray, with a density per unit of etendue, and sources send rays to the lens.
+    Shared(&'a AimedLights, f32),
+    /// This source sent the ray: its light alone counts.
+    From(Source),
+}
+
 /// Light that a ray hits by chance.
 struct HitLight<'a> {
     stage: &'a PreparedScene,
     ray: &'a Ray,
     bounce: u32,
     partial: Partial,
+    lens: LensWeight<'a>,
 }
 
 impl HitLight<'_> {
@@ -113,6 +159,17 @@ impl HitLight<'_> {
     /// `density` per unit of etendue.
     fn weight(&self, sample_pdf: f32, density: f32) -> f32 {
         weight(squared(sample_pdf) * self.partial.ends + squared(density) * self.partial.before)
+    }
+
+    /// The weight of light of a source that the ray hits at a point, beside rays that the source sends to the lens.
+    fn lens_weight(&self, source: Option<Source>, at: Vec3A) -> f32 {
+        match (self.lens, source) {
+            (LensWeight::Shared(aimed, density), Some(source)) => {
+                aimed.weight(self.stage, source, self.ray, at, density)
+            }
+            (LensWeight::From(target), source) => f32::from(u8::from(source == Some(target))),
+            _ => 1.0,
+        }
     }
 
     /// The path state at this vertex, by its bounce alone: the kinds of the bounces are not kept.
@@ -124,16 +181,17 @@ impl HitLight<'_> {
         (self.bounce > 0).then(|| self.stage.lights.receiver_between(self.ray.origin))
     }
 
-    fn lamps(&self, t_max: f32, mut found: impl FnMut(Rgb)) {
+    /// Gives the light of lamps to `found`, each with its weight beside rays that sources send to the lens.
+    fn lamps(&self, t_max: f32, mut found: impl FnMut(Rgb, f32)) {
         let PreparedScene { scene, lights, emission, .. } = self.stage;
         let Ray { origin, direction, .. } = *self.ray;
         let to = self.receiver();
         let line = Line { from: origin, towards: direction, t_max };
-        lights.lamps_along(scene, line, self.way(), to.as_ref(), |LightHit { source, radiance, pdf, .. }| {
-            // Every lamp that can be hit has extent: the distance does not matter.
-            found(
-                radiance * self.weight(pdf, emission.density(scene, lights, source, direction, 1.0, self.ray.moment)),
-            );
+        lights.lamps_along(scene, line, self.way(), to.as_ref(), |LightHit { source, radiance, pdf, distance }| {
+            // Every lamp that can be hit has extent: the distance does not matter for the density.
+            let density = emission.density(scene, lights, source, direction, 1.0, self.ray.moment);
+            let shared = self.lens_weight(Some(source), origin + direction * distance);
+            found(radiance * self.weight(pdf, density), shared);
         });
     }
 
@@ -157,17 +215,19 @@ impl HitLight<'_> {
         );
     }
 
-    fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> Rgb {
+    /// The light of the surface that the ray hits, and its weight beside rays that sources send to the lens.
+    fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> (Rgb, f32) {
         let PreparedScene { scene, lights, emission, .. } = self.stage;
         let view = View::along(self.ray, distance, self.way());
         let radiance = nodes::emission_at(material(self.stage, point), self.stage.around(), point, &view);
-        let (Some(to), Some(source)) = (self.receiver(), lights.triangle_source(hit.instance, hit.triangle)) else {
-            return radiance;
+        let source = lights.triangle_source(hit.instance, hit.triangle);
+        let (Some(to), Some(source)) = (self.receiver(), source) else {
+            return (radiance, self.lens_weight(source, point.position));
         };
         let cos = point.geometric_normal.dot(self.ray.direction).abs();
         let pdf = lights.triangle_pdf(scene, &to, (hit.instance, hit.triangle), distance, cos);
-        radiance
-            * self.weight(pdf, emission.density(scene, lights, source, self.ray.direction, distance, self.ray.moment))
+        let density = emission.density(scene, lights, source, self.ray.direction, distance, self.ray.moment);
+        (radiance * self.weight(pdf, density), 1.0)
     }
 }
 
