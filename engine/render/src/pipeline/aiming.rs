@@ -39,7 +39,7 @@ const LEAST_DISTANCE_PX: f32 = 2.0;
 const MOST_RAYS: f32 = 0.5;
 /// Most rays from lights for each pixel that they cover and sample.
 const MOST_RAYS_A_PIXEL: f32 = 8.0;
-/// Rays from lights for each camera ray, up to which pixels get more than one a sample: as many take a tenth of the time.
+/// Rays from lights for each camera ray, up to which pixels get more than one a sample: as many take an eighth of the time.
 const CHEAP_RAYS: f32 = 0.1;
 /// The seed of the rays that measure, apart from those of the picture.
 const MEASURING_SEED: u32 = 0x2545_f491;
@@ -193,10 +193,9 @@ impl AimingContext<'_> {
         let mut report = AimedReport { lights, ..AimedReport::default() };
         let wanted: f32 = chosen.iter().map(|(_, rays)| rays).sum();
         let aimed = (wanted > 0.0).then(|| {
-            let one_a_pixel = wanted / self.rendered;
-            let rays = one_a_pixel * (CHEAP_RAYS / one_a_pixel).clamp(1.0, MOST_RAYS_A_PIXEL);
+            let rays = rays_per_sample(wanted / self.rendered);
             let parts = chosen.iter().map(|&(group, rays)| (group, rays / wanted));
-            let mut aimed = AimedLights::new(self.lens, self.exposure, rays.min(MOST_RAYS), self.seed);
+            let mut aimed = AimedLights::new(self.lens, self.exposure, rays, self.seed);
             aimed.share_out(parts, self.rendered);
             aimed
         });
@@ -276,6 +275,11 @@ impl AimingContext<'_> {
     }
 }
 
+/// Rays from lights for each camera ray, where `one_a_pixel` are one for each pixel that they cover and sample.
+fn rays_per_sample(one_a_pixel: f32) -> f32 {
+    (one_a_pixel * (CHEAP_RAYS / one_a_pixel).clamp(1.0, MOST_RAYS_A_PIXEL)).min(MOST_RAYS)
+}
+
 /// Pixels that light of this distribution covers, as it would if it were even: one over the integral of the squared density; `None` of no
 /// light.
 fn covered(places: &[Vec2]) -> Option<f32> {
@@ -307,6 +311,13 @@ mod tests {
             (disc + warp::sample_disk([u1, u2]) * radius).floor()
         };
         (0..MEASURED[0]).map(place).collect()
+    }
+
+    #[test]
+    fn few_pixels_get_many_rays_and_many_pixels_one() {
+        for (one_a_pixel, rays) in [(0.001, 0.008), (0.0125, 0.1), (0.05, 0.1), (0.3, 0.3), (0.9, 0.5)] {
+            assert!((rays_per_sample(one_a_pixel) / rays - 1.0).abs() < 1e-6, "{one_a_pixel}");
+        }
     }
 
     /// By 128 places, of which a 64th of the pairs is near, to a tenth; and places at the edge of a disc have fewer near them, which makes a

@@ -268,7 +268,7 @@ fn a_part_of_the_picture_has_its_light() {
     assert!(light(&whole) > 10.0 && (ratio - 1.0).abs() < 0.02, "{ratio}");
 }
 
-/// The same picture by bidirectional paths, of all wavelengths and of one, and as the camera of path tracing finds it alone.
+/// Bidirectional paths with traced lights take the picture that path tracing takes by camera rays alone, of all wavelengths and of one.
 #[test]
 fn bidirectional_paths_share_the_lights_too() {
     let stage = lights(0.012);
