@@ -41,6 +41,9 @@ pub struct Landings<const N: usize> {
     pub density: [f32; N],
 }
 
+/// The largest number below one.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
 /// Numbers for wavelength `i` of a ray, apart from those of the others.
 #[inline]
 fn turned(u: [f32; 2], i: usize) -> [f32; 2] {
@@ -167,7 +170,7 @@ impl Raster {
         let step = pixel.wrapping_sub((below + 1) as u32).min(FEW as u32 - 1) as usize;
         let sums = sums.to_array();
         let before = if step == 0 { 0.0 } else { sums[step - 1] };
-        (before + u * (sums[step] - before)) / sums[FEW - 1]
+        ((before + u * (sums[step] - before)) / sums[FEW - 1]).min(BELOW_ONE)
     }
 
     /// [`Self::number_along`] at any place, for filters of any width.
@@ -178,7 +181,7 @@ impl Raster {
         let part = |i: u32| self.filter.density(at - i as f32 - 0.5);
         let sum = |to: u32| -> f32 { (low..to).map(part).sum() };
         let density = sum(high.min(count - 1) + 1);
-        if density > 0.0 { (sum(pixel) + u * part(pixel)) / density } else { u }
+        if density > 0.0 { ((sum(pixel) + u * part(pixel)) / density).min(BELOW_ONE) } else { u }
     }
 
     /// The density of [`Landing`] at a place.
@@ -316,6 +319,40 @@ mod tests {
                 assert!((sum - 1.0).abs() < 0.01, "{filter:?}: {sum}");
             }
         }
+    }
+
+    /// Where noise is to be independent, a sample's numbers lead from its place back to its pixel, and from nearby as a rule; of all samples of
+    /// a place they are uniform.
+    #[test]
+    fn numbers_lead_back_to_the_pixel() {
+        for filter in [Filter::BlackmanHarris(1.5), Filter::Gaussian(0.9), Filter::BlackmanHarris(3.1)] {
+            let raster = Raster::new(9, 1, PixelFilter::new(filter)).independent(true);
+            let (n, mut strays, mut moved, mut counts) = (450_000, 0, 0, [[0u32; 10]; 90]);
+            for i in 0..n {
+                let part = |x: f64| (f64::from(i) * x).fract() as f32;
+                let place = raster.place(i % 9, 0, [part(0.618_033_988_7), 0.5]);
+                let u = raster.numbers_of([i % 9, 0], place, [part(0.754_877_666), 0.5]);
+                assert!(u.iter().all(|u| (0.0..1.0).contains(u)), "{u:?}");
+                let Some(landing) = raster.land(place, u) else { continue };
+                // On a boundary rounding decides.
+                strays += u32::from(landing.x != i % 9);
+                let bin = (place.x + 0.5) * 90.0;
+                if (0.0..90.0).contains(&bin) {
+                    counts[bin as usize][(u[0] * 10.0) as usize] += 1;
+                }
+                let near = raster.land(place + Vec2::new(0.01 / 9.0, 0.0), u);
+                moved += u32::from(near.is_some_and(|near| near.x != landing.x));
+            }
+            // A hundredth of a pixel away one in a hundred boundaries is crossed, or a few more.
+            assert!(strays < 20 && moved < n / 50, "{filter:?}: {strays} {moved}");
+            for counts in counts {
+                let mean = counts.iter().sum::<u32>() as f32 / 10.0;
+                // Points in a low-discrepancy sequence are far more even than random ones.
+                assert!(counts.iter().all(|&count| (count as f32 - mean).abs() < 0.12 * mean), "{filter:?} {counts:?}");
+            }
+        }
+        let apart = Raster::new(9, 1, PixelFilter::new(Filter::BlackmanHarris(1.5)));
+        assert_eq!(apart.numbers_of([3, 0], Vec2::ZERO, [0.25, 0.75]), [0.25, 0.75]);
     }
 
     /// Places of samples have the density that is said.
