@@ -79,6 +79,8 @@ class Photograph:
         checkpoint = checkpoints.of(self.depsgraph, is_part=self.results.is_mergeable)
         is_kept = checkpoint is not None and checkpoint.file is not None
         how = self._denoising()
+        is_for_denoising = how is not None or self.results.has_denoising_data
+        settings = dataclasses.replace(settings, independent_pixels=is_for_denoising)
         if settings.noise_threshold > 0.0 and self.scene.petzval.use_threshold_after_denoising:
             settings = dataclasses.replace(settings, denoising=how)
         self.results.check_memory(width, height, halves=settings.noise_threshold > 0.0, is_kept=is_kept)

@@ -73,6 +73,11 @@ class Results:
         return any(one.engine_name == "VECTOR" for one in self._data)
 
     @property
+    def has_denoising_data(self) -> bool:
+        """Whether the picture may be denoised later, by the passes that guide that."""
+        return any(one in passes.DENOISING for one in self._parts)
+
+    @property
     def is_mergeable(self) -> bool:
         """Whether the picture is to be joined with others: what strays belongs to the whole."""
         return len(self._merging) > 1

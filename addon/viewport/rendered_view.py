@@ -84,6 +84,7 @@ class RenderedView:
         seen = view.of(context, depsgraph, float(scene.petzval.preview_pixel_size), report)
         if seen is None:
             return None
+        how = denoising.of_view(scene)
         settings = dataclasses.replace(
             render_settings.describe(scene, *seen.size, is_viewport=True),
             samples=scene.petzval.preview_samples or 1 << 16,
@@ -91,11 +92,11 @@ class RenderedView:
             threads=_threads(scene.render),
             noise_threshold=0.0,
             blue_noise=False,
+            independent_pixels=how is not None,
             sample_offset=0,
             # Light paths from lamps would know of no part of a picture, and of no other view.
             integrator="PATH",
         )
-        how = denoising.of_view(scene)
         start = scene.cycles.preview_denoising_start_sample if how else 1
         wanted = Wanted(seen.camera, settings, effects.wishes(scene.petzval), how, start)
         place = staging.place(seen.camera)

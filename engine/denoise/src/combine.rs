@@ -6,6 +6,10 @@ const WINDOW: f32 = 1.5;
 const REACH: usize = 4;
 /// Factor of the variance. Windows hold few pixels; where the clean picture is right, noise must not be left by chance.
 const CAUTION: f32 = 1.25;
+/// Times the mean square of the difference about it that a pixel's own may be.
+const OUTLIER: f32 = 4.0;
+/// Times its variance from which on a pixel's difference is no noise, however few batches told the variance.
+const CERTAIN: f32 = 64.0;
 /// Squares are limited to this, so that their sums stay finite.
 const LARGEST: f32 = 1e30;
 
@@ -15,7 +19,8 @@ const LARGEST: f32 = 1e30;
 /// clean picture, b². With Σd² and Σv over a Gaussian window, the part 1 - Σv / Σd² of the noisy picture (here Σv counts 1.25 times) is about
 /// the one of least mean square error (the positive-part estimator of James and Stein, "Estimation with quadratic loss", 1961; for a render and its denoised picture:
 /// Gu, Iwasaki and Moon, "Neural James-Stein combiner for unbiased and biased renderings", 2022). So a picture with little noise keeps
-/// its detail, and with more and more samples the result becomes the noisy picture.
+/// its detail, and with more and more samples the result becomes the noisy picture. Single pixels that differ far more than those about
+/// them count, and are taken, as if they differed less, unless their variance says that this is no noise.
 ///
 /// `variance` is that of the noisy pixels, summed over the channels; where it is infinite, or a pixel not finite, the pixel stays as it
 /// is clean. All are rows of `width` pixels.
@@ -40,11 +45,28 @@ fn parts(clean: &[[f32; 3]], noisy: &[[f32; 3]], variance: &[f32], width: usize)
         if is_known { [square.min(LARGEST), variance.min(LARGEST)] } else { [f32::INFINITY; 2] }
     };
     let known: Vec<[f32; 2]> = clean.iter().zip(noisy.iter().zip(variance)).map(squares).collect();
-    let part = |([difference, variance], own): ([f32; 2], &[f32; 2])| {
+    let factors = outlier_factors(&known, width);
+    let limited: Vec<[f32; 2]> = known.iter().zip(&factors).map(|([d, v], factor)| [d * factor, *v]).collect();
+    let part = |([difference, variance], (own, factor)): ([f32; 2], (&[f32; 2], &f32))| {
         // Where nothing differs the part is undefined, and nothing is to be taken.
-        if own[0].is_finite() && difference > 0.0 { (1.0 - CAUTION * variance / difference).max(0.0) } else { 0.0 }
+        let is_known = own[0].is_finite() && difference > 0.0;
+        if is_known { (1.0 - CAUTION * variance / difference).max(0.0) * factor.sqrt() } else { 0.0 }
     };
-    blurred(&known, width).into_iter().zip(&known).map(part).collect()
+    blurred(&limited, width).into_iter().zip(known.iter().zip(&factors)).map(part).collect()
+}
+
+/// Factors of the squares of the difference, at most 1: less for pixels that differ far more than those about them, as
+/// long as that may be noise. Few batches of few bright paths tell the variance badly: two of them in different batches of one pixel look like
+/// no noise at all. Such a pixel would come back as a speck, and bring the noise of its neighbours with it.
+fn outlier_factors(known: &[[f32; 2]], width: usize) -> Vec<f32> {
+    let counted: Vec<[f32; 2]> =
+        known.iter().map(|own| if own[0].is_finite() { [own[0], 1.0] } else { [f32::INFINITY; 2] }).collect();
+    let factor = |([sum, weight], [difference, variance]): ([f32; 2], &[f32; 2])| {
+        let others = (sum - difference).max(0.0) / (weight - 1.0).max(1.0);
+        let most = (OUTLIER * others).max(difference - CERTAIN * variance);
+        if difference.is_finite() && *difference > most { most / difference } else { 1.0 }
+    };
+    blurred(&counted, width).into_iter().zip(known).map(factor).collect()
 }
 
 fn square_of_difference(a: &[f32; 3], b: &[f32; 3]) -> f32 {
@@ -202,6 +224,25 @@ mod tests {
         let mut mixed = vec![[1.0; 3]; SIDE * SIDE];
         combine(&mut mixed, &noisy, &variance, SIDE);
         assert!(mixed.as_flattened().iter().all(|x| *x == 1.0));
+    }
+
+    /// Two bright paths in different batches of a pixel have no variance to be seen; what surely is there comes back.
+    #[test]
+    fn a_pair_of_sparks_stays_out() {
+        let mut noisy: Vec<[f32; 3]> =
+            (0..(SIDE * SIDE) as u32).map(|i| [0, 1, 2].map(|c| 1.0 + 0.1 * noise(3 * i + c))).collect();
+        let mut variance = vec![0.03; SIDE * SIDE];
+        let at = 20 * SIDE + 30;
+        let mut with_spark = |told: f32| {
+            (noisy[at], variance[at]) = ([1001.0; 3], told);
+            let mut mixed = vec![[1.0; 3]; SIDE * SIDE];
+            combine(&mut mixed, &noisy, &variance, SIDE);
+            [mixed[at][0], mixed[at + 1][0]]
+        };
+        let [spark, beside] = with_spark(1e5);
+        assert!(spark < 1.5 && (beside - 1.0).abs() < 0.05, "{spark} {beside}");
+        let [star, _] = with_spark(0.03);
+        assert!(star > 1000.0, "{star}");
     }
 
     #[test]

@@ -196,6 +196,7 @@ class SettingsDescription:
     min_samples: int = 0  # before a pixel's error is first looked at; 0: 16
     seed: int = 0
     blue_noise: bool = False  # the errors of neighbouring pixels cancel, where all samples are rendered at once
+    independent_pixels: bool = False  # neighbours share no noise, as denoising needs; through a lens each has more
     film_exposure: float = 1.0  # what the finished light is multiplied by
     # Left, bottom, width, height in pixels: the part that is looked at, with light missing near its edge; None: all.
     window: tuple[int, int, int, int] | None = None

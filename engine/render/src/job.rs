@@ -349,7 +349,8 @@ impl Shared {
         let tiles = film.tiles_about(window.unwrap_or([0, 0, width, height]), spreads);
         let mut shared = Self {
             tiles,
-            raster: Raster::new(width, height, PixelFilter::new(settings.filter)),
+            raster: Raster::new(width, height, PixelFilter::new(settings.filter))
+                .independent(settings.independent_pixels),
             adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
             film,
             motion: beside.motion,

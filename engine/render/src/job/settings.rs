@@ -37,6 +37,9 @@ pub struct Settings {
     /// stops them must not know of their neighbours. Not from a later sample on, either: ranges of samples make the whole picture only
     /// without. Nor scene-first, where the rays of one pixel land in others.
     pub blue_noise: bool,
+    /// True if the noise of neighbouring pixels is to be independent, as denoising needs; else the light of a ray is spread over the pixels
+    /// whose filters reach where it arrives, for less noise in each. Lenses disperse light over pixels all the same.
+    pub independent_pixels: bool,
     /// Factor of the finished light.
     pub film_exposure: f32,
     /// Left, bottom, width and height, in pixels, of the part of the picture that is wanted; `None` is all. What lies outside may stay
@@ -84,6 +87,7 @@ impl Default for Settings {
             min_samples: 0,
             seed: 0,
             blue_noise: false,
+            independent_pixels: false,
             film_exposure: 1.0,
             window: None,
             sample_offset: 0,

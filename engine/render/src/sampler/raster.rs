@@ -16,6 +16,8 @@ pub struct Raster {
     /// True if each place belongs to one pixel.
     is_box: bool,
     columns: Columns,
+    /// True if light of a ray is kept together.
+    is_independent: bool,
 }
 
 /// The pixel that light falls on.
@@ -39,23 +41,16 @@ pub struct Landings<const N: usize> {
     pub density: [f32; N],
 }
 
-/// Numbers for ray `i` of several, apart from those of the others.
+/// The largest number below one.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// Numbers for wavelength `i` of a ray, apart from those of the others.
 #[inline]
-pub(crate) fn turned(u: [f32; 2], i: usize) -> [f32; 2] {
+fn turned(u: [f32; 2], i: usize) -> [f32; 2] {
     // Multiples of two irrational numbers with small terms (the plastic constant: Roberts 2018).
     // A cast takes the whole part off without a call.
     let part = |x: f32| x - (x as i32) as f32;
     [part(u[0] + 0.754_877_7 * i as f32), part(u[1] + 0.569_840_3 * i as f32)]
-}
-
-/// [`turned`] for each of several.
-#[inline]
-fn turned_many<const N: usize>(u: [f32; 2]) -> [[f32; N]; 2] {
-    let [mut across, mut up] = [[0.0; N]; 2];
-    for (i, (across, up)) in across.iter_mut().zip(&mut up).enumerate() {
-        [*across, *up] = turned(u, i);
-    }
-    [across, up]
 }
 
 impl Raster {
@@ -63,7 +58,20 @@ impl Raster {
     pub fn new(width: u32, height: u32, filter: PixelFilter) -> Self {
         let columns = Columns::new(&filter);
         let is_box = !filter.is_smooth() && filter.reach() == 0.5;
-        Self { width, height, filter, is_box, columns }
+        Self { width, height, filter, is_box, columns, is_independent: false }
+    }
+
+    /// The same, where the noise of neighbouring pixels is to be independent, as denoising needs: the light of one ray that arrives at
+    /// one place goes to one pixel at all wavelengths. Else it is spread over the pixels whose filters reach the place: there
+    /// is less noise in each, but neighbours share it.
+    pub fn independent(self, is_independent: bool) -> Self {
+        Self { is_independent, ..self }
+    }
+
+    /// The numbers that choose the pixel of wavelength `i` of a ray.
+    #[inline]
+    pub(crate) fn numbers(&self, u: [f32; 2], i: usize) -> [f32; 2] {
+        if self.is_independent { u } else { turned(u, i) }
     }
 
     /// Width and height of the picture, pixels.
@@ -88,11 +96,16 @@ impl Raster {
         Some(Landing { x, y, density: across * up })
     }
 
-    /// [`Self::land`] for each of several places; the numbers that choose are turned on from one to the next.
+    /// [`Self::land`] for each wavelength of a ray.
     #[inline]
     pub fn land_many<const N: usize>(&self, place: &[[f32; N]; 2], u: [f32; 2]) -> Landings<N> {
         let mut all = Landings { x: [0; N], y: [0; N], density: [0.0; N] };
-        let [us, vs] = turned_many(u);
+        let [mut us, mut vs] = [[u[0]; N], [u[1]; N]];
+        if !self.is_independent {
+            for (i, (across, up)) in us.iter_mut().zip(&mut vs).enumerate() {
+                [*across, *up] = turned(u, i);
+            }
+        }
         let across = self.along_many(&place[0], self.width, &us, &mut all.x);
         let up = self.along_many(&place[1], self.height, &vs, &mut all.y);
         for i in 0..N {
@@ -127,6 +140,48 @@ impl Raster {
             }
         }
         density
+    }
+
+    /// The numbers that choose the pixels of the wavelengths which the one of a sample leads to, made of two random ones: where noise is to be
+    /// independent, numbers with which [`Self::land`] gives the sample's place to the sample's own pixel. As places come from
+    /// pixels by their filter, these numbers are uniform, too; so another wavelength's light falls on the pixels about its own place
+    /// as it should, and on that of the sample wherever it can.
+    #[inline]
+    pub fn numbers_of(&self, pixel: [u32; 2], place: Vec2, u: [f32; 2]) -> [f32; 2] {
+        if self.is_box || !self.is_independent {
+            return u;
+        }
+        [
+            self.number_along((place.x + 0.5) * self.width as f32, self.width, pixel[0], u[0]),
+            self.number_along((place.y + 0.5) * self.height as f32, self.height, pixel[1], u[1]),
+        ]
+    }
+
+    /// [`Self::numbers_of`] along one axis.
+    #[inline]
+    fn number_along(&self, at: f32, count: u32, pixel: u32, u: f32) -> f32 {
+        let low = at - 0.5 - self.filter.reach();
+        if !(low > 0.0 && low + self.columns.span < count as f32) {
+            return self.number_at_the_edge(at, count, pixel, u);
+        }
+        let below = low as i32;
+        let sums = self.columns.sums_at(1.0 - (low - below as f32));
+        // Beyond the reach by rounding only.
+        let step = pixel.wrapping_sub((below + 1) as u32).min(FEW as u32 - 1) as usize;
+        let sums = sums.to_array();
+        let before = if step == 0 { 0.0 } else { sums[step - 1] };
+        ((before + u * (sums[step] - before)) / sums[FEW - 1]).min(BELOW_ONE)
+    }
+
+    /// [`Self::number_along`] at any place, for filters of any width.
+    #[cold]
+    fn number_at_the_edge(&self, at: f32, count: u32, pixel: u32, u: f32) -> f32 {
+        let reach = self.filter.reach();
+        let (low, high) = ((at - 0.5 - reach).ceil().max(0.0) as u32, (at - 0.5 + reach).max(0.0) as u32);
+        let part = |i: u32| self.filter.density(at - i as f32 - 0.5);
+        let sum = |to: u32| -> f32 { (low..to).map(part).sum() };
+        let density = sum(high.min(count - 1) + 1);
+        if density > 0.0 { ((sum(pixel) + u * part(pixel)) / density).min(BELOW_ONE) } else { u }
     }
 
     /// The density of [`Landing`] at a place.
@@ -207,13 +262,19 @@ impl Columns {
         Self { sums: (0..=Self::STEPS).map(sums).collect(), span }
     }
 
-    /// Number of pixels behind the first of the one that `u` chooses, and its density, at a distance of the first.
+    /// The sums at a distance of the first pixel.
     #[inline]
-    fn chosen(&self, distance: f32, u: f32) -> (u32, f32) {
+    fn sums_at(&self, distance: f32) -> Vec4 {
         let at = distance * Self::STEPS as f32;
         let i = (at as i32 as usize).min(Self::STEPS - 1);
         let [a, b] = self.sums[i..].first_chunk().expect("there is one more");
-        let sums = *a + (*b - *a) * (at - i as f32);
+        *a + (*b - *a) * (at - i as f32)
+    }
+
+    /// Number of pixels behind the first of the one that `u` chooses, and its density, at a distance of the first.
+    #[inline]
+    fn chosen(&self, distance: f32, u: f32) -> (u32, f32) {
+        let sums = self.sums_at(distance);
         let density = sums.w;
         // Without branches, for which of them it is nobody can foresee.
         let steps = Vec4::splat(u * density).cmpge(sums).bitmask() & 0b111;
@@ -258,6 +319,40 @@ mod tests {
                 assert!((sum - 1.0).abs() < 0.01, "{filter:?}: {sum}");
             }
         }
+    }
+
+    /// Where noise is to be independent, a sample's numbers lead from its place back to its pixel, and from nearby as a rule; of all samples of
+    /// a place they are uniform.
+    #[test]
+    fn numbers_lead_back_to_the_pixel() {
+        for filter in [Filter::BlackmanHarris(1.5), Filter::Gaussian(0.9), Filter::BlackmanHarris(3.1)] {
+            let raster = Raster::new(9, 1, PixelFilter::new(filter)).independent(true);
+            let (n, mut strays, mut moved, mut counts) = (450_000, 0, 0, [[0u32; 10]; 90]);
+            for i in 0..n {
+                let part = |x: f64| (f64::from(i) * x).fract() as f32;
+                let place = raster.place(i % 9, 0, [part(0.618_033_988_7), 0.5]);
+                let u = raster.numbers_of([i % 9, 0], place, [part(0.754_877_666), 0.5]);
+                assert!(u.iter().all(|u| (0.0..1.0).contains(u)), "{u:?}");
+                let Some(landing) = raster.land(place, u) else { continue };
+                // On a boundary rounding decides.
+                strays += u32::from(landing.x != i % 9);
+                let bin = (place.x + 0.5) * 90.0;
+                if (0.0..90.0).contains(&bin) {
+                    counts[bin as usize][(u[0] * 10.0) as usize] += 1;
+                }
+                let near = raster.land(place + Vec2::new(0.01 / 9.0, 0.0), u);
+                moved += u32::from(near.is_some_and(|near| near.x != landing.x));
+            }
+            // A hundredth of a pixel away one in a hundred boundaries is crossed, or a few more.
+            assert!(strays < 20 && moved < n / 50, "{filter:?}: {strays} {moved}");
+            for counts in counts {
+                let mean = counts.iter().sum::<u32>() as f32 / 10.0;
+                // Points in a low-discrepancy sequence are far more even than random ones.
+                assert!(counts.iter().all(|&count| (count as f32 - mean).abs() < 0.12 * mean), "{filter:?} {counts:?}");
+            }
+        }
+        let apart = Raster::new(9, 1, PixelFilter::new(Filter::BlackmanHarris(1.5)));
+        assert_eq!(apart.numbers_of([3, 0], Vec2::ZERO, [0.25, 0.75]), [0.25, 0.75]);
     }
 
     /// Places of samples have the density that is said.

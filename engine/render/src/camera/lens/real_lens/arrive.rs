@@ -112,7 +112,7 @@ impl RealLens {
             place(right, film.per_mm[0], request.place.x).to_array(),
             place(up, film.per_mm[1], request.place.y).to_array(),
         ];
-        let landings = raster.land_many(&place, request.u_pixels);
+        let landings = raster.land_many(&place, request.pixel_numbers(raster));
         // The reference plane of the pupil's map touches the last vertex.
         let to_vertex = p[2] / d[2];
         let target = [(p[0] - d[0] * to_vertex).to_array(), (p[1] - d[1] * to_vertex).to_array()];

@@ -89,7 +89,7 @@ impl RealLens {
                 None => {
                     let (set, _) = self.leader(request.u_wavelength);
                     let ray = |line| batch.back.result((group - 1) * LINES + line);
-                    let arrivals = self.arrived(set, ray, raster, request.u_pixels);
+                    let arrivals = self.arrived(set, ray, raster, request.pixel_numbers(raster));
                     self.joined(request, &lead, arrivals, raster)
                 }
             })

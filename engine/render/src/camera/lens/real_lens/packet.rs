@@ -7,7 +7,7 @@
 use super::{LensSample, RealLens};
 use crate::Rgb;
 use crate::accel::Ray;
-use crate::sampler::raster::{Raster, turned};
+use crate::sampler::raster::Raster;
 use crate::spectrum::SET_SIZE;
 use glam::{Mat3, Vec2, Vec4};
 use petzval_optics::trace::{LINES, Lost, Ray as LensRay};
@@ -153,7 +153,7 @@ impl RealLens {
         for (i, arrival) in arrivals.iter_mut().enumerate().take(self.film_lines.size) {
             let Ok(ray) = ray(i) else { continue };
             let Some(place) = self.mount.picture_point(&ray) else { continue };
-            *arrival = self.arrival(set + i * self.spectrum.sets(), place, raster, turned(u, i), |lens| {
+            *arrival = self.arrival(set + i * self.spectrum.sets(), place, raster, raster.numbers(u, i), |lens| {
                 lens.lead_density(place, &ray)
             });
             let index = set + i * self.spectrum.sets();
@@ -215,12 +215,20 @@ pub struct Request {
     pub u_beyond: f32,
 }
 
+impl Request {
+    /// The numbers that choose the pixels of the wavelengths which the sample's own leads to.
+    #[inline]
+    pub(in crate::camera) fn pixel_numbers(&self, raster: &Raster) -> [f32; 2] {
+        raster.numbers_of(self.pixel, self.place, self.u_pixels)
+    }
+}
+
 impl RealLens {
     /// A ray as [`Self::sample`] has it, with what all wavelengths of its set make of it.
     pub fn lead_all(&self, request: &Request, raster: &Raster) -> Option<HeroSample> {
         let (set, _) = self.leader(request.u_wavelength);
         let lead = self.lead(request)?;
-        let arrivals = self.arrivals(set, backwards(&lead), raster, request.u_pixels);
+        let arrivals = self.arrivals(set, backwards(&lead), raster, request.pixel_numbers(raster));
         Some(self.joined(request, &lead, arrivals, raster))
     }
 
