@@ -227,7 +227,7 @@ def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     coatings (names), coating_is_assumed (the file says nothing of it), unknown_absorption (glasses that count as clear),
     film_z_mm, film_distance_mm, focus_distance_mm (from the entrance pupil; null: infinity), focus_scale_mm (the same as
     the camera's anchor and relation count it), magnification, fov_horizontal_rad,
-    fov_vertical_rad, fov_diagonal_rad, picture_width_mm, picture_height_mm (the used part of the film),
+    fov_vertical_rad, fov_diagonal_rad, widest_angle_rad, picture_width_mm, picture_height_mm (the used part of the film),
     viewport_focal_length_mm with picture_width_mm and viewport_shift (a Blender camera that frames the same picture),
     entrance_pupil_diameter_mm, lens_name, surfaces, zoom_range_mm (null: no zoom lens), focuses_inside (groups inside of
     the lens focus it, not the film), remarks (what of the lens file could not be used), beyond_range (glasses that are not known for all

@@ -21,8 +21,8 @@ use std::time::Instant;
 const FEW_HITS: f32 = 0.5;
 /// Camera rays that hit a group, likewise, by geometry alone, up to which the group is measured at all.
 const MAYBE_FEW_HITS: f64 = 1.0;
-/// Whole angle of view from which on anything may be in the picture.
-const WIDE_RAD: f64 = 2.4;
+/// Angle between the axis and a corner's view from which on anything may be in the picture.
+const WIDEST_RAD: f64 = 1.2;
 /// Noise of a group in one sample of a pixel, scene-linear, below which nobody sees it.
 const LEAST_NOISE: f32 = 0.02;
 /// Pixels that a group has to light.
@@ -113,11 +113,11 @@ fn may_be_small(group: &SourceGroup, info: &LensInfo, scale_mm: f64, at: DVec3) 
     let sharp = info.focus_distance_mm.map_or(0.0, f64::recip);
     let blur_mm = pupil_mm * (1.0 - distance_mm * sharp).abs();
     let reach_mm = radius_mm + 0.5 * blur_mm;
-    match info.fov_diagonal_rad {
+    match info.widest_angle_rad {
         // A group that is so near may be anywhere.
-        Some(whole) if whole < WIDE_RAD && at.length() > 2.0 * reach_mm => {
+        Some(widest) if widest < WIDEST_RAD && at.length() > 2.0 * reach_mm => {
             let off_axis = at.truncate().length().atan2(distance_mm);
-            if off_axis - (reach_mm / at.length()).asin() > 0.5 * whole {
+            if off_axis - (reach_mm / at.length()).asin() > widest {
                 return false;
             }
         }

@@ -175,6 +175,23 @@ fn agree(name: &str, with: &[Vec<f64>], without: &[Vec<f64>]) {
 
 const RENDERS: u32 = 12;
 
+/// A lens that is turned away from the lights, and shifted by 20 mm to see them: they are as far off its axis as nothing in the picture is without
+/// the shift.
+#[test]
+fn a_shifted_lens_gets_rays_of_lights_too() {
+    let stage = lights(0.004);
+    let aimed = |shift_mm: f64| {
+        let d = description().with(|c| {
+            c.film.shift_mm = [shift_mm, 0.0];
+            // The film is 87 mm behind the lens.
+            c.matrix_world = DMat4::from_rotation_y((shift_mm / 87.0).atan());
+        });
+        render(&stage, &d, settings(true, 1, 0)).1.aimed
+    };
+    let (straight, shifted) = (aimed(0.0), aimed(20.0));
+    assert!(straight > 0 && shifted + 1 >= straight, "{straight} {shifted}");
+}
+
 #[test]
 fn the_picture_is_that_of_camera_rays_alone() {
     let stage = lights(0.012);

@@ -59,6 +59,9 @@ pub struct LensInfo {
     pub fov_vertical_rad: Option<f64>,
     /// Whole diagonal angle that the picture sees, by exact rays; `None` where they are lost.
     pub fov_diagonal_rad: Option<f64>,
+    /// The largest angle between the axis and what a corner of the picture sees, with the film shifted and turned as it is; `None` where a
+    /// corner sees nothing.
+    pub widest_angle_rad: Option<f64>,
     /// Width of the part of the film that the picture takes, mm.
     pub picture_width_mm: f64,
     /// Height of the part of the film that the picture takes, mm.
@@ -146,6 +149,9 @@ impl Setup {
             fov_horizontal_rad: chief.angle_between([-hw, 0.0], [hw, 0.0]),
             fov_vertical_rad: chief.angle_between([0.0, -hh], [0.0, hh]),
             fov_diagonal_rad: chief.angle_between([-hw, -hh], [hw, hh]),
+            widest_angle_rad: [[-hw, -hh], [hw, -hh], [-hw, hh], [hw, hh]]
+                .into_iter()
+                .try_fold(0.0, |widest: f64, corner| Some(widest.max(chief.angle_off_axis(corner)?))),
             picture_width_mm,
             picture_height_mm,
             viewport_focal_length_mm,
@@ -260,20 +266,27 @@ struct FilmChiefRays {
 }
 
 impl FilmChiefRays {
+    /// The scene direction of a film point.
+    fn direction(&self, [u, v]: [f64; 2]) -> Option<DVec3> {
+        let p = self.film.point(u, v);
+        let through = match self.exit_z_mm {
+            Some(z) => DVec3::new(0.0, 0.0, z) - p,
+            None => DVec3::NEG_Z,
+        };
+        // An exit pupil behind the film is looked at backwards.
+        let d = through.normalize_or(DVec3::NEG_Z);
+        let d = if d.dot(self.film.normal()) < 0.0 { -d } else { d };
+        self.tracer.from_film(LensRay { origin: p, direction: d }).ok().map(|r| r.direction)
+    }
+
+    /// The angle between the axis and the scene direction of a film point.
+    fn angle_off_axis(&self, point: [f64; 2]) -> Option<f64> {
+        self.direction(point).map(|d| d.truncate().length().atan2(-d.z))
+    }
+
     /// The angle between the scene directions of two film points.
     fn angle_between(&self, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
-        let direction = |[u, v]: [f64; 2]| {
-            let p = self.film.point(u, v);
-            let through = match self.exit_z_mm {
-                Some(z) => DVec3::new(0.0, 0.0, z) - p,
-                None => DVec3::NEG_Z,
-            };
-            // An exit pupil behind the film is looked at backwards.
-            let d = through.normalize_or(DVec3::NEG_Z);
-            let d = if d.dot(self.film.normal()) < 0.0 { -d } else { d };
-            self.tracer.from_film(LensRay { origin: p, direction: d }).ok().map(|r| r.direction)
-        };
-        let (a, b) = (direction(a)?, direction(b)?);
+        let (a, b) = (self.direction(a)?, self.direction(b)?);
         let angle = a.cross(b).length().atan2(a.dot(b));
         // Fisheyes: more than half a turn when both look backwards.
         Some(if a.z > 0.0 && b.z > 0.0 { std::f64::consts::TAU - angle } else { angle })
