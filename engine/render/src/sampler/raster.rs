@@ -321,7 +321,7 @@ mod tests {
         }
     }
 
-    /// Where noise is to be independent, a sample's numbers lead from its place back to its pixel, and from nearby as a rule; of all samples of
+    /// A sample's numbers lead from its place back to its pixel where noise is to be independent, and from nearby as a rule; of all samples of
     /// a place they are uniform.
     #[test]
     fn numbers_lead_back_to_the_pixel() {
