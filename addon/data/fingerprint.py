@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
+import marshal
 from typing import Any
 
 import numpy as np
@@ -27,24 +28,43 @@ class Watched:
         return call
 
 
+#: Kinds whose values marshal writes by themselves, each marked by its kind and length.
+_PLAIN = frozenset({str, int, float, bool, type(None)})
+
+
 def feed(digest: Any, value: Any) -> None:
     """Adds a value as the engine takes them; each is marked by its kind and length, so that none runs into the next."""
-    if isinstance(value, np.ndarray):
-        digest.update(f"array {value.dtype.str} {value.shape};".encode())
-        digest.update(np.ascontiguousarray(value).data)
-    elif isinstance(value, bytes):
-        digest.update(f"bytes {len(value)};".encode())
-        digest.update(value)
-    elif dataclasses.is_dataclass(value):
-        digest.update(f"{type(value).__name__};".encode())
-        for one in dataclasses.fields(value):
-            feed(digest, (one.name, getattr(value, one.name)))
-    elif isinstance(value, dict):
-        feed(digest, list(value.items()))
-    elif isinstance(value, (list, tuple)):
-        digest.update(f"list {len(value)};".encode())
+    kind = type(value)
+    if kind in _PLAIN:
+        digest.update(_written(value))
+    elif kind is tuple or kind is list:
+        if _PLAIN.issuperset(map(type, value)):
+            digest.update(_written(tuple(value)))
+            return
+        digest.update(b"list %d;" % len(value))
         for one in value:
             feed(digest, one)
+    elif kind is dict:
+        feed(digest, list(value.items()))
+    elif kind is bytes:
+        digest.update(b"bytes %d;" % len(value))
+        digest.update(value)
+    elif isinstance(value, np.ndarray):
+        digest.update(f"array {value.dtype.str} {value.shape};".encode())
+        digest.update(np.ascontiguousarray(value).data)
+    elif dataclasses.is_dataclass(value):
+        digest.update(f"{kind.__name__};".encode())
+        for one in dataclasses.fields(value):
+            feed(digest, (one.name, getattr(value, one.name)))
+    elif isinstance(value, (tuple, list)):
+        feed(digest, tuple(value))
+    elif isinstance(value, dict):
+        feed(digest, dict(value))
     else:
         text = repr(value)
         digest.update(f"{len(text)} {text};".encode())
+
+
+def _written(value: Any) -> bytes:
+    """A plain value, or a tuple of such. Version 2 writes equal values alike: later ones refer to what is the same object."""
+    return b"=" + marshal.dumps(value, 2)

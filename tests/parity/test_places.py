@@ -277,11 +277,32 @@ def bevelled_in_a_mirror(t: Tree):
     t.shows(t.node("Emission", Color=_half(t, normal)).outputs[0])
 
 
+def random_instances(t: Tree):
+    """Blocks at the vertices of a mesh, coloured by what numbers them and by where they stand."""
+    import bpy
+
+    bpy.context.object.hide_render = True
+    bpy.ops.mesh.primitive_cube_add(size=0.32, rotation=(0.4, 0.2, 0.1))
+    block = bpy.context.object
+    block.data.materials.append(material_of(t))
+    points = bpy.data.meshes.new("Points")
+    points.from_pydata([(0.5 * x, 0.3 * (x - z), 0.5 * z) for x in range(-2, 3) for z in range(-2, 3)], [], [])
+    parent = bpy.data.objects.new("Points", points)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.instance_type, block.parent = "VERTS", parent
+    info = t.node("ObjectInfo")
+    place = t.node("SeparateXYZ", Vector=info.outputs["Location"])
+    height = t.node("MapRange", Value=place.outputs["Z"], From_Min=-1.0, From_Max=1.0, To_Min=0.1, To_Max=0.9)
+    colour = t.node("CombineXYZ", X=info.outputs["Random"], Y=height.outputs[0], Z=0.2)
+    t.shows(t.node("Emission", Color=colour.outputs[0]).outputs[0])
+
+
 MATERIALS = (
     camera_coordinates, window_coordinates, view_vector, view_depth_and_distance, into_the_camera, coat_over_bumps,
     bumped_coat, brushed_by_uv, brushed_about_x, brushed_metallic, brushed_in_its_space, brushed_in_its_space_by_nodes,
     wires, wires_in_pixels, islands, hollows, glowing_where_open, dirty_corners, thin_places, own_hollows,
     transparent_corners, bevelled_edges, bevelled_ball, bevelled_and_bumped, bevelled_in_a_mirror,
+    random_instances,
 )  # fmt: skip
 
 
