@@ -22,6 +22,7 @@ from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
+import blend_files
 import pages
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -84,7 +85,7 @@ def main() -> int:
         if shutil.which(tool) is None:
             print(f"petzval: make profile needs {tool}: apt install {package}", file=sys.stderr)
             return 1
-    scenes = [path for path in sorted(options.folder.rglob("*.blend")) if not options.only or path.stem in options.only]
+    scenes = [path for path in blend_files.under(options.folder) if not options.only or path.stem in options.only]
     if not scenes:
         print(f"petzval: no .blend to profile in {options.folder}", file=sys.stderr)
         return 1

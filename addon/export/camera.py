@@ -48,7 +48,7 @@ def pixel_aspect(render: bpy.types.RenderSettings) -> float:
 
 def rows(matrix: object) -> Matrix4:
     """A matrix of mathutils, row by row."""
-    return tuple(tuple(row) for row in matrix)
+    return tuple(map(tuple, matrix))
 
 
 def describe(

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from array import array
+from collections.abc import Callable, Hashable
 from typing import Any
 
 import bpy
+import numpy as np
 
-from petzval.description import RAYS
+from petzval.description import RAYS, Matrix4
 
 from . import curves, dicing, grids, hair, mesh, object_info, points
 from .camera import rows
@@ -75,6 +77,28 @@ def _sources(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance)
     return holder, holder.data, place.parent if place.is_instance else None
 
 
+class Alike:
+    """Instances of which only the matrix and the random number differ: of one object with one mesh, that one other shows."""
+
+    def __init__(self) -> None:
+        #: Calls of the builder with all else, one for each mesh, curves or hair of the object.
+        self.calls: list[Callable[..., None]] = []
+        #: Sixteen numbers each, row by row.
+        self._matrices = array("d")
+        self._randoms = array("f")
+
+    def add(self, place: bpy.types.DepsgraphObjectInstance) -> None:
+        for row in place.matrix_world:
+            self._matrices.extend(row)
+        self._randoms.append(object_info.random(place.object, place))
+
+    def send(self) -> None:
+        matrices = np.frombuffer(self._matrices).reshape(-1, 4, 4)
+        randoms = np.frombuffer(self._randoms, np.float32)
+        for call in self.calls:
+            call(rows(matrices[0]), randoms[0], (matrices[1:], randoms[1:]))
+
+
 class Stage:
     """Sends the instances of a dependency graph to the engine's builder."""
 
@@ -113,6 +137,8 @@ class Stage:
         self._scene: bpy.types.Scene | None = None
         self._depsgraph: bpy.types.Depsgraph | None = None
         self._room = Room(0.0)
+        #: Those of the instance that is looked at; None: it is sent by itself.
+        self._alike: Alike | None = None
 
     def send(self, depsgraph: bpy.types.Depsgraph, seen_in: bpy.types.SpaceView3D | None = None) -> None:
         """All objects and their instances, as they are visible in this graph, and in this view where one is given."""
@@ -125,8 +151,17 @@ class Stage:
         self._scene, self._depsgraph = depsgraph.scene_eval, depsgraph
         layer = depsgraph.view_layer_eval
         shows_hair = layer.use_strand
+        groups: dict[Hashable, Alike] = {}
         for place in depsgraph.object_instances:
             self._check_stop()
+            key = self._likeness(place)
+            self._alike = known = groups.get(key) if key is not None else None
+            if key is not None and known is None:
+                self._alike = groups[key] = Alike()
+            if self._alike is not None:
+                self._alike.add(place)
+            if known is not None:
+                continue
             holder = place.object
             if seen_in is not None and not _stands_for(place).visible_in_viewport_get(seen_in):
                 continue
@@ -155,6 +190,17 @@ class Stage:
                 self._builder.add_light(lights.describe(holder, place.matrix_world, hidden))
             elif holder.type in NOT_YET:
                 self._report.warn(f"Object '{holder.name}': {NOT_YET[holder.type]} are not supported yet, left out")
+        for alike in groups.values():
+            self._check_stop()
+            alike.send()
+
+    def _likeness(self, place: bpy.types.DepsgraphObjectInstance) -> Hashable | None:
+        """What instances have in common that are sent together; None of one that is sent by itself: it may move on a way of its own."""
+        holder = place.object
+        if not place.is_instance or holder.type == "LIGHT" or self._motion is not None or self._blur is not None:
+            return None
+        data = holder.data
+        return uid(holder), 0 if data is None else data.as_pointer(), uid(place.parent), place.show_self
 
     def _surface(
         self,
@@ -214,23 +260,35 @@ class Stage:
             or _stands_for(place).holdout_get(view_layer=self._view_layer)
         )
         self.holds_out |= is_holdout
-        self._builder.add_instance(
-            holder.name,
-            index,
-            rows(place.matrix_world),
-            materials,
-            hidden_from=hidden,
-            links=links.of(holder),
-            asset_name=_asset(holder),
-            moved=self._motion.matrices(place) if self._motion is not None else None,
-            keys=self._blur.matrices(place) if self._blur is not None else None,
-            info=(tuple(holder.color), holder.pass_index, object_info.random(holder, place)),
-            light_group=self._groups.number(holder),
-            shadow_terminator=_shadow_terminator(holder),
-            is_holdout=is_holdout,
-            is_catcher=is_catcher,
-            occlusion_distance=_occlusion_distance(holder, place),
-        )
+        name, color, number = holder.name, tuple(holder.color), holder.pass_index
+        settings = {
+            "hidden_from": hidden,
+            "links": links.of(holder),
+            "asset_name": _asset(holder),
+            "light_group": self._groups.number(holder),
+            "shadow_terminator": _shadow_terminator(holder),
+            "is_holdout": is_holdout,
+            "is_catcher": is_catcher,
+            "occlusion_distance": _occlusion_distance(holder, place),
+        }
+        if self._alike is None:
+            self._builder.add_instance(
+                name,
+                index,
+                rows(place.matrix_world),
+                materials,
+                moved=self._motion.matrices(place) if self._motion is not None else None,
+                keys=self._blur.matrices(place) if self._blur is not None else None,
+                info=(color, number, object_info.random(holder, place)),
+                **settings,
+            )
+            return
+
+        def send(matrix: Matrix4, random: float, others: tuple[np.ndarray, np.ndarray]) -> None:
+            info = (color, number, float(random))
+            self._builder.add_instance(name, index, matrix, materials, info=info, others=others, **settings)
+
+        self._alike.calls.append(send)
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:
         data = holder.data

@@ -49,7 +49,9 @@ def trace(start: Input) -> Source | Input | None:
     # The last one that has a value of its own.
     reader = start
     for _ in range(_DEEPEST):
-        link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
+        # `links` looks through all links of the tree: most sockets have none.
+        links = socket.links if socket.is_linked else ()
+        link = next((link for link in links if link.is_valid and not link.is_muted), None)
         if link is None:
             return reader if socket == reader.socket or bpy.app.version >= _KEEPS_VALUES else None
         node, output = link.from_node, link.from_socket

@@ -296,6 +296,14 @@ def test_geometry_nodes_instances(parts, blender):
     assert len(recorder.meshes) == 1
     xs = sorted({round(float(one["matrix"][0, 3]), 4) for one in places})
     assert xs == [4.5, 5.0, 5.5]
+    # All by one call, each with its own place and number: a meadow has a million.
+    assert recorder.calls["add_instance"] == 1
+    graph = blender.context.evaluated_depsgraph_get()
+    stand = [(np.array(one.matrix_world), one.random_id) for one in graph.object_instances if one.is_instance]
+    for one, (matrix, number) in zip(places, stand, strict=True):
+        assert np.array_equal(one["matrix"], matrix)
+        assert one["info"][2] == pytest.approx((number & 0xFFFFFFFF) / 0xFFFFFFFF)
+    assert len({one["info"][2] for one in places}) == 12
 
 
 def test_materials_that_geometry_nodes_set(parts, blender):

@@ -226,18 +226,90 @@ def transparent_corners(t: Tree):
     t.shows(t.node("MixShader", _0=made.outputs["AO"], _1=clear.outputs[0], _2=glow.outputs[0]).outputs[0])
 
 
+def _as_block(t: Tree):
+    """A turned block in place of the ball."""
+    import bpy
+
+    bpy.context.object.hide_render = True
+    bpy.ops.mesh.primitive_cube_add(size=1.3, rotation=(0.6, 0.3, 0.5), scale=(1.0, 1.2, 0.8))
+    bpy.context.object.data.materials.append(material_of(t))
+
+
+def _half(t: Tree, normal):
+    """Components of a normal as a colour."""
+    return t.node(
+        "VectorMath", {"operation": "MULTIPLY_ADD"}, _0=normal, _1=(0.4, 0.4, 0.4), _2=(0.5, 0.5, 0.5)
+    ).outputs[0]
+
+
+def bevelled_edges(t: Tree):
+    _as_block(t)
+    normal = t.node("Bevel", {"samples": 16}, Radius=0.3).outputs[0]
+    t.shows(t.node("Emission", Color=_half(t, normal)).outputs[0])
+
+
+def bevelled_ball(t: Tree):
+    """What is smooth already; the radius reaches through it."""
+    normal = t.node("Bevel", {"samples": 16}, Radius=0.9).outputs[0]
+    t.shows(t.node("Emission", Color=_half(t, normal)).outputs[0])
+
+
+def bevelled_and_bumped(t: Tree):
+    _as_block(t)
+    normal = t.node("Bevel", {"samples": 8}, Radius=0.2, Normal=_waves(t, 0.3)).outputs[0]
+    t.shows(t.node("BsdfGlossy", Color=(0.8, 0.7, 0.6, 1.0), Roughness=0.3, Normal=normal).outputs[0])
+
+
+def bevelled_in_a_mirror(t: Tree):
+    """A cube in a polished floor, where its edges are bevelled, and in a rough wall, where they are not."""
+    import bpy
+
+    _beside_a_wall(t)
+    _as_block(t)
+    for name, roughness in (("Plane", 0.02), ("Plane.001", 0.5)):
+        made = bpy.data.materials.new(name)
+        made.use_nodes = True
+        shader = made.node_tree.nodes.new("ShaderNodeBsdfGlossy")
+        shader.inputs["Roughness"].default_value = roughness
+        made.node_tree.links.new(shader.outputs[0], made.node_tree.nodes["Material Output"].inputs["Surface"])
+        bpy.data.objects[name].data.materials[0] = made
+    normal = t.node("Bevel", {"samples": 8}, Radius=0.4).outputs[0]
+    t.shows(t.node("Emission", Color=_half(t, normal)).outputs[0])
+
+
+def random_instances(t: Tree):
+    """Blocks at the vertices of a mesh, coloured by what numbers them and by where they stand."""
+    import bpy
+
+    bpy.context.object.hide_render = True
+    bpy.ops.mesh.primitive_cube_add(size=0.32, rotation=(0.4, 0.2, 0.1))
+    block = bpy.context.object
+    block.data.materials.append(material_of(t))
+    points = bpy.data.meshes.new("Points")
+    points.from_pydata([(0.5 * x, 0.3 * (x - z), 0.5 * z) for x in range(-2, 3) for z in range(-2, 3)], [], [])
+    parent = bpy.data.objects.new("Points", points)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.instance_type, block.parent = "VERTS", parent
+    info = t.node("ObjectInfo")
+    place = t.node("SeparateXYZ", Vector=info.outputs["Location"])
+    height = t.node("MapRange", Value=place.outputs["Z"], From_Min=-1.0, From_Max=1.0, To_Min=0.1, To_Max=0.9)
+    colour = t.node("CombineXYZ", X=info.outputs["Random"], Y=height.outputs[0], Z=0.2)
+    t.shows(t.node("Emission", Color=colour.outputs[0]).outputs[0])
+
+
 MATERIALS = (
     camera_coordinates, window_coordinates, view_vector, view_depth_and_distance, into_the_camera, coat_over_bumps,
     bumped_coat, brushed_by_uv, brushed_about_x, brushed_metallic, brushed_in_its_space, brushed_in_its_space_by_nodes,
     wires, wires_in_pixels, islands, hollows, glowing_where_open, dirty_corners, thin_places, own_hollows,
-    transparent_corners,
+    transparent_corners, bevelled_edges, bevelled_ball, bevelled_and_bumped, bevelled_in_a_mirror,
+    random_instances,
 )  # fmt: skip
 
 
 #: Of nodes that are handed over as those of others are.
 ALIKE = {
     view_vector, into_the_camera, brushed_about_x, brushed_metallic, brushed_in_its_space_by_nodes, wires, dirty_corners, thin_places,
-    own_hollows, transparent_corners,
+    own_hollows, transparent_corners, bevelled_ball, bevelled_and_bumped,
 }  # fmt: skip
 
 

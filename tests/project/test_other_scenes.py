@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What pictures of several seeds say of a program's noise, and of how far two programs are apart."""
 
+import blend_files
 import numpy as np
 import pytest
 from other_scenes import compare
@@ -44,3 +45,10 @@ def test_programs_agree_beyond_noise_where_only_noise_parts_them():
     assert compare.difference(ours, theirs).beyond_noise < 0.005
     brighter = [1.03 * one for one in theirs]
     assert compare.difference(ours, brighter).beyond_noise == pytest.approx(0.03, abs=0.006)
+
+
+def test_a_folder_that_is_called_like_a_scene_is_not_one(tmp_path):
+    """Poly Haven's archives of textures unpack into `worn_planks_2k.blend/textures`."""
+    (tmp_path / "planks.blend" / "textures").mkdir(parents=True)
+    (tmp_path / "planks.blend" / "planks.blend").write_bytes(b"BLENDER")
+    assert blend_files.under(tmp_path) == [tmp_path / "planks.blend" / "planks.blend"]

@@ -116,7 +116,7 @@ def _faces(mesh: bpy.types.Mesh, corners: np.ndarray) -> bytes:
     starts, materials = (np.empty(len(mesh.polygons), np.int32) for _ in range(2))
     mesh.polygons.foreach_get("loop_start", starts)
     mesh.polygons.foreach_get("material_index", materials)
-    faces = np.split(corners, starts[1:])
+    faces = np.split(corners, starts[1:]) if len(starts) else []
     return repr(sorted((*face.tolist(), -1 - m) for face, m in zip(faces, materials.tolist(), strict=True))).encode()
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from pathlib import Path
 
 import bpy
@@ -179,6 +180,8 @@ class Recorder:
         # By their index among the meshes, where nothing else stands.
         self.curves: dict[int, dict] = {}
         self.points: dict[int, dict] = {}
+        #: How often a method was called.
+        self.calls = Counter()
 
     def add_image(self, name, pixels, *, srgb):
         self.images.append((name, pixels.copy(), srgb))
@@ -204,9 +207,14 @@ class Recorder:
         self.meshes.append(None)
         return index
 
-    def add_instance(self, name, mesh, matrix, materials, **more):
-        self.instances.append({"name": name, "mesh": mesh, "matrix": np.array(matrix), "materials": materials, **more})
-        return self._builder.add_instance(name, mesh, matrix, materials, **more)
+    def add_instance(self, name, mesh, matrix, materials, *, others=None, **more):
+        told = {"name": name, "mesh": mesh, "matrix": np.array(matrix), "materials": materials, **more}
+        self.instances.append(told)
+        for further, random in zip(*(others or ([], [])), strict=True):
+            color, number, _ = more["info"]
+            self.instances.append({**told, "matrix": further, "info": (color, number, random)})
+        self.calls["add_instance"] += 1
+        return self._builder.add_instance(name, mesh, matrix, materials, others=others, **more)
 
     def add_light(self, light):
         self.lights.append(light)

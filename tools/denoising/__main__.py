@@ -20,6 +20,7 @@ import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import blend_files
 import numpy as np
 import pages
 
@@ -147,7 +148,7 @@ def main() -> int:
 
 def by_others(folder: Path | None) -> list[Scene]:
     """The .blend files under a folder, seen by a pinhole."""
-    paths = sorted(folder.rglob("*.blend")) if folder else []
+    paths = blend_files.under(folder) if folder else []
     return [Scene(path.stem, path, ("--camera", "pinhole"), is_by_others=True) for path in paths]
 
 

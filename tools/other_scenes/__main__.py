@@ -21,6 +21,7 @@ import tomllib
 from pathlib import Path
 from statistics import median
 
+import blend_files
 import numpy as np
 import pages
 
@@ -67,7 +68,7 @@ def main() -> int:
     asked.add_argument("--size", default="240x135")
     asked.add_argument("--only", nargs="+", metavar="NAME", help="files of these names; the page stays as it is")
     options = asked.parse_args()
-    scenes = [path for path in sorted(options.folder.rglob("*.blend")) if not options.only or path.stem in options.only]
+    scenes = [path for path in blend_files.under(options.folder) if not options.only or path.stem in options.only]
     if not scenes:
         print(f"petzval: no .blend to compare in {options.folder}", file=sys.stderr)
         return 1

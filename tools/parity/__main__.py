@@ -19,6 +19,7 @@ import threading
 import time
 from pathlib import Path
 
+import blend_files
 import pages
 
 from . import MARK, compare, page
@@ -61,7 +62,7 @@ def main() -> int:
         now = run.made.took(time.monotonic() - began)
         page.write(TOP / "docs", WORK, scenes, results, limits, size, options.samples, options.most, now)
     if options.scenes and not options.only:
-        paths = sorted(Path(options.scenes).rglob("*.blend"))
+        paths = blend_files.under(Path(options.scenes))
         others = run.all({str(path): WORK / "others" / path.stem for path in paths})
         others = {Path(path).stem: found for path, found in others.items()}
         page.write_others(TOP / "docs", others, size, options.samples, options.most)

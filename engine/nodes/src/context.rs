@@ -231,6 +231,12 @@ pub trait Context {
         1.0
     }
 
+    /// The mean normal of the object's surface around the point as far as a radius, world units, towards the viewer. Who cannot follow rays
+    /// gives the shading normal.
+    fn bevelled(&self, _samples: u8, _radius: f32) -> Vec3A {
+        self.read(Field::Normal, Shift::NONE)
+    }
+
     /// True if points of this kind answer a field.
     fn knows(field: Field) -> bool
     where

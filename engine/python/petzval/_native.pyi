@@ -388,10 +388,12 @@ class SceneBuilder:
         is_holdout: bool = False,  # the camera sees a hole instead
         is_catcher: bool = False,  # its shadows alone are wanted: for `Job.shadow`
         occlusion_distance: float = 0.0,  # of rays that leave it, instead of the settings' `fast_gi_distance`; 0: none
+        others: tuple[npt.NDArray[np.float64], npt.NDArray[np.float32]] | None = None,  # (n, 4, 4) and (n,)
     ) -> None:
         """`materials[slot]` is a material index; slots past its end take the last; empty: the default grey.
 
-        `asset_name`: the topmost parent; `moved`: `matrix_world` a frame before and a frame after."""
+        `asset_name`: the topmost parent; `moved`: `matrix_world` a frame before and a frame after; `others`: `matrix_world` and the random
+        number of further instances that are alike but for these."""
     def add_light(self, light: LightDescription) -> None:
         """Adds a lamp."""
     def set_world(self, world: WorldDescription) -> None:

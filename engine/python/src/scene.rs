@@ -9,7 +9,8 @@ use crate::material::{PyLight, PyMaterial, PyWorld, visible};
 use crate::mesh::{PyCorners, PyGrid, PyPose, corners, indices, named, read_grid, read_poses, vectors};
 use crate::points;
 use glam::{DMat4, DVec3};
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::ndarray::ArrayView2;
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use petzval_render::integrator::PreparedScene;
 use petzval_render::scene::mesh::{Dicing, EdgeLength, MeshDescription};
 use petzval_render::scene::shadow_terminator::ShadowTerminator;
@@ -19,10 +20,14 @@ use petzval_render::scene::visibility::{LightLinking, LightSets};
 use petzval_render::scene::{self as engine, ObjectInfo};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::array;
 use std::sync::Arc;
 
 /// Colour, pass index, random number.
 type PyObjectInfo = ((f32, f32, f32, f32), i32, f32);
+
+/// Matrices, row by row, and random numbers of instances.
+type PyPlaces<'py> = (PyReadonlyArray3<'py, f64>, PyReadonlyArray1<'py, f32>);
 
 /// Takes a scene apart from Python, piece by piece.
 #[pyclass]
@@ -190,7 +195,7 @@ impl SceneBuilder {
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
         moved = None, keys = None, info = None, light_group = 0, shadow_terminator = (0.0, 0.0), is_holdout = false,
-        is_catcher = false, occlusion_distance = 0.0
+        is_catcher = false, occlusion_distance = 0.0, others = None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -210,34 +215,56 @@ impl SceneBuilder {
         is_holdout: bool,
         is_catcher: bool,
         occlusion_distance: f32,
+        others: Option<PyPlaces<'_>>,
     ) -> Result<(), Error> {
-        let instance = self.builder.add_instance(object_name, mesh, matrix_world.into(), &materials, true, true)?;
-        let Some(instance) = instance else { return Ok(()) };
-        self.builder.set_visible(instance, visible(&hidden_from, object_name)?);
-        if let Some((receives, blocks, receivers, blockers)) = links {
-            let sets = LightSets { receivers: receivers & 63, blockers: blockers & 63 };
-            self.builder.set_links(instance, LightLinking { receives, blocks, sets });
+        let mut places = vec![(matrix_world.into(), info.map_or(0.0, |(_, _, random)| random))];
+        if let Some((matrices, randoms)) = others {
+            let (matrices, randoms) = (matrices.as_array(), randoms.as_array());
+            if matrices.shape() != [randoms.len(), 4, 4] {
+                return Err(invalid(format!(
+                    "object '{object_name}': {} random numbers for matrices of shape {:?}",
+                    randoms.len(),
+                    matrices.shape()
+                )));
+            }
+            let placed = matrices.outer_iter().zip(&randoms);
+            let by_rows =
+                |m: ArrayView2<'_, f64>| DMat4::from_cols_array_2d(&array::from_fn(|c| array::from_fn(|r| m[[r, c]])));
+            places.extend(placed.map(|(matrix, &random)| (by_rows(matrix), random)));
         }
-        self.builder.set_light_group(instance, light_group);
-        self.builder.set_occlusion_distance(instance, occlusion_distance);
-        if is_catcher {
-            self.builder.catch_shadows(instance);
-        }
-        if is_holdout {
-            self.builder.hold_out(instance);
-        }
-        self.builder.set_shadow_terminator(instance, ShadowTerminator::new(shadow_terminator.0, shadow_terminator.1));
-        if let Some((color, pass_index, random)) = info {
-            self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });
-        }
-        if let Some(name) = asset_name {
-            self.builder.set_asset(instance, name);
-        }
-        if let Some(moved) = moved {
-            self.builder.set_moved(instance, moved.map(Into::into))?;
-        }
-        if let Some(keys) = keys {
-            self.builder.set_keys(instance, &keys.into_iter().map(Into::into).collect::<Vec<DMat4>>());
+        let (visible, moved) = (visible(&hidden_from, object_name)?, moved.map(|both| both.map(Into::into)));
+        let keys: Option<Vec<DMat4>> = keys.map(|keys| keys.into_iter().map(Into::into).collect());
+        for (matrix, random) in places {
+            let Some(instance) = self.builder.add_instance(object_name, mesh, matrix, &materials, true, true)? else {
+                continue;
+            };
+            self.builder.set_visible(instance, visible);
+            if let Some((receives, blocks, receivers, blockers)) = links {
+                let sets = LightSets { receivers: receivers & 63, blockers: blockers & 63 };
+                self.builder.set_links(instance, LightLinking { receives, blocks, sets });
+            }
+            self.builder.set_light_group(instance, light_group);
+            self.builder.set_occlusion_distance(instance, occlusion_distance);
+            if is_catcher {
+                self.builder.catch_shadows(instance);
+            }
+            if is_holdout {
+                self.builder.hold_out(instance);
+            }
+            let (geometry, shading) = shadow_terminator;
+            self.builder.set_shadow_terminator(instance, ShadowTerminator::new(geometry, shading));
+            if let Some((color, pass_index, _)) = info {
+                self.builder.set_info(instance, ObjectInfo { color: color.into(), pass_index, random });
+            }
+            if let Some(name) = asset_name {
+                self.builder.set_asset(instance, name);
+            }
+            if let Some(moved) = moved {
+                self.builder.set_moved(instance, moved)?;
+            }
+            if let Some(keys) = &keys {
+                self.builder.set_keys(instance, keys);
+            }
         }
         Ok(())
     }

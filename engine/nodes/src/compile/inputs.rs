@@ -158,8 +158,9 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
             Ok(vec![colour("Color", tinted), number("AO", open)])
         }
         "ShaderNodeBevel" => {
-            at.report("it is not supported, edges stay sharp");
-            Ok(vec![vector("Normal", at.vector_or("Normal", At::normal))])
+            let samples = at.node.count("samples").map_or(4, |count| count.clamp(1, 255) as u8);
+            let (normal, radius) = (at.vector_or("Normal", At::normal), at.number_or("Radius", 0.05));
+            Ok(vec![vector("Normal", at.emit(Operation::Bevel(samples), &[normal, radius]))])
         }
         _ => return None,
     })

@@ -93,6 +93,10 @@ impl Program {
                 splat(surface::falloff(number(0), number(1), length, i32::from(power)))
             }
             Operation::Occlusion(asked) => splat(context.open(asked, vector(0), number(1))),
+            Operation::Bevel(samples) => {
+                let shading = context.read(Field::Normal, Shift::NONE);
+                (vector(0) + (context.bevelled(samples, number(1)) - shading)).normalize_or(shading)
+            }
             Operation::Wireframe(in_pixels) => {
                 let pixel = if in_pixels { context.read(Field::PixelWidth, Shift::NONE).x } else { 1.0 };
                 // The triangle beside draws the other half.

@@ -82,6 +82,8 @@ pub(crate) enum Operation {
     Falloff(i8),
     /// Normal, distance.
     Occlusion(Occlusion),
+    /// Normal, radius; number of samples.
+    Bevel(u8),
     /// Vector, w, scale, detail, roughness, lacunarity, offset, gain, distortion; with colour or without.
     Noise(Dimensions, Fractal, bool, bool),
     /// Vector, w, scale, detail, roughness, lacunarity, smoothness, exponent, randomness: distance.
@@ -137,6 +139,7 @@ impl Operation {
                 | Self::Facing
                 | Self::Falloff(_)
                 | Self::Occlusion(_)
+                | Self::Bevel(_)
                 | Self::Wireframe(_)
                 | Self::Image(..)
                 | Self::Environment(..)

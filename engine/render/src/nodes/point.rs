@@ -31,12 +31,25 @@ pub struct View {
     pub way: PathState,
     /// The moment, as in [`Ray::moment`].
     pub moment: u16,
+    /// True if the path was scattered so widely before that edges look alike sharp and bevelled.
+    pub is_blurry: bool,
 }
 
 impl View {
-    /// The view along a ray of a hit at this distance.
+    /// Least probability density of a path's scattered directions, per steradian, at which the Bevel node still works: that of Cycles
+    /// (`svm_bevel` in bevel.h).
+    const SHARP: f32 = 8.0;
+
+    /// The view along a ray of a hit at this distance. Where the densities of the path's directions are not known, a diffuse reflection makes
+    /// it blurry.
     pub fn along(ray: &Ray, distance: f32, way: PathState) -> Self {
-        Self { direction: ray.direction, distance, way, moment: ray.moment }
+        Self { direction: ray.direction, distance, way, moment: ray.moment, is_blurry: way.diffuse > 0 }
+    }
+
+    /// This view of a path whose directions were chosen with at least this probability density, per steradian.
+    #[must_use]
+    pub fn with_least_pdf(self, least_pdf: f32) -> Self {
+        Self { is_blurry: least_pdf < Self::SHARP, ..self }
     }
 }
 
@@ -329,6 +342,11 @@ fn around_the_origin(p: Vec3) -> Vec2 {
 impl Context for Point<'_> {
     fn open(&self, asked: Occlusion, normal: Vec3A, distance: f32) -> f32 {
         self.around.open(&self.surface, asked, normal, distance)
+    }
+
+    fn bevelled(&self, samples: u8, radius: f32) -> Vec3A {
+        let normal = if self.view.is_blurry { None } else { self.around.bevelled(&self.surface, samples, radius) };
+        normal.unwrap_or(self.surface.shading_normal)
     }
 
     answers! {
