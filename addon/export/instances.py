@@ -77,22 +77,24 @@ def _sources(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance)
     return holder, holder.data, place.parent if place.is_instance else None
 
 
-class Alike:
-    """Instances of which only the matrix and the random number differ: of one object with one mesh, that one other shows."""
+class InstanceGroup:
+    """Instances of one object by one instancer, of which only the matrix and the random number differ: they are sent to the engine together."""
 
     def __init__(self) -> None:
-        #: Calls of the builder with all else, one for each mesh, curves or hair of the object.
+        #: Calls of the builder with everything else, one for each mesh, curves or hair of the object.
         self.calls: list[Callable[..., None]] = []
         #: Sixteen numbers each, row by row.
         self._matrices = array("d")
         self._randoms = array("f")
 
     def add(self, place: bpy.types.DepsgraphObjectInstance) -> None:
+        """Takes the matrix and the random number of one more."""
         for row in place.matrix_world:
             self._matrices.extend(row)
         self._randoms.append(object_info.random(place.object, place))
 
     def send(self) -> None:
+        """Sends all instances, by one call for each mesh, curves or hair."""
         matrices = np.frombuffer(self._matrices).reshape(-1, 4, 4)
         randoms = np.frombuffer(self._randoms, np.float32)
         for call in self.calls:
@@ -137,8 +139,8 @@ class Stage:
         self._scene: bpy.types.Scene | None = None
         self._depsgraph: bpy.types.Depsgraph | None = None
         self._room = Room(0.0)
-        #: Those of the instance that is looked at; None: it is sent by itself.
-        self._alike: Alike | None = None
+        #: The group of the instance that is looked at; None: the instance is sent by itself.
+        self._instance_group: InstanceGroup | None = None
 
     def send(self, depsgraph: bpy.types.Depsgraph, seen_in: bpy.types.SpaceView3D | None = None) -> None:
         """All objects and their instances, as they are visible in this graph, and in this view where one is given."""
@@ -151,15 +153,15 @@ class Stage:
         self._scene, self._depsgraph = depsgraph.scene_eval, depsgraph
         layer = depsgraph.view_layer_eval
         shows_hair = layer.use_strand
-        groups: dict[Hashable, Alike] = {}
+        groups: dict[Hashable, InstanceGroup] = {}
         for place in depsgraph.object_instances:
             self._check_stop()
-            key = self._likeness(place)
-            self._alike = known = groups.get(key) if key is not None else None
+            key = self._group_key(place)
+            self._instance_group = known = groups.get(key) if key is not None else None
             if key is not None and known is None:
-                self._alike = groups[key] = Alike()
-            if self._alike is not None:
-                self._alike.add(place)
+                self._instance_group = groups[key] = InstanceGroup()
+            if self._instance_group is not None:
+                self._instance_group.add(place)
             if known is not None:
                 continue
             holder = place.object
@@ -190,12 +192,12 @@ class Stage:
                 self._builder.add_light(lights.describe(holder, place.matrix_world, hidden))
             elif holder.type in NOT_YET:
                 self._report.warn(f"Object '{holder.name}': {NOT_YET[holder.type]} are not supported yet, left out")
-        for alike in groups.values():
+        for group in groups.values():
             self._check_stop()
-            alike.send()
+            group.send()
 
-    def _likeness(self, place: bpy.types.DepsgraphObjectInstance) -> Hashable | None:
-        """What instances have in common that are sent together; None of one that is sent by itself: it may move on a way of its own."""
+    def _group_key(self, place: bpy.types.DepsgraphObjectInstance) -> Hashable | None:
+        """The key of an instance's group; None of an instance that is sent by itself: lamps, and what may move by itself."""
         holder = place.object
         if not place.is_instance or holder.type == "LIGHT" or self._motion is not None or self._blur is not None:
             return None
@@ -271,7 +273,7 @@ class Stage:
             "is_catcher": is_catcher,
             "occlusion_distance": _occlusion_distance(holder, place),
         }
-        if self._alike is None:
+        if self._instance_group is None:
             self._builder.add_instance(
                 name,
                 index,
@@ -288,7 +290,7 @@ class Stage:
             info = (color, number, float(random))
             self._builder.add_instance(name, index, matrix, materials, info=info, others=others, **settings)
 
-        self._alike.calls.append(send)
+        self._instance_group.calls.append(send)
 
     def _mesh(self, holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int | None:
         data = holder.data
