@@ -5,26 +5,51 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import hashlib
 import marshal
 from typing import Any
 
 import numpy as np
 
+#: Calls of the builder by which it gets images, materials and meshes, and forgets them, and the kind of piece.
+_ADDS = {
+    "add_image": "image",
+    "add_material": "material",
+    "add_mesh": "mesh",
+    "add_curves": "mesh",
+    "add_points": "mesh",
+}
+_FORGETS = {"forget_image": "image", "forget_material": "material", "forget_mesh": "mesh"}
+#: All of these calls.
+PIECES = frozenset({*_ADDS, *_FORGETS})
+
+#: Fingerprints of the images, materials and meshes that a builder holds, by kind and index.
+Pieces = dict[tuple[str, int], bytes]
+
 
 class Watched:
-    """The engine's `SceneBuilder`, whose calls leave their mark in a digest of hashlib; all of them but those of `unmarked`."""
+    """The engine's `SceneBuilder`, whose calls leave their mark in a digest of hashlib; those of images, materials and meshes in `pieces`
+    instead, or nowhere without these."""
 
-    def __init__(self, builder: Any, digest: Any, unmarked: frozenset[str] = frozenset()) -> None:
-        self._builder, self._digest, self._unmarked = builder, digest, unmarked
+    def __init__(self, builder: Any, digest: Any, pieces: Pieces | None) -> None:
+        self._builder, self._digest, self._pieces = builder, digest, pieces
 
     def __getattr__(self, name: str) -> Any:
         target = getattr(self._builder, name)
-        if name in self._unmarked:
+        pieces = self._pieces
+        if name in PIECES and pieces is None:
             return target
 
         def call(*arguments: Any, **named: Any) -> Any:
-            feed(self._digest, (name, arguments, named))
-            return target(*arguments, **named)
+            if name in _FORGETS:
+                pieces.pop((_FORGETS[name], *arguments), None)
+                return target(*arguments, **named)
+            digest = hashlib.blake2b(digest_size=32) if name in _ADDS else self._digest
+            feed(digest, (name, arguments, named))
+            given = target(*arguments, **named)
+            if name in _ADDS:
+                pieces[_ADDS[name], given] = digest.digest()
+            return given
 
         return call
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from petzval.description import OF_LENS_FILE, CameraDescription
 
-_MODELS = {"THIN": "thin lens", "PINHOLE": "pinhole", "ORTHOGRAPHIC": "orthographic"}
+_MODELS = {"THIN": "thin lens", "PINHOLE": "pinhole", "ORTHOGRAPHIC": "orthographic", "PANORAMIC": "panoramic"}
 
 
 def focus_text(mm: float | None) -> str:
@@ -28,6 +28,10 @@ def in_a_line(camera: CameraDescription, info: dict[str, Any] | None, by: str = 
         of = _MODELS.get(camera.model, camera.model.lower())
         if camera.model == "ORTHOGRAPHIC":
             return f"{of}, {camera.orthographic_width:.4g} units wide"
+        if camera.panorama is not None:
+            projection = camera.panorama.projection
+            name = projection if isinstance(projection, str) else next(iter(projection))
+            return f"{of}, {name.lower().replace('_', ' ')}"
         f_number = f" at f/{camera.lens.f_number:.2f}" if camera.model == "THIN" and camera.lens.f_number else ""
         return (
             f"{of}, {perspective.focal_length_mm:.1f} mm{f_number} on a picture {perspective.film_width_mm:.4g} mm wide"

@@ -14,7 +14,7 @@ import bpy
 from petzval.description import WorldDescription
 
 from ..data import passes
-from . import world
+from . import curves, dicing, world
 from .aovs import Aovs
 from .image import Images
 from .instances import Stage
@@ -70,6 +70,23 @@ def send_scene(
     if scene.render.use_freestyle:
         report.warn(f"Scene '{scene.name}': Freestyle lines are not supported yet, they are left out")
     return stage.catches_shadows and not is_bidirectional
+
+
+def shared_settings(depsgraph: bpy.types.Depsgraph, *, is_render: bool) -> tuple:
+    """The settings that every image, material and mesh depends on beside its own datablocks: where one changes, all are sent again."""
+    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+    return (
+        depsgraph.scene.session_uid,
+        layer.name,
+        layer.material_override,
+        bpy.data.filepath,
+        tuple(curves.shape(scene).items()),
+        scene.render.hair_type,
+        scene.render.hair_subdiv,
+        hasattr(scene, "cycles"),
+        dicing.of_scene(scene, is_render=is_render),
+        tuple((one.name, one.type) for one in layer.aovs) if is_render else (),
+    )
 
 
 def sky_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:

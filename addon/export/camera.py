@@ -18,6 +18,7 @@ from petzval.description import (
     FocusSettings,
     LensSettings,
     Matrix4,
+    Panorama,
     Perspective,
     PhysicalExposure,
     Scattering,
@@ -89,6 +90,8 @@ def describe(
     )
     if camera.type == "ORTHO":
         return _orthographic(description, camera, width / side, report)
+    if camera.type == "PANO":
+        return _panoramic(description, camera, height * aspect / width, report)
     description = replace(description, focus=_focus(description, camera, report))
     if of_lens:
         description = replace(description, lens_path=_lens_path(description, camera, height * aspect / width))
@@ -117,6 +120,46 @@ def _orthographic(
             f"Camera '{description.object_name}': it is orthographic, so no lens takes its picture: make it a perspective camera"
         )
     return replace(description, model="ORTHOGRAPHIC", exposure=None, orthographic_width=camera.ortho_scale * share)
+
+
+def _panoramic(
+    description: CameraDescription, camera: bpy.types.Camera, aspect: float, report: Report
+) -> CameraDescription:
+    """A picture in a projection of Blender's: no lens, and depth of field as of a thin lens. `aspect`: the picture's height over its width."""
+    if description.model in OF_LENS_FILE:
+        report.warn(
+            f"Camera '{description.object_name}': it is panoramic, so no lens takes its picture: make it a perspective camera"
+        )
+    is_thin = description.model == "THIN" or (description.model != "PINHOLE" and camera.dof.use_dof)
+    lens = _lens(camera, False) if is_thin else LensSettings(f_number=None)
+    sensor_mm = (description.perspective.film_width_mm, description.perspective.film_width_mm * aspect)
+    panorama = Panorama(_projection(camera, sensor_mm), (camera.shift_x, camera.shift_y))
+    described = replace(description, model="PANORAMIC", exposure=None, lens=lens, panorama=panorama)
+    return replace(described, focus=_focus(described, camera, report)) if is_thin else described
+
+
+def _projection(camera: bpy.types.Camera, sensor_mm: tuple[float, float]) -> str | dict[str, dict[str, Any]]:
+    """The projection of a panoramic camera by the engine's name, with its settings."""
+    kind = camera.panorama_type
+    if kind == "EQUIRECTANGULAR":
+        longitudes, latitudes = (camera.longitude_min, camera.longitude_max), (camera.latitude_min, camera.latitude_max)
+        return {kind: {"longitude_rad": longitudes, "latitude_rad": latitudes}}
+    if kind == "FISHEYE_EQUIDISTANT":
+        return {kind: {"field_rad": camera.fisheye_fov}}
+    if kind == "FISHEYE_EQUISOLID":
+        lens = {"focal_length_mm": camera.fisheye_lens, "field_rad": camera.fisheye_fov}
+        return {kind: lens | {"sensor_mm": sensor_mm}}
+    if kind == "FISHEYE_LENS_POLYNOMIAL":
+        coefficients = [getattr(camera, f"fisheye_polynomial_k{power}") for power in range(5)]
+        return {kind: {"coefficients": coefficients, "field_rad": camera.fisheye_fov, "sensor_mm": sensor_mm}}
+    if kind == "CENTRAL_CYLINDRICAL":
+        radius = camera.central_cylindrical_radius
+        heights = [
+            side / radius for side in (camera.central_cylindrical_range_v_min, camera.central_cylindrical_range_v_max)
+        ]
+        longitudes = (camera.central_cylindrical_range_u_min, camera.central_cylindrical_range_u_max)
+        return {kind: {"longitude_rad": longitudes, "height": heights}}
+    return {"MIRRORBALL": "MIRROR_BALL"}.get(kind, kind)
 
 
 def scale(settings: bpy.types.PropertyGroup, scene: bpy.types.Scene) -> tuple[float, float, float]:
@@ -259,7 +302,7 @@ def _film(description: CameraDescription, camera: bpy.types.Camera, size: tuple[
 def _warn(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> None:
     name = f"Camera '{description.object_name}'"
     if camera.type != "PERSP":
-        kind = {"PANO": "panoramic"}.get(camera.type, camera.type.lower())
+        kind = camera.type.lower()
         report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
     settings = camera.petzval
     is_followed = settings.focal_mode == "BLENDER" or (settings.in_step and settings.match_viewport)

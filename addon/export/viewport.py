@@ -21,4 +21,5 @@ def send(builder: Any, camera: CameraDescription, width: int, height: int) -> No
         (across, across * width / up),
         (0.5 - x * larger / width, 0.5 - y * larger / up),
         (width, height),
+        camera.panorama,
     )

@@ -15,9 +15,10 @@ import bpy
 
 from petzval.description import flat
 
-from ..data.fingerprint import Watched, feed
+from ..data.fingerprint import Pieces, Watched, feed
 from ..native import engine
 from . import loop
+from .persistent import KeptScene
 
 #: From the end of one writing to the next: with the time of writing, less than ten seconds of work are lost.
 EVERY_S = 8.0
@@ -82,9 +83,14 @@ class Checkpoint:
         self.file = file
         self._scene = hashlib.blake2b(digest_size=32)
 
-    def watched(self, builder: Any) -> Watched:
-        """The engine's `SceneBuilder`, all of whose calls leave their mark in the fingerprint."""
-        return Watched(builder, self._scene)
+    def watched(self, scene: KeptScene) -> Watched:
+        """The engine's `SceneBuilder`, all of whose calls leave their mark in the fingerprint or in those of its pieces."""
+        return Watched(scene.builder, self._scene, scene.fingerprints)
+
+    def add(self, pieces: Pieces) -> None:
+        """Adds the fingerprints of all images, materials and meshes, sent now or before."""
+        for piece in sorted(pieces.items()):
+            feed(self._scene, piece)
 
     def arguments(self, settings: Any, camera: Any, *others: Any) -> tuple[str, str, float] | None:
         """The engine's `checkpoint` for a job of these settings, camera, and whatever else decides its picture; None where the render

@@ -1,37 +1,90 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender's Persistent Data keeps from one frame to the next: the last scene's trees."""
+"""What Blender's Persistent Data keeps from one frame to the next: images, materials, meshes and trees."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
 
-#: Scene, view layer, and the engine's scene: one at most, for it may be large.
-_kept: tuple[str, str, Any] | None = None
+from .. import export
+from ..data.fingerprint import Pieces
+from ..export.kept import Changes, Kept, uid
+from ..export.report import Report
+
+
+@dataclass
+class KeptScene:
+    """The engine's builder of one view layer with all that it holds, and its last scene."""
+
+    #: Names of the scene and the view layer.
+    of: tuple[str, str]
+    builder: Any
+    kept: Kept
+    #: The settings that all images, materials and meshes depend on; None where these cannot be kept.
+    shared_settings: tuple | None
+    #: What could not be handed over, in this frame or before.
+    report: Report = field(default_factory=Report)
+    fingerprints: Pieces = field(default_factory=dict)
+    scene: Any = None
+
+    def finish(self, place: tuple[float, float, float], threads: int) -> Callable[[], Any]:
+        """A function that gives the engine's scene, and does not need Blender: the trees of the last one are drawn anew around what moved."""
+        if self.shared_settings is None:
+            return lambda: self.builder.build(place, threads, self.scene)
+        draft = self.builder.draft(place)
+        return lambda: draft.build(threads, self.scene, is_final=True)
+
+
+#: One at most, for it may be large.
+_last: KeptScene | None = None
+
+
+def begin(depsgraph: bpy.types.Depsgraph, native: Any, *, is_still: bool, is_watched: bool) -> KeptScene:
+    """What is kept of the last frame of a view layer, without what has changed since; else an empty builder. `is_still`: of shapes nothing
+    is sent but how they are now; `is_watched`: fingerprints are wanted. Nothing is kept until `keep`, for a render that is stopped has
+    sent a part."""
+    global _last
+    last, _last = _last, None
+    of = depsgraph.scene_eval.name, depsgraph.view_layer_eval.name
+    is_persistent = depsgraph.scene_eval.render.use_persistent_data
+    # A limit of memory is held by counting what is sent.
+    can_keep = is_persistent and is_still and not depsgraph.scene_eval.petzval.memory_limit
+    settings = (export.shared_settings(depsgraph, is_render=True), is_watched) if can_keep else None
+    last = last if is_persistent and last is not None and last.of == of else None
+    changes = Changes.of(depsgraph)
+    # They change with the frame.
+    changes.images.update(uid(image) for image in bpy.data.images if image.source in {"SEQUENCE", "MOVIE"})
+    # What was warned of may be mended: only what is sent says so.
+    may_be_mended = (
+        last is not None and last.report.warnings and (changes.images or changes.shapes or changes.materials)
+    )
+    if last is None or settings is None or last.shared_settings != settings or may_be_mended:
+        builder = native.SceneBuilder()
+        return KeptScene(of, builder, Kept(builder), settings, scene=last and last.scene)
+    if {key for key in last.kept.materials if key > 0} <= changes.materials:
+        # A new graph calls everything changed but images, which may have changed before it was made.
+        changes.images.update(key for key, _ in last.kept.images)
+    last.kept.begin(changes)
+    return last
+
+
+def keep(depsgraph: bpy.types.Depsgraph, now: KeptScene, scene: Any) -> None:
+    """Keeps the engine's scene for the next frame if the user asks for that."""
+    global _last
+    if depsgraph.scene_eval.render.use_persistent_data:
+        now.scene, _last = scene, now
 
 
 def previous(depsgraph: bpy.types.Depsgraph) -> Any | None:
-    """The engine's scene of the last frame of this view layer, where it was to be kept."""
-    if not depsgraph.scene_eval.render.use_persistent_data:
-        forget()
-    if _kept is None or _kept[:2] != _names(depsgraph):
-        return None
-    return _kept[2]
-
-
-def keep(depsgraph: bpy.types.Depsgraph, scene: Any) -> None:
-    """Keeps the engine's scene for the next frame if the user asks for that."""
-    global _kept
-    if depsgraph.scene_eval.render.use_persistent_data:
-        _kept = (*_names(depsgraph), scene)
+    """The engine's scene of the last frame of this view layer, where it was kept."""
+    of = depsgraph.scene_eval.name, depsgraph.view_layer_eval.name
+    return _last.scene if _last is not None and _last.of == of else None
 
 
 def forget() -> None:
     """Gives the memory back."""
-    global _kept
-    _kept = None
-
-
-def _names(depsgraph: bpy.types.Depsgraph) -> tuple[str, str]:
-    return depsgraph.scene_eval.name, depsgraph.view_layer_eval.name
+    global _last
+    _last = None

@@ -86,16 +86,25 @@ class Photograph:
         self.results.check_memory(width, height, halves=settings.noise_threshold > 0.0, is_kept=is_kept)
         blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
-        builder, size = native.SceneBuilder(), (width, height)
-        told = checkpoint.watched(builder) if checkpoint else builder
-        catches = staging.fill(told, self.depsgraph, camera, size, self.report, self._check_stop, motion, blur)
-        self.report.warnings += builder.warnings()
+        is_still, size = motion is None and blur is None, (width, height)
+        now = persistent.begin(self.depsgraph, native, is_still=is_still, is_watched=checkpoint is not None)
+        told = checkpoint.watched(now) if checkpoint else now.builder
+        now.kept.builder = told
+        catches = staging.fill(
+            told, self.depsgraph, camera, size, now.report, self._check_stop, motion, blur, kept=now.kept
+        )
+        now.kept.sweep()
+        if checkpoint:
+            checkpoint.add(now.fingerprints)
+        for warning in now.builder.warnings():
+            now.report.warn(warning)
+        self.report.warnings += now.report.warnings
         sync_seconds = time.perf_counter() - began
 
         self._tell("Building BVH", 0.0)
-        place, previous = staging.place(camera), persistent.previous(self.depsgraph)
-        scene = loop.stoppable(lambda: builder.build(place, settings.threads, previous), self._stop_asked)
-        persistent.keep(self.depsgraph, scene)
+        place = staging.place(camera)
+        scene = loop.stoppable(now.finish(place, settings.threads), self._stop_asked)
+        persistent.keep(self.depsgraph, now, scene)
         self.report.warnings += scene.warnings()
         for warning in messages.grouped(self.report.warnings):
             self.host.report({"WARNING"}, warning)

@@ -46,8 +46,12 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
             layout.prop(camera, "ortho_scale")
             if settings.model != "PINHOLE":
                 layout.label(text="No lens takes an orthographic picture", icon="INFO")
+        if camera.type == "PANO":
+            _panorama(layout, camera)
+            if settings.model in OF_LENS_FILE:
+                layout.label(text="No lens takes a panoramic picture", icon="INFO")
         if settings.model not in OF_LENS_FILE:
-            if camera.type != "ORTHO":
+            if camera.type == "PERSP" or (camera.type == "PANO" and settings.model == "THIN"):
                 layout.prop(camera, "lens")
             _blenders_film(layout, camera)
             column = layout.column(align=True)
@@ -67,6 +71,35 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
             layout.prop(settings, "wavelength")
         if settings.model == "LENS":
             layout.prop(settings, "precision")
+
+
+#: Settings of each panoramic projection that has any: columns of Blender's properties, and of their labels where they are not their own.
+PANORAMAS = {
+    "EQUIRECTANGULAR": (
+        {"latitude_min": "Latitude Min", "latitude_max": "Max"},
+        {"longitude_min": "Longitude Min", "longitude_max": "Max"},
+    ),
+    "FISHEYE_EQUIDISTANT": ({"fisheye_fov": "Field of View"},),
+    "FISHEYE_EQUISOLID": ({"fisheye_lens": "Lens"}, {"fisheye_fov": "Field of View"}),
+    "FISHEYE_LENS_POLYNOMIAL": (
+        {"fisheye_fov": "Field of View"},
+        {f"fisheye_polynomial_k{power}": f"K{power}" for power in range(5)},
+    ),
+    "CENTRAL_CYLINDRICAL": (
+        {"central_cylindrical_range_v_min": "Height Min", "central_cylindrical_range_v_max": "Max"},
+        {"central_cylindrical_range_u_min": "Longitude Min", "central_cylindrical_range_u_max": "Max"},
+        {"central_cylindrical_radius": "Cylinder Radius"},
+    ),
+}
+
+
+def _panorama(layout, camera) -> None:
+    """The settings of a panoramic camera, as Blender's own panel has them."""
+    layout.prop(camera, "panorama_type")
+    for group in PANORAMAS.get(camera.panorama_type, ()):
+        column = layout.column(align=True)
+        for name, label in group.items():
+            column.prop(camera, name, text=label)
 
 
 def _chosen_lens(context, layout) -> None:

@@ -10,14 +10,8 @@ import bpy
 
 from .. import export
 from ..data.fingerprint import Watched
-from ..export import dicing
 from ..export.kept import Changes, Kept
 from ..export.report import Report
-
-#: Calls of the builder that `Kept` counts itself.
-_PIECES = frozenset(
-    {"add_mesh", "add_curves", "add_points", "add_image", "add_material", "forget_mesh", "forget_image", "forget_material"}
-)  # fmt: skip
 
 
 class SceneSync:
@@ -41,7 +35,7 @@ class SceneSync:
     ) -> Any | None:
         """A `SceneDraft` of the scene as it is now; None where it is what it was. `space`: the view whose own choice of objects counts.
         Raises `ExportError` and the engine's."""
-        of = self._whole(depsgraph)
+        of = export.shared_settings(depsgraph, is_render=False)
         if of != self._of:
             self.forget()
             self._builder = self._native.SceneBuilder()
@@ -56,7 +50,8 @@ class SceneSync:
     def _tell(self, depsgraph, changed, space, origin) -> Any | None:
         kept, digest = self._kept, hashlib.blake2b(digest_size=16)
         kept.begin(changed)
-        kept.builder = Watched(self._builder, digest, _PIECES)
+        # `Kept` counts pieces itself.
+        kept.builder = Watched(self._builder, digest, pieces=None)
         export.send_scene(depsgraph, kept.builder, self.report, lambda: None, kept=kept, seen_in=space)
         kept.sweep()
         for warning in self._builder.warnings():
@@ -73,20 +68,3 @@ class SceneSync:
         """Begins anew."""
         self._builder = self._kept = self._of = self._last = None
         self.report = Report()
-
-    @staticmethod
-    def _whole(depsgraph: bpy.types.Depsgraph) -> tuple:
-        """What everything that was sent hangs on: where it changes, all is sent again."""
-        layer = depsgraph.view_layer_eval
-        cycles = getattr(depsgraph.scene_eval, "cycles", None)
-        return (
-            depsgraph.scene.session_uid,
-            layer.name,
-            layer.material_override,
-            bpy.data.filepath,
-            getattr(depsgraph.scene_eval, "cycles_curves", None) and depsgraph.scene_eval.cycles_curves.shape,
-            depsgraph.scene_eval.render.hair_type,
-            depsgraph.scene_eval.render.hair_subdiv,
-            cycles is not None,
-            dicing.of_scene(depsgraph.scene_eval, is_render=False),
-        )

@@ -52,6 +52,24 @@ def test_the_cameras_panels(blender, parts, layout, model, focus):
     layout.draw("data", now)
 
 
+def test_every_setting_of_a_panorama_can_be_seen(blender, parts, layout):
+    """All that Blender's camera has for its projections, each with its projection."""
+    scene = parts.set_up(model="THIN")
+    camera = scene.camera.data
+    camera.type = "PANO"
+    seen = {}
+    for kind in [item.identifier for item in camera.bl_rna.properties["panorama_type"].enum_items]:
+        camera.panorama_type = kind
+        drawn = layout.draw("data", layout.context(camera=camera, object=scene.camera))
+        seen[kind] = {name for owner, name in drawn.shown if owner == "Camera"}
+    words = ("panorama", "fisheye", "latitude", "longitude", "central_cylindrical")
+    wanted = {one.identifier for one in camera.bl_rna.properties if one.identifier.startswith(words)}
+    assert len(wanted) > 15 and wanted <= set().union(*seen.values())
+    assert "fisheye_fov" not in seen["EQUIRECTANGULAR"] and {"lens", "shift_x"} <= seen["MIRRORBALL"]
+    camera.petzval.model = "LENS"
+    assert any("panoramic" in text for text in layout.draw("data", layout.context(camera=camera)).said)
+
+
 def test_a_missing_lens_is_told_where_it_is_chosen(blender, parts, layout):
     """In the Lens panel itself, which is open: drawing and data, which say why they are empty, are closed at first."""
     scene = parts.set_up(model="LENS")

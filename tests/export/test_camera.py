@@ -193,9 +193,34 @@ def test_the_scale(parts, blender):
 
 
 def test_another_projection_is_said(parts, blender):
-    blender.context.scene.camera.data.type = "PANO"
+    blender.context.scene.camera.data.type = "CUSTOM"
     _, warnings, _ = parts.sent()
-    assert len(warnings) == 1 and "panoramic" in warnings[0] and "Camera 'Camera'" in warnings[0]
+    assert len(warnings) == 1 and "custom cameras are not supported" in warnings[0] and "Camera 'Camera'" in warnings[0]
+
+
+def test_a_panoramic_camera_has_no_lens(parts, blender):
+    camera = blender.context.scene.camera.data
+    camera.type, camera.petzval.model = "PANO", "LENS"
+    camera.panorama_type, camera.shift_x = "EQUIANGULAR_CUBEMAP_FACE", 0.25
+    _, warnings, sent = parts.sent()
+    assert len(warnings) == 1 and "panoramic, so no lens" in warnings[0] and "Camera 'Camera'" in warnings[0]
+    assert sent.model == "PANORAMIC" and sent.panorama.shift == (0.25, 0.0) and sent.lens.f_number is None
+    camera.petzval.model = "PINHOLE"
+    camera.dof.use_dof = True
+    _, warnings, sent = parts.sent()
+    assert not warnings and sent.lens.f_number is None
+    camera.petzval.model, camera.dof.aperture_fstop = "THIN", 4.0
+    _, warnings, sent = parts.sent()
+    assert not warnings and sent.lens.f_number == 4.0
+
+
+def test_a_field_of_nothing_is_said(parts, blender):
+    """As a driver may leave it."""
+    camera = blender.context.scene.camera.data
+    camera.type, camera.panorama_type = "PANO", "CENTRAL_CYLINDRICAL"
+    camera.central_cylindrical_radius = 0.0
+    _, _, sent = parts.sent()
+    assert sent.panorama is not None
 
 
 def test_an_orthographic_camera_has_no_lens(parts, blender):

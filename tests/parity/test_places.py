@@ -297,12 +297,35 @@ def random_instances(t: Tree):
     t.shows(t.node("Emission", Color=colour.outputs[0]).outputs[0])
 
 
+def smooth_noise(t: Tree):
+    """Every way to sum octaves, of which with a roughness of 0 the first counts alone."""
+
+    def summed(kind: str):
+        noise = t.node(
+            "TexNoise",
+            {"noise_type": kind, "normalize": False},
+            Vector=t.coordinates("Object"),
+            Scale=2.0,
+            Detail=3.5,
+            Roughness=0.0,
+        )
+        for socket in noise.inputs:
+            if socket.name in {"Offset", "Gain"}:
+                socket.default_value = 0.7
+        return noise.outputs[0]
+
+    first = t.node("CombineXYZ", X=summed("FBM"), Y=summed("MULTIFRACTAL"), Z=summed("HYBRID_MULTIFRACTAL")).outputs[0]
+    second = t.node("CombineXYZ", X=summed("RIDGED_MULTIFRACTAL"), Y=summed("HETERO_TERRAIN")).outputs[0]
+    both = t.node("VectorMath", {"operation": "ADD"}, _0=first, _1=second).outputs[0]
+    t.shows(t.node("Emission", Color=t.node("VectorMath", {"operation": "ABSOLUTE"}, _0=both).outputs[0]).outputs[0])
+
+
 MATERIALS = (
     camera_coordinates, window_coordinates, view_vector, view_depth_and_distance, into_the_camera, coat_over_bumps,
     bumped_coat, brushed_by_uv, brushed_about_x, brushed_metallic, brushed_in_its_space, brushed_in_its_space_by_nodes,
     wires, wires_in_pixels, islands, hollows, glowing_where_open, dirty_corners, thin_places, own_hollows,
     transparent_corners, bevelled_edges, bevelled_ball, bevelled_and_bumped, bevelled_in_a_mirror,
-    random_instances,
+    random_instances, smooth_noise,
 )  # fmt: skip
 
 

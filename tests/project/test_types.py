@@ -27,6 +27,7 @@ READERS = {
     "LensReportSettings": ("ReportSettings", "render/src/reports/mod.rs"),
     "Perspective": ("Perspective", "render/src/camera/description.rs"),
     "FocusSettings": ("FocusSettings", "render/src/camera/description.rs"),
+    "Panorama": ("Panorama", "render/src/projection.rs"),
     "FilmSettings": ("FilmSettings", "render/src/camera/description.rs"),
     "CameraDescription": ("CameraDescription", "render/src/camera/description.rs"),
     "Scattering": ("Scattering", "render/src/camera/scattering.rs"),

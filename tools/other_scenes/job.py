@@ -29,8 +29,6 @@ def prepare(path: str, copy: str) -> None:
     scene = opened(path)
     if scene.camera is None:
         raise SystemExit("it has no camera")
-    if scene.camera.data.type == "PANO":
-        raise SystemExit("its camera is panoramic")
     scene.render.use_motion_blur = scene.render.use_border = scene.render.use_freestyle = False
     scene.render.use_compositing = scene.render.use_sequencer = False
     cycles = scene.cycles

@@ -20,6 +20,7 @@ from .description import (
     LensSettings,
     LightDescription,
     MaterialDescription,
+    Panorama,
     SettingsDescription,
     ShutterDescription,
     WorldDescription,
@@ -405,6 +406,7 @@ class SceneBuilder:
         focal: tuple[float, float],  # in widths and heights of the picture
         center: tuple[float, float],  # where the axis meets the picture, from 0 to 1
         pixels: tuple[int, int],
+        panorama: Panorama | None = None,  # instead of `focal` and `center`
     ) -> None:
         """What Blender's own camera frames, for shader graphs that ask for it."""
     def warnings(self) -> list[str]: ...
@@ -426,8 +428,9 @@ class SceneBuilder:
 
 @final
 class SceneDraft:
-    def build(self, threads: int = 0, previous: Scene | None = None) -> Scene:
-        """Once. Takes from the previous draft's scene what did not change. Rays are slower than in `SceneBuilder.build`'s scenes."""
+    def build(self, threads: int = 0, previous: Scene | None = None, *, is_final: bool = False) -> Scene:
+        """Once. Takes from the previous draft's scene what did not change: rays are slower then than in `SceneBuilder.build`'s scenes. Not so
+        where it is final: trees are as that builds them."""
 
 @final
 class Scene:

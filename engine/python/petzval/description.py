@@ -128,12 +128,23 @@ class PhysicalExposure:
 
 
 @dataclass(frozen=True)
+class Panorama:
+    """The picture of a panoramic camera."""
+
+    # A name, or {name: settings}: EQUIRECTANGULAR {"longitude_rad", "latitude_rad"} | EQUIANGULAR_CUBEMAP_FACE | MIRROR_BALL |
+    # FISHEYE_EQUIDISTANT {"field_rad"} | FISHEYE_EQUISOLID {"focal_length_mm", "field_rad", "sensor_mm"} |
+    # FISHEYE_LENS_POLYNOMIAL {"coefficients", "field_rad", "sensor_mm"} | CENTRAL_CYLINDRICAL {"longitude_rad", "height"}
+    projection: str | dict[str, dict[str, Any]]
+    shift: tuple[float, float] = (0.0, 0.0)  # in widths and heights of the picture
+
+
+@dataclass(frozen=True)
 class CameraDescription:
     """The settings of a camera."""
 
     object_name: str
     matrix_world: Matrix4
-    model: str = "LENS"  # LENS | IMAGE_BASED | PARAXIAL | THICK | THIN | PINHOLE | ORTHOGRAPHIC
+    model: str = "LENS"  # LENS | IMAGE_BASED | PARAXIAL | THICK | THIN | PINHOLE | ORTHOGRAPHIC | PANORAMIC
     perspective: Perspective = Perspective()
     pixel_aspect: float = 1.0  # the height of a pixel over its width
     lens_path: str = ""
@@ -149,6 +160,7 @@ class CameraDescription:
     precision: str = "AUTO"  # AUTO | F32 | F64: of the numbers in which rays leave through the lens
     exposure: PhysicalExposure | None = None  # None: radiance one is one in the middle of the picture
     orthographic_width: float = 1.0  # of the whole picture, Blender units
+    panorama: Panorama | None = None
     clip: tuple[float, float] = (0.0, float("inf"))  # depths between which camera rays see, Blender units
 
 

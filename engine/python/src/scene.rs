@@ -3,6 +3,7 @@
 use crate::camera::Matrix4;
 use crate::compiled::Graphs;
 use crate::curves::{CurveOptions, description};
+use crate::described::Described;
 use crate::error::{Error, bad_scene, invalid};
 use crate::gil::without_gil;
 use crate::material::{PyLight, PyMaterial, PyWorld, visible};
@@ -12,6 +13,7 @@ use glam::{DMat4, DVec3};
 use numpy::ndarray::ArrayView2;
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use petzval_render::integrator::PreparedScene;
+use petzval_render::projection::Panorama;
 use petzval_render::scene::mesh::{Dicing, EdgeLength, MeshDescription};
 use petzval_render::scene::shadow_terminator::ShadowTerminator;
 use petzval_render::scene::texture::Texture;
@@ -281,6 +283,7 @@ impl SceneBuilder {
         Ok(self.builder.set_world(world)?)
     }
 
+    #[pyo3(signature = (object_name, matrix_world, focal, center, pixels, panorama = None))]
     fn set_viewport(
         &mut self,
         object_name: &str,
@@ -288,10 +291,15 @@ impl SceneBuilder {
         focal: (f64, f64),
         center: (f64, f64),
         pixels: (u32, u32),
+        panorama: Option<Described<Panorama>>,
     ) -> Result<(), Error> {
-        let pixels = [pixels.0.max(1), pixels.1.max(1)];
-        let viewport =
-            ViewportDescription { matrix: matrix_world.into(), focal: focal.into(), center: center.into(), pixels };
+        let viewport = ViewportDescription {
+            matrix: matrix_world.into(),
+            focal: focal.into(),
+            center: center.into(),
+            pixels: [pixels.0.max(1), pixels.1.max(1)],
+            panorama: panorama.map(|panorama| panorama.0),
+        };
         Ok(self.builder.set_viewport(object_name, viewport)?)
     }
 
@@ -333,10 +341,17 @@ impl SceneBuilder {
 
 #[pymethods]
 impl SceneDraft {
-    #[pyo3(signature = (threads = 0, previous = None))]
-    fn build(&mut self, py: Python<'_>, threads: usize, previous: Option<Py<Scene>>) -> Result<Scene, Error> {
+    #[pyo3(signature = (threads = 0, previous = None, *, is_final = false))]
+    fn build(
+        &mut self,
+        py: Python<'_>,
+        threads: usize,
+        previous: Option<Py<Scene>>,
+        is_final: bool,
+    ) -> Result<Scene, Error> {
         let scene = self.scene.take().ok_or_else(|| invalid("this draft was built before"))?;
-        staged(py, threads, previous, |previous| PreparedScene::edited(previous, scene))
+        let make = if is_final { PreparedScene::after } else { PreparedScene::edited };
+        staged(py, threads, previous, |previous| make(previous, scene))
     }
 }
 

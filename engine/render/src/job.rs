@@ -241,11 +241,12 @@ impl Job {
     /// A pass of data as it is now, its channels pixel by pixel, rows from below.
     pub fn data(&self, pass: DataPass) -> Vec<f32> {
         let origin = self.shared.stage.scene.origin.as_vec3();
-        let backwards = self.camera().axes().z_axis.as_vec3();
         let sums = self.shared.film.data();
         let surfaces = sums.iter().map(DataSums::mean);
         match pass {
-            DataPass::Depth => surfaces.map(|s| s.map_or(FARTHEST, |(position, _)| -position.dot(backwards))).collect(),
+            DataPass::Depth => {
+                surfaces.map(|s| s.map_or(FARTHEST, |(position, _)| self.camera().depth(position))).collect()
+            }
             DataPass::Position => {
                 surfaces.flat_map(|s| s.map_or([0.0; 3], |(position, _)| (position + origin).to_array())).collect()
             }

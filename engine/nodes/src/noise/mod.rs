@@ -41,8 +41,11 @@ pub(crate) struct Octaves {
 const MOST_DETAIL: f32 = 15.0;
 
 impl Octaves {
-    /// The whole octaves after the first, and the share of one more.
+    /// The whole octaves after the first, and the share of one more. With a roughness of 0 none after the first has a weight.
     fn counts(&self) -> (i32, f32) {
+        if self.roughness == 0.0 {
+            return (0, 0.0);
+        }
         (self.detail as i32, self.detail - self.detail.floor())
     }
 

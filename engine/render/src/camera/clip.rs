@@ -1,12 +1,13 @@
-//! Clipping of camera rays by depth, as in Blender.
+//! Clipping of camera rays by depth, or of a panoramic camera's by distance, as in Blender.
 
-use super::{Camera, CameraDescription};
+use super::{Camera, CameraDescription, Model};
 use crate::accel::Ray;
 use glam::{DVec3, Vec3A};
 
-/// Two planes at right angles to a camera's axis.
+/// Two planes at right angles to a camera's axis, or two spheres about a panoramic camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Clip {
+    is_by_distance: bool,
     /// Direction along the axis, render space, unit.
     forward: Vec3A,
     near: f32,
@@ -24,12 +25,18 @@ impl Clip {
     pub fn along(d: &CameraDescription, backwards: DVec3) -> Option<Self> {
         let [near, far] = d.clip;
         let leaves_out = near > 0.0 || far < f64::INFINITY;
-        leaves_out.then_some(Self { forward: -backwards.as_vec3a(), near: near as f32, far: far as f32 })
+        let is_by_distance = d.model == Model::Panoramic;
+        let (forward, near, far) = (-backwards.as_vec3a(), near as f32, far as f32);
+        leaves_out.then_some(Self { is_by_distance, forward, near, far })
     }
 
     /// The part of a camera ray between the planes.
     #[inline]
     pub fn cut(&self, ray: Ray) -> Ray {
+        if self.is_by_distance {
+            let t_max = (self.far - self.near).max(0.0);
+            return Ray { origin: ray.origin + ray.direction * self.near, t_max, ..ray };
+        }
         let (along, depth) = (self.forward.dot(ray.direction), self.forward.dot(ray.origin));
         // A fisheye looks sideways and back, where depth says nothing.
         if along <= 1e-6 {
@@ -43,6 +50,10 @@ impl Clip {
     /// The distance along a ray of light towards the camera up to which surfaces may occlude it; `None` if the light
     /// comes from beyond the clip planes.
     pub fn way_to_camera(&self, ray: &Ray) -> Option<f32> {
+        if self.is_by_distance {
+            let distance = ray.origin.length();
+            return (self.near..=self.far).contains(&distance).then(|| ray.t_max.min(distance - self.near));
+        }
         let (along, depth) = (-self.forward.dot(ray.direction), self.forward.dot(ray.origin));
         if along <= 1e-6 {
             return Some(ray.t_max);
@@ -55,6 +66,19 @@ impl Clip {
 mod tests {
     use super::*;
     use crate::camera::Model;
+
+    /// Behind a panoramic camera as before it.
+    #[test]
+    fn distance_counts_of_a_panoramic_camera() {
+        let d = CameraDescription { model: Model::Panoramic, clip: [1.0, 10.0], ..Default::default() };
+        let clip = Clip::along(&d, DVec3::Z).unwrap();
+        for direction in [Vec3A::NEG_Z, Vec3A::Z, Vec3A::X] {
+            let cut = clip.cut(Ray::new(Vec3A::ZERO, direction));
+            assert_eq!((cut.origin, cut.t_max), (direction, 9.0));
+        }
+        let back = |distance: f32| clip.way_to_camera(&Ray::new(Vec3A::Z * distance, Vec3A::NEG_Z));
+        assert_eq!([back(0.5), back(3.0), back(11.0)], [None, Some(2.0), None]);
+    }
 
     #[test]
     fn depth_counts_along_the_axis() {

@@ -4,6 +4,7 @@ use super::exposure::PhysicalExposure;
 use super::lens::real_lens::precision::Precision;
 use super::scattering::Scattering;
 use super::{CameraError, LensFile};
+use crate::projection::Panorama;
 use crate::spectrum::SPECTRAL_COUNT;
 use glam::{DMat3, DMat4, DVec3};
 use petzval_optics::focus::Focusing;
@@ -30,6 +31,18 @@ pub enum Model {
     ImageBased,
     /// No lens at all: parallel rays.
     Orthographic,
+    /// No lens at all: a panoramic projection.
+    Panoramic,
+}
+
+impl Model {
+    /// True if the rays are those of a lens file.
+    pub fn is_of_lens(self) -> bool {
+        match self {
+            Self::Lens | Self::Thick | Self::Paraxial | Self::ImageBased => true,
+            Self::Pinhole | Self::Thin | Self::Orthographic | Self::Panoramic => false,
+        }
+    }
 }
 
 /// The wavelengths into which the film divides the light.
@@ -153,7 +166,7 @@ pub struct CameraDescription {
     pub perspective: Perspective,
     /// The height of a pixel over its width.
     pub pixel_aspect: f64,
-    /// Path of the lens file; a pinhole, a thin lens and an orthographic camera need none.
+    /// Path of the lens file; a pinhole, a thin lens, an orthographic and a panoramic camera need none.
     pub lens_path: PathBuf,
     /// The lens file as it was read first.
     #[serde(skip)]
@@ -189,7 +202,9 @@ pub struct CameraDescription {
     pub exposure: Option<PhysicalExposure>,
     /// Width of an orthographic picture, Blender units.
     pub orthographic_width: f64,
-    /// Clipping range along the camera's axis, Blender units: camera rays see nothing nearer than the first or farther than the second.
+    /// The picture of a panoramic camera.
+    pub panorama: Option<Panorama>,
+    /// Clipping range along the camera's axis, of a panoramic camera by distance, Blender units: camera rays see nothing nearer than the first or farther than the second.
     pub clip: [f64; 2],
 }
 
@@ -223,6 +238,7 @@ impl Default for CameraDescription {
             precision: Precision::default(),
             exposure: None,
             orthographic_width: 1.0,
+            panorama: None,
             clip: [0.0, f64::INFINITY],
         }
     }
@@ -309,7 +325,7 @@ impl CameraDescription {
             positive(e.shutter_s, "the shutter time")?;
             positive(e.iso, "the film speed")?;
             positive(e.lumens_per_watt, "the lumens of a watt")?;
-            if matches!(self.model, Model::Pinhole | Model::Orthographic) {
+            if matches!(self.model, Model::Pinhole | Model::Orthographic | Model::Panoramic) {
                 return Err(self.error("a pinhole has no f-number to expose by; switch physical exposure off"));
             }
         }
@@ -324,6 +340,9 @@ impl CameraDescription {
                 positive(self.film.height_mm, "the film height")
             }
             Model::Orthographic => positive(self.orthographic_width, "the orthographic scale"),
+            Model::Panoramic => {
+                self.panorama.map_or(Ok(()), |panorama| panorama.check().map_err(|what| self.error(what)))
+            }
             Model::Pinhole | Model::Thin => {
                 positive(self.perspective.focal_length_mm, "the focal length")?;
                 positive(self.perspective.film_width_mm, "the sensor width")

@@ -18,7 +18,7 @@ pub use lens_file::LensFile;
 
 use crate::Rgb;
 use crate::accel::Ray;
-use glam::{DMat3, Mat3, Vec2};
+use glam::{DMat3, Mat3, Vec2, Vec3};
 use lens::real_lens::RealLens;
 use lens::real_lens::batch::LensBatch;
 use lens::real_lens::packet::Request;
@@ -27,6 +27,7 @@ use models::adapted::Adapted;
 use models::gaussian::{Gaussian, Order};
 use models::image_based::ImageBased;
 use models::orthographic::Orthographic;
+use models::panoramic::Panoramic;
 use models::pinhole::Pinhole;
 use models::thin::Thin;
 use petzval_optics::autofocus::{AutofocusError, SharpPlaneError};
@@ -120,6 +121,8 @@ pub enum Camera {
     Adapted(Arc<Adapted>),
     /// No lens: parallel rays.
     Orthographic(Orthographic),
+    /// No lens: a panoramic projection.
+    Panoramic(Box<Panoramic>),
 }
 
 impl Camera {
@@ -141,10 +144,11 @@ impl Camera {
             Model::Paraxial => Self::Gaussian(Arc::new(Gaussian::new(Order::Paraxial, d, axes, width, height)?)),
             Model::ImageBased => Self::ImageBased(Arc::new(ImageBased::new(d, axes, width, height)?)),
             Model::Orthographic => Self::Orthographic(Orthographic::new(d, axes, width, height)),
+            Model::Panoramic => Self::Panoramic(Box::new(Panoramic::new(d, axes)?)),
         })
     }
 
-    /// A ray for the picture point `p`, or `None` where it is lost in the lens. `u_lens` chooses the point of
+    /// A ray for the picture point `p`, or `None` where it is lost in the lens or where a panoramic projection shows nothing. `u_lens` chooses the point of
     /// the pupil, `u_wavelength` the wavelength.
     #[inline]
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
@@ -156,12 +160,13 @@ impl Camera {
             Self::ImageBased(c) => c.sample(p, u_lens),
             Self::Adapted(c) => c.sample(p, u_lens, u_wavelength),
             Self::Orthographic(c) => Some(c.ray(p)),
+            Self::Panoramic(c) => c.sample(p, u_lens),
         }
     }
 
     /// True if a sample depends on its wavelength or is carried back to the film: if not, [`Request`] needs no numbers for that.
     pub fn has_wavelengths(&self) -> bool {
-        !matches!(self, Self::Pinhole(_) | Self::Thin(_) | Self::Orthographic(_))
+        !matches!(self, Self::Pinhole(_) | Self::Thin(_) | Self::Orthographic(_) | Self::Panoramic(_))
     }
 
     /// Memory for batches, where there are any.
@@ -201,6 +206,15 @@ impl Camera {
             Self::ImageBased(c) => c.axes(),
             Self::Adapted(c) => c.axes(),
             Self::Orthographic(c) => c.axes(),
+            Self::Panoramic(c) => c.axes(),
+        }
+    }
+
+    /// Depth of a place in render space, Blender units: along the axis, or from a panoramic camera the distance.
+    pub fn depth(&self, position: Vec3) -> f32 {
+        match self {
+            Self::Panoramic(_) => position.length(),
+            _ => -position.dot(self.axes().z_axis.as_vec3()),
         }
     }
 
@@ -214,6 +228,7 @@ impl Camera {
             Self::ImageBased(lens) => &lens.info().lens_name,
             Self::Adapted(lens) => &lens.info().lens_name,
             Self::Orthographic(_) => "orthographic",
+            Self::Panoramic(_) => "panoramic",
         }
     }
 }

@@ -1,9 +1,10 @@
 //! The picture of Blender's own camera. Shader graphs may ask for places in its space and on its picture; which lens takes the photograph
 //! does not matter to them.
 
-use glam::{Affine3A, DAffine3, DMat4, DVec2, DVec3, Vec2, Vec3A};
+use crate::projection::{Panorama, Projection};
+use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec2, DVec3, Mat3A, Vec2, Vec3A};
 
-/// A perspective camera, as the scene's description has it.
+/// A perspective or panoramic camera, as the scene's description has it.
 #[derive(Clone, Copy, Debug)]
 pub struct ViewportDescription {
     /// The viewport's axes to the world; it looks along its -z. Scale counts nothing.
@@ -14,49 +15,78 @@ pub struct ViewportDescription {
     pub center: DVec2,
     /// Columns and rows of pixels.
     pub pixels: [u32; 2],
+    /// The picture of a panoramic camera; `focal` and `center` say nothing of it.
+    pub panorama: Option<Panorama>,
 }
 
 impl Default for ViewportDescription {
     fn default() -> Self {
-        Self { matrix: DMat4::IDENTITY, focal: DVec2::ONE, center: DVec2::splat(0.5), pixels: [1000; 2] }
+        Self {
+            matrix: DMat4::IDENTITY,
+            focal: DVec2::ONE,
+            center: DVec2::splat(0.5),
+            pixels: [1000; 2],
+            panorama: None,
+        }
     }
 }
 
 /// A [`ViewportDescription`] in the form that shader graphs read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewport {
-    /// The transform from Blender's world to the camera's space, in which z grows away from the camera.
+    /// The transform from Blender's world to the camera's space, in which z grows away from the camera. A panoramic camera's space is as
+    /// Cycles has it: it looks along x, with z up.
     pub from_world: Affine3A,
-    /// The transform from render space to the camera's space, in which z grows away from the camera.
+    /// The transform from render space to the camera's space.
     pub from_render: Affine3A,
     focal: Vec2,
     center: Vec2,
     /// A pixel's sides at depth 1.
     pixel: Vec2,
+    /// The picture of a panoramic camera.
+    panorama: Option<Panorama>,
+    /// From the camera's space to the camera's axes: right, up, backwards.
+    to_axes: Mat3A,
 }
 
 impl Viewport {
     pub(super) fn new(description: &ViewportDescription, origin: DVec3) -> Self {
-        let ViewportDescription { matrix, focal, center, pixels: [columns, rows] } = *description;
+        let ViewportDescription { matrix, focal, center, pixels: [columns, rows], panorama } = *description;
         let unit = |axis: DVec3, otherwise: DVec3| axis.try_normalize().unwrap_or(otherwise);
         let own = DAffine3::from_mat4(matrix);
         let x = unit(own.matrix3.x_axis, DVec3::X);
         let y = unit(own.matrix3.y_axis, DVec3::Y);
-        let z = unit(-own.matrix3.z_axis, DVec3::NEG_Z);
-        let to_world = DAffine3 { matrix3: glam::DMat3::from_cols(x, y, z), translation: own.translation };
+        let z = unit(own.matrix3.z_axis, DVec3::Z);
+        let to_axes = match panorama {
+            None => DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)),
+            // As Cycles has them: a ball is looked at along y, all other pictures are of the directions about x.
+            Some(Panorama { projection: Projection::MirrorBall, .. }) => DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y),
+            Some(_) => DMat3::from_cols(DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y),
+        };
+        let to_world = DAffine3 { matrix3: DMat3::from_cols(x, y, z) * to_axes, translation: own.translation };
         let from_world = to_world.inverse();
+        let size = DVec2::new(f64::from(columns), f64::from(rows));
         let single = |map: DAffine3| Affine3A::from_mat4(DMat4::from(map).as_mat4());
         Self {
             from_world: single(from_world),
             from_render: single(from_world * DAffine3::from_translation(origin)),
             focal: focal.as_vec2(),
             center: center.as_vec2(),
-            pixel: (1.0 / (focal * DVec2::new(f64::from(columns), f64::from(rows)))).as_vec2(),
+            pixel: match panorama {
+                None => (1.0 / (focal * size)).as_vec2(),
+                Some(panorama) => DVec2::from(panorama.step_rad(1.0 / size)).as_vec2(),
+            },
+            panorama,
+            to_axes: Mat3A::from(to_axes.as_mat3()),
         }
     }
 
-    /// The place on the picture of a place of the camera's space, from 0 to 1 both ways; zero beside the camera.
+    /// The place on the picture of a place of the camera's space, from 0 to 1 both ways; zero where it has none, as beside the camera.
     pub fn window(&self, place: Vec3A) -> Vec3A {
+        if let Some(panorama) = &self.panorama {
+            let at = panorama.place((self.to_axes * place).as_dvec3());
+            return at.map_or(Vec3A::ZERO, |at| (at.as_vec2() + 0.5).extend(0.0).into());
+        }
         if place.z == 0.0 {
             return Vec3A::ZERO;
         }
@@ -73,6 +103,10 @@ impl Viewport {
     /// same distance. Beyond the frame it is as if the place were `off_screen` - 1 times its distance from the frame farther away. As
     /// `Camera::world_to_raster_size` of Cycles.
     pub fn diced_width(&self, place: Vec3A, off_screen: f32) -> f32 {
+        if self.panorama.is_some() {
+            // Any place may be seen.
+            return self.pixel_angle_rad() * place.length();
+        }
         let Vec2 { x: left, y: bottom } = -self.center / self.focal;
         let Vec2 { x: right, y: top } = (Vec2::ONE - self.center) / self.focal;
         let beyond = |out: Vec3A| place.dot(out.normalize());
@@ -88,6 +122,9 @@ impl Viewport {
 
     /// Width of a pixel across the line of sight at a place of the camera's space: the mean of both ways, world units.
     pub fn pixel_width(&self, place: Vec3A) -> f32 {
+        if self.panorama.is_some() {
+            return self.pixel_angle_rad() * place.length();
+        }
         let ahead = place / place.z.abs().max(1e-6);
         let step = |to: Vec3A| (ahead + to).normalize_or_zero().distance(ahead.normalize_or_zero());
         let [x, y] = [Vec3A::X * self.pixel.x, Vec3A::Y * self.pixel.y].map(step);
@@ -104,7 +141,8 @@ mod tests {
         let turn = DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2);
         let matrix = DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0)) * turn * DMat4::from_scale(DVec3::splat(2.0));
         let (focal, center) = (DVec2::new(0.5, 1.0), DVec2::new(0.5, 0.4));
-        Viewport::new(&ViewportDescription { matrix, focal, center, pixels: [200, 100] }, DVec3::new(1.0, 0.0, 0.0))
+        let description = ViewportDescription { matrix, focal, center, pixels: [200, 100], panorama: None };
+        Viewport::new(&description, DVec3::new(1.0, 0.0, 0.0))
     }
 
     #[test]

@@ -6,5 +6,6 @@ mod between_models;
 pub mod gaussian;
 pub mod image_based;
 pub mod orthographic;
+pub mod panoramic;
 pub mod pinhole;
 pub mod thin;

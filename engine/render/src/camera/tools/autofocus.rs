@@ -139,7 +139,7 @@ struct Finder<'a> {
 impl<'a> Finder<'a> {
     /// A finder of a lens that is focused at infinity.
     fn new(d: &'a CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
-        if matches!(d.model, Model::Pinhole | Model::Orthographic | Model::Thin) {
+        if !d.model.is_of_lens() {
             return Err(d.error("only a lens can be focused so; choose a camera model that is made from a lens file"));
         }
         d.check(width, height)?;

@@ -9,7 +9,7 @@ use crate::camera::lens::beam;
 use crate::camera::lens::mount::Mount;
 use crate::camera::lens::setup::D_LINE_NM;
 use crate::camera::models::pinhole::Pinhole;
-use crate::camera::{CameraDescription, CameraError, Model};
+use crate::camera::{CameraDescription, CameraError};
 use glam::{DMat2, DVec2, DVec3};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
@@ -59,7 +59,7 @@ impl DistortionMap {
     /// # Errors
     /// [`CameraError`].
     pub fn new(d: &CameraDescription, [width, height]: [u32; 2], wavelength_nm: f64) -> Result<Self, CameraError> {
-        if matches!(d.model, Model::Pinhole | Model::Orthographic | Model::Thin) {
+        if !d.model.is_of_lens() {
             return Err(d.error("only a lens distorts; choose a camera model that is made from a lens file"));
         }
         if !(100.0..=20_000.0).contains(&wavelength_nm) {

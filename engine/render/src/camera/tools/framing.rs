@@ -2,7 +2,7 @@
 //! its larger side, is the same.
 
 use crate::camera::lens::setup::Setup;
-use crate::camera::{CameraDescription, CameraError, Model};
+use crate::camera::{CameraDescription, CameraError};
 use petzval_optics::system::FocalLength;
 use serde::{Deserialize, Serialize};
 
@@ -52,7 +52,7 @@ impl CameraDescription {
     /// # Errors
     /// [`CameraError`]; it names what the lens can frame where that is not reachable.
     pub fn framed_like_blender(&self, size: [u32; 2], by: Framed) -> Result<Framing, CameraError> {
-        if matches!(self.model, Model::Pinhole | Model::Orthographic | Model::Thin) {
+        if !self.model.is_of_lens() {
             return Err(self.error("it has no lens to set; choose a camera model that is made from a lens file"));
         }
         let search = Search::new(self, size, by);

@@ -9,6 +9,7 @@ use crate::camera::lens::real_lens::film_spectrum;
 use crate::camera::lens::setup::D_LINE_NM;
 use crate::camera::models::gaussian::Order;
 use crate::camera::models::orthographic::Orthographic;
+use crate::camera::models::panoramic::Panoramic;
 use crate::camera::models::pinhole::Pinhole;
 use crate::camera::models::thin::Thin;
 use crate::camera::{CameraDescription, CameraError, Model};
@@ -54,6 +55,7 @@ pub struct Imaging {
 enum Eye {
     Pinhole(Pinhole),
     Orthographic(Orthographic),
+    Panoramic(Box<Panoramic>),
     Thin(Thin),
     Lens(Box<LensEye>),
 }
@@ -108,6 +110,7 @@ impl Imaging {
         let eye = match d.model {
             Model::Pinhole => Eye::Pinhole(Pinhole::new(d, axes, width, height)),
             Model::Orthographic => Eye::Orthographic(Orthographic::new(d, axes, width, height)),
+            Model::Panoramic => Eye::Panoramic(Box::new(Panoramic::new(d, axes)?)),
             Model::Thin => Eye::Thin(Thin::new(d, axes, width, height)?),
             // The table differs from the lens by far less than things move.
             Model::Lens | Model::ImageBased => lens(None)?,
@@ -121,7 +124,8 @@ impl Imaging {
     pub fn through(&self, ray: &Ray, seen: SeenPlace) -> PupilPoint {
         let origin = ray.origin.as_dvec3() - self.place;
         PupilPoint(match &self.eye {
-            Eye::Pinhole(_) | Eye::Orthographic(_) => DVec3::ZERO,
+            // Depth of field moves nothing that is in focus.
+            Eye::Pinhole(_) | Eye::Orthographic(_) | Eye::Panoramic(_) => DVec3::ZERO,
             Eye::Thin(lens) => lens.axes().transpose() * origin / lens.radius(),
             Eye::Lens(lens) => {
                 let pupil = lens.pupil(self.relative(seen));
@@ -150,6 +154,7 @@ impl Imaging {
         };
         match &self.eye {
             Eye::Pinhole(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
+            Eye::Panoramic(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
             // What is infinitely far is seen nowhere in particular.
             Eye::Orthographic(camera) => match seen {
                 SeenPlace::Point(p) => Some(camera.place(camera.axes().transpose() * p)),

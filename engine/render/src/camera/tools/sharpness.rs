@@ -8,7 +8,7 @@
 use crate::camera::lens::beam;
 use crate::camera::lens::mount::Mount;
 use crate::camera::lens::setup::D_LINE_NM;
-use crate::camera::{CameraDescription, CameraError, Model};
+use crate::camera::{CameraDescription, CameraError};
 use glam::{DVec2, DVec3, Vec2};
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::PupilMap;
@@ -63,7 +63,7 @@ pub fn sharpness(
     [columns, rows]: [usize; 2],
     confusion_mm: Option<f64>,
 ) -> Result<Sharpness, CameraError> {
-    if matches!(d.model, Model::Pinhole | Model::Orthographic | Model::Thin) {
+    if !d.model.is_of_lens() {
         return Err(d.error("it has no lens to be traced; choose a camera model that is made from a lens file"));
     }
     d.check(size[0], size[1])?;
@@ -252,6 +252,7 @@ impl std::ops::Mul<f64> for Parabola {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Model;
     use glam::{DMat4, DQuat};
     use petzval_optics::system::FocalLength;
     use std::path::Path;
