@@ -25,7 +25,7 @@ UI_SAMPLES = 16
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes growth denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -87,6 +87,9 @@ parity: build ## Petzval beside Cycles, scene by scene, into docs/parity.md; PAR
 other-scenes: $(ENGINE) ## Petzval beside Cycles on the .blend files under SCENES=FOLDER, by others, into docs/other-scenes.md
 	@[ -d "$(SCENES)" ] || { echo "petzval: make other-scenes SCENES=FOLDER: give a folder of .blend files" >&2; exit 1; }
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m other_scenes "$(SCENES)" $(OTHER_SCENES_OPTIONS)
+
+growth: $(ENGINE) ## what rendering costs as a scene grows, beside Cycles, into docs/growth.md
+	@PYTHONPATH=tools $(dir $(PETZVAL))python -m growth $(GROWTH_OPTIONS)
 
 denoising: $(ENGINE) ## denoised pictures beside converged ones, and beside Cycles on the .blend files under SCENES=FOLDER, into docs/denoising.md
 	@tools/setup-python.sh bench

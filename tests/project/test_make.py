@@ -35,6 +35,7 @@ RECIPES = {
     "diffraction": ["DIFFRACTION_OPTIONS=--quick"],
     "figures": ["FIGURES_OPTIONS=--size smallest --only fig-14 --check"],
     "ghosts": ["GHOSTS_OPTIONS=--only price --samples 2 --rounds 1"],
+    "growth": ["GROWTH_OPTIONS=--only triangles lens-surfaces --most 1000 --samples 2 --rounds 1"],
     "gpu": ["GPU_OPTIONS=--quick"],
     "instructions": [],
     "lens-index": [],

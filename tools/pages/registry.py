@@ -170,6 +170,7 @@ _ALL = (
         # Scenes that were rendered with the same numbers are not rendered again without it.
         options=("PARITY_OPTIONS=--again",),
     ),
+    _page("growth", "growth", *_TIMED, *_RENDER, "tools/growth"),
     _page("other-scenes", "other-scenes", *_TIMED, *_RENDER, "tools/other_scenes"),
     _page(
         "denoising",
