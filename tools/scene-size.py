@@ -16,6 +16,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from growth.scenes import waves
 
 import petzval
 
@@ -27,29 +28,9 @@ def resident_bytes() -> int:
     return pages * resource.getpagesize()
 
 
-def waves(name: str, triangles: int) -> bpy.types.Mesh:
-    """A grid in waves; twice as many triangles as faces."""
-    side = max(round((triangles / 2) ** 0.5), 1)
-    x, y = np.meshgrid(*[np.linspace(-1.0, 1.0, side + 1, dtype=np.float32)] * 2)
-    places = np.stack([x, y, 0.1 * np.sin(9 * x) * np.cos(7 * y)], -1).reshape(-1, 3)
-    first = np.arange(side * (side + 1), dtype=np.int32).reshape(side, side + 1)[:, :-1].ravel()
-    faces = np.stack([first, first + 1, first + side + 2, first + side + 1], -1)
-    mesh = bpy.data.meshes.new(name)
-    mesh.vertices.add(len(places))
-    mesh.vertices.foreach_set("co", places.ravel())
-    mesh.loops.add(faces.size)
-    mesh.loops.foreach_set("vertex_index", faces.ravel())
-    mesh.polygons.add(len(faces))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, faces.size, 4, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    mesh.shade_smooth()
-    mesh.uv_layers.new().uv.foreach_set("vector", (places[faces.ravel(), :2] * 0.5 + 0.5).ravel())
-    return mesh
-
-
 def forest(triangles: int) -> int:
     """Instances of one tree at the vertices of another mesh; how many triangles they come to."""
-    tree = bpy.data.objects.new("Tree", waves("Tree", TREE_TRIANGLES))
+    tree = bpy.data.objects.new("Tree", waves("Tree", TREE_TRIANGLES, 2.0))
     each = 2 * len(tree.data.polygons)
     side = max(round((triangles / each) ** 0.5), 1)
     x, y = np.meshgrid(*[np.arange(side, dtype=np.float32) * 0.5] * 2)
@@ -83,7 +64,7 @@ def main() -> None:
     scene.collection.objects.link(camera)
     scene.camera = camera
     if asked.kind == "mesh":
-        holder = bpy.data.objects.new("Waves", waves("Waves", int(asked.triangles)))
+        holder = bpy.data.objects.new("Waves", waves("Waves", int(asked.triangles), 2.0))
         holder.scale = (10.0, 10.0, 10.0)
         scene.collection.objects.link(holder)
         triangles = 2 * len(holder.data.polygons)

@@ -155,10 +155,10 @@ impl Panorama {
         [turned(across).unwrap_or(whole.x), turned(up).unwrap_or(whole.y)]
     }
 
-    /// What is wrong with the settings, and what to do.
+    /// Checks that the settings are numbers, and sizes and angles of the field above zero.
     ///
     /// # Errors
-    /// A setting by its name in Blender.
+    /// The first wrong setting by its name in Blender, and what to do.
     pub fn check(&self) -> Result<(), String> {
         let positive = |name: &str, value: f64| {
             let is_good = value > 0.0 && value.is_finite();
