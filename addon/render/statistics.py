@@ -24,6 +24,7 @@ class LastRender:
         """For people."""
         seconds = self.stats["seconds"]
         lost = self.stats["camera_rays_lost"] / max(self.stats["camera_rays"], 1)
+        where = "outside of the projection" if self.stats["lens"] == "panoramic" else "lost in the lens"
         samples = f"{self.stats['samples']} samples"
         if self.stats.get("samples_most", self.stats["samples"]) != self.stats["samples"]:
             least, mean, most = self.stats["samples"], self.stats["samples_mean"], self.stats["samples_most"]
@@ -33,7 +34,7 @@ class LastRender:
             f"{self.stats['lens']}, {self.stats['width']} x {self.stats['height']}, {samples}"
             + (" (stopped)" if self.stopped else " (time was up)" if self.was_late() else ""),
             _seconds(seconds),
-            f"{100.0 * lost:.2f} % of the camera rays lost in the lens",
+            f"{100.0 * lost:.2f} % of the camera rays {where}",
         ]
         if seconds["render"] > 0.0:
             speed = f"{in_short(self.stats['rays'] / seconds['render'])} rays a second"

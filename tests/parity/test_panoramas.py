@@ -81,6 +81,18 @@ def test_projections(round_about, tmp_path, name):
     alike(tmp_path)
 
 
+def test_rays_beyond_the_circle_are_told(round_about, tmp_path):
+    """No lens loses them: a circle covers a quarter of pi of the square about it."""
+    from support import scenes as parts
+
+    look_by(round_about.camera.data, "equidistant")
+    parts.render(tmp_path)
+    last = parts.part("render.statistics").last(round_about.name)
+    assert "lens" not in " ".join(last.lines())
+    told = next(line for line in last.lines() if line.endswith("outside of the projection"))
+    assert float(told.split()[0]) == pytest.approx(100.0 * (1.0 - pi / 4.0), abs=0.5)
+
+
 def test_shift_and_pixels_that_are_not_square(round_about, tmp_path):
     look_by(round_about.camera.data, "equisolid")
     round_about.camera.data.shift_x, round_about.camera.data.shift_y = 0.1, -0.05
