@@ -78,12 +78,6 @@ def keep(depsgraph: bpy.types.Depsgraph, now: KeptScene, scene: Any) -> None:
         now.scene, _last = scene, now
 
 
-def previous(depsgraph: bpy.types.Depsgraph) -> Any | None:
-    """The engine's scene of the last frame of this view layer, where it was kept."""
-    of = depsgraph.scene_eval.name, depsgraph.view_layer_eval.name
-    return _last.scene if _last is not None and _last.of == of else None
-
-
 def forget() -> None:
     """Gives the memory back."""
     global _last

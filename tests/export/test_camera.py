@@ -214,15 +214,6 @@ def test_a_panoramic_camera_has_no_lens(parts, blender):
     assert not warnings and sent.lens.f_number == 4.0
 
 
-def test_a_field_of_nothing_is_said(parts, blender):
-    """As a driver may leave it."""
-    camera = blender.context.scene.camera.data
-    camera.type, camera.panorama_type = "PANO", "CENTRAL_CYLINDRICAL"
-    camera.central_cylindrical_radius = 0.0
-    _, _, sent = parts.sent()
-    assert sent.panorama is not None
-
-
 def test_an_orthographic_camera_has_no_lens(parts, blender):
     camera = blender.context.scene.camera.data
     camera.type, camera.ortho_scale, camera.petzval.model = "ORTHO", 3.0, "LENS"

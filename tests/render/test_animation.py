@@ -70,7 +70,7 @@ def test_persistent_data_draws_trees_anew_around_what_moves(parts, blender, tmp_
     assert last("Scene").stats["trees_refitted"] == 0
     scene.render.use_persistent_data = False
     parts.render(tmp_path, "off.exr")
-    assert parts.part("render.persistent").previous(blender.context.evaluated_depsgraph_get()) is None
+    assert parts.part("render.persistent")._last is None
 
 
 @pytest.mark.once

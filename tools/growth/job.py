@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One measurement inside of bpy: `python -m growth.job PROGRAM KIND NUMBER SAMPLES` prints a line of JSON.
 
-`once_s`: processor time of a render of one sample a pixel; `again_s`: of the next frame, before which the
-camera moves; `sample_us`: of each further
-sample; `memory_mb`: the most that the renders take beside what Blender holds.
+`once_s`: processor time of a render of one sample a pixel; `again_s`: of the next frame, before which the camera moves; `sample_us`: of each
+further sample; `memory_mb`: the most that the first render takes beside what Blender holds.
 """
 
 from __future__ import annotations

@@ -204,7 +204,8 @@ pub struct CameraDescription {
     pub orthographic_width: f64,
     /// The picture of a panoramic camera.
     pub panorama: Option<Panorama>,
-    /// Clipping range along the camera's axis, of a panoramic camera by distance, Blender units: camera rays see nothing nearer than the first or farther than the second.
+    /// Clipping range along the camera's axis, of a panoramic camera by distance, Blender units: camera rays see nothing nearer than the first
+    /// or farther than the second.
     pub clip: [f64; 2],
 }
 

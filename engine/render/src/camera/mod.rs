@@ -148,8 +148,8 @@ impl Camera {
         })
     }
 
-    /// A ray for the picture point `p`, or `None` where it is lost in the lens or where a panoramic projection shows nothing. `u_lens` chooses the point of
-    /// the pupil, `u_wavelength` the wavelength.
+    /// A ray for the picture point `p`, or `None` where it is lost in the lens or where a panoramic projection shows nothing. `u_lens`
+    /// chooses the point of the pupil, `u_wavelength` the wavelength.
     #[inline]
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
         match self {

@@ -1,5 +1,6 @@
 //! The panoramic camera, as Blender's: all rays of its picture through one point or one opening that turns with them.
 
+use super::thin::diaphragm;
 use crate::accel::Ray;
 use crate::camera::{CameraDescription, CameraError, CameraRay};
 use crate::projection::Panorama;
@@ -24,24 +25,17 @@ struct Opening {
 }
 
 impl Panoramic {
-    /// Without an f-number everything is sharp.
+    /// The camera of a description with a panorama; without an f-number everything is sharp.
     pub(in crate::camera) fn new(d: &CameraDescription, axes: DMat3) -> Result<Self, CameraError> {
         let panorama = d.panorama.ok_or_else(|| d.error("a panoramic camera needs a projection"))?;
-        let opening = match d.lens.f_number {
-            None => None,
-            Some(f_number) if f_number > 0.0 && f_number.is_finite() => Some(Opening {
-                diaphragm: Diaphragm::checked(
-                    d.perspective.focal_length_mm / (2.0 * f_number),
-                    d.lens.blades,
-                    d.lens.blade_curvature,
-                    d.lens.blade_rotation_rad,
-                )
-                .map_err(|e| d.error(e.to_string()))?,
+        let opening = |f_number: f64| -> Result<Opening, CameraError> {
+            Ok(Opening {
+                diaphragm: diaphragm(d, f_number)?,
                 mm_per_unit: d.scale_mm_per_unit.x,
                 focus: d.focus_depth()?.unwrap_or(f64::INFINITY),
-            }),
-            Some(f_number) => return Err(d.error(format!("the f-number is {f_number}; set it above zero"))),
+            })
         };
+        let opening = d.lens.f_number.map(opening).transpose()?;
         Ok(Self { axes, panorama, opening })
     }
 

@@ -21,6 +21,20 @@ pub struct Thin {
     brightness: f32,
 }
 
+/// The opening of a lens of Blender's focal length and this f-number.
+pub(super) fn diaphragm(d: &CameraDescription, f_number: f64) -> Result<Diaphragm, CameraError> {
+    if !(f_number > 0.0 && f_number.is_finite()) {
+        return Err(d.error(format!("the f-number is {f_number}; set it above zero")));
+    }
+    let radius_mm = d.perspective.focal_length_mm / (2.0 * f_number);
+    let plain = Diaphragm::checked(radius_mm, d.lens.blades, d.lens.blade_curvature, d.lens.blade_rotation_rad)
+        .map_err(|e| d.error(e.to_string()))?;
+    Ok(match &d.lens.aperture_mask {
+        Some(mask) => Diaphragm::masked(radius_mm, mask.clone(), d.lens.blade_rotation_rad),
+        None => plain,
+    })
+}
+
 impl Thin {
     pub(in crate::camera) fn new(
         d: &CameraDescription,
@@ -29,19 +43,9 @@ impl Thin {
         height: u32,
     ) -> Result<Self, CameraError> {
         let f_number = d.lens.f_number.unwrap_or(DEFAULT_F_NUMBER);
-        if !(f_number > 0.0 && f_number.is_finite()) {
-            return Err(d.error(format!("the f-number is {f_number}; set it above zero")));
-        }
-        let radius_mm = d.perspective.focal_length_mm / (2.0 * f_number);
-        let mut diaphragm =
-            Diaphragm::checked(radius_mm, d.lens.blades, d.lens.blade_curvature, d.lens.blade_rotation_rad)
-                .map_err(|e| d.error(e.to_string()))?;
-        if let Some(mask) = &d.lens.aperture_mask {
-            diaphragm = Diaphragm::masked(radius_mm, mask.clone(), d.lens.blade_rotation_rad);
-        }
         Ok(Self {
             pinhole: Pinhole::new(d, axes, width, height),
-            diaphragm,
+            diaphragm: diaphragm(d, f_number)?,
             mm_per_unit: d.scale_mm_per_unit.x,
             focus: d.focus_depth()?.unwrap_or(f64::INFINITY),
             // The irradiance behind a lens without aberration, focused far away.
