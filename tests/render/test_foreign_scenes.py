@@ -109,7 +109,6 @@ def test_a_scene_through_a_lens(petzval_cli, other_peoples_scenes, tmp_path, sce
 
 WHAT_IS_MISSING = {
     "kitchen_blueprint": ["201906_lwtechSnow_panorama.hdr", "magenta"],
-    "space_sky_nebula": ["panoramic"],
 }
 
 
