@@ -37,6 +37,7 @@ def describe(
         approximations=Approximations(
             # Cycles keeps the filter of glossy light, as it keeps the kinds of bounces.
             filter_glossy=getattr(getattr(scene, "cycles", None), "blur_glossy", 0.0),
+            widening=_widening(scene),
             fast_gi=_fast_gi(scene, is_viewport),
         ),
         pipeline=own.pipeline,
@@ -59,6 +60,13 @@ def _filter(scene: bpy.types.Scene) -> str | dict[str, float]:
         return {"BLACKMAN_HARRIS": width} if width > 0.0 else "BOX"
     kind = scene.cycles.pixel_filter_type
     return kind if kind == "BOX" else {kind: scene.cycles.filter_width}
+
+
+def _widening(scene: bpy.types.Scene) -> float:
+    """The growth of footprints after a diffuse scattering; Cycles has it from 5.2 on."""
+    if bpy.app.version < (5, 2, 0):
+        return 0.0
+    return min(1.0, getattr(getattr(scene, "cycles", None), "blur_glossy", 0.0))
 
 
 def _fast_gi(scene: bpy.types.Scene, is_viewport: bool) -> str | dict[str, dict[str, float]]:

@@ -10,16 +10,20 @@ from petzval.description import CameraDescription
 
 def send(builder: Any, camera: CameraDescription, width: int, height: int) -> None:
     """Tells the engine's builder; width and height in pixels."""
-    across = camera.perspective.focal_length_mm / camera.perspective.film_width_mm
+    is_orthographic = camera.model == "ORTHOGRAPHIC"
+    perspective = camera.perspective
+    across = (
+        1.0 / camera.orthographic_width if is_orthographic else perspective.focal_length_mm / perspective.film_width_mm
+    )
     # In widths of a pixel.
     up = height * camera.pixel_aspect
     larger = max(width, up)
-    x, y = camera.perspective.shift
+    x, y = perspective.shift
     builder.set_viewport(
         camera.object_name,
         camera.matrix_world,
-        (across, across * width / up),
-        (0.5 - x * larger / width, 0.5 - y * larger / up),
+        ((across, across * width / up), (0.5 - x * larger / width, 0.5 - y * larger / up)),
         (width, height),
         camera.panorama,
+        is_orthographic,
     )

@@ -145,6 +145,52 @@ def test_filter_glossy_from_fog(stage, blender, tmp_path):
     alike(tmp_path, mean=0.015, block=0.05, blur_glossy=1.0, volume_bounces=2)
 
 
+# Footprints ---------------------------------------------------------------------------------------------------------
+
+
+def bumpy(tree, height: float = 0.05):
+    """Matte, with a bump that is far finer than a pixel: how steep it looks depends on the footprint alone."""
+    noise = node(tree, "TexNoise", None, Scale=5000.0, Detail=0.0).node
+    bump = node(tree, "Bump", None, Strength=1.0, Distance=height).node
+    tree.links.new(node(tree, "TexCoord").node.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    made = diffuse(tree, WHITE)
+    tree.links.new(bump.outputs[0], made.node.inputs["Normal"])
+    return made
+
+
+def half_glossy(tree):
+    return mix(tree, 0.5, diffuse(tree, WHITE), glossy("GGX", Color=WHITE, Roughness=0.6)(tree))
+
+
+LOOKING = {
+    "matte": lambda tree: diffuse(tree, WHITE),
+    "glossy": glossy("GGX", Color=WHITE, Roughness=0.5),
+    "half glossy": half_glossy,
+    "plastic": principled(Base_Color=WHITE, Roughness=0.5),
+    "mirror": glossy("GGX", Color=WHITE, Roughness=0.0),
+}
+
+
+@pytest.mark.first_only("looking")
+@pytest.mark.parametrize("blur", [0.0, 0.1])
+@pytest.mark.parametrize("looking", LOOKING)
+def test_bumps_after_a_scattering(stage, blender, tmp_path, looking, blur):
+    """The footprint grows along the whole path; from 5.2 on the more, the rougher the surface that scatters."""
+    stage.wall.data.materials[0] = made(stage, LOOKING[looking])
+    stage.mirror(bumpy, "above")
+    alike(tmp_path, block=0.05, blur_glossy=blur)
+
+
+@pytest.mark.once
+def test_bumps_away_from_the_middle(stage, blender, tmp_path):
+    """A pixel is narrower towards the picture's edge, and a bump steeper."""
+    stage.wall.data.materials[0] = made(stage, lambda tree: bumpy(tree, 0.2))
+    blender.context.scene.camera.data.lens = 8
+    stage.mirror(LOOKING["matte"], "above")
+    alike(tmp_path, block=0.05, blur_glossy=0.0)
+
+
 # Fast GI ------------------------------------------------------------------------------------------------------------
 
 

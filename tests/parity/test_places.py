@@ -147,6 +147,57 @@ def wires_in_pixels(t: Tree):
     _wire(t, 1.5, True)
 
 
+def wires_behind_a_clip(t: Tree):
+    """Where the picture begins does not change how wide a pixel is."""
+    import bpy
+
+    bpy.context.scene.camera.data.clip_start = 2.0
+    wires_in_pixels(t)
+
+
+def wires_in_a_mirror(t: Tree):
+    """A pixel grows over the whole path: the ball stands behind the camera, and a mirror before it."""
+    import bpy
+
+    wires_in_pixels(t)
+    ball, scene = bpy.context.object, bpy.context.scene
+    ball.location = (0.0, -7.0, 0.0)
+    mirror = bpy.data.materials.new("Mirror")
+    mirror.use_nodes = True
+    mirror.node_tree.nodes["Principled BSDF"].inputs["Metallic"].default_value = 1.0
+    mirror.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.0
+    bpy.ops.mesh.primitive_plane_add(size=6.0, location=(0.0, -2.0, 0.0), rotation=(np.pi / 2, 0.0, 0.0))
+    bpy.context.object.data.materials.append(mirror)
+    scene.camera.data.lens = 120
+    bpy.context.view_layer.objects.active = ball
+
+
+def _parallel(t: Tree):
+    """An orthographic camera, shifted."""
+    import bpy
+
+    camera = bpy.context.scene.camera.data
+    camera.type, camera.ortho_scale, camera.shift_x = "ORTHO", 2.2, 0.05
+
+
+def parallel_wires(t: Tree):
+    _parallel(t)
+    wires_in_pixels(t)
+
+
+def parallel_bump(t: Tree):
+    """Finer than a pixel: as steep as the pixel is narrow."""
+    _parallel(t)
+    noise = t.node("TexNoise", Vector=t.coordinates("Object"), Scale=500.0, Detail=0.0)
+    bump = t.node("Bump", Strength=1.0, Distance=0.02, Height=noise.outputs[0])
+    t.shows(t.node("BsdfDiffuse", Normal=bump.outputs[0]).outputs[0])
+
+
+def parallel_window(t: Tree):
+    _parallel(t)
+    _diffuse(t, _noise(t, t.coordinates("Window"), 8.0))
+
+
 def islands(t: Tree):
     """The ball in pieces, cut along circles and meridians."""
     import bmesh
@@ -323,7 +374,7 @@ def smooth_noise(t: Tree):
 MATERIALS = (
     camera_coordinates, window_coordinates, view_vector, view_depth_and_distance, into_the_camera, coat_over_bumps,
     bumped_coat, brushed_by_uv, brushed_about_x, brushed_metallic, brushed_in_its_space, brushed_in_its_space_by_nodes,
-    wires, wires_in_pixels, islands, hollows, glowing_where_open, dirty_corners, thin_places, own_hollows,
+    wires, wires_in_pixels, wires_behind_a_clip, wires_in_a_mirror, parallel_wires, parallel_bump, parallel_window, islands, hollows, glowing_where_open, dirty_corners, thin_places, own_hollows,
     transparent_corners, bevelled_edges, bevelled_ball, bevelled_and_bumped, bevelled_in_a_mirror,
     random_instances, smooth_noise,
 )  # fmt: skip
@@ -331,7 +382,7 @@ MATERIALS = (
 
 #: Of nodes that are handed over as those of others are.
 ALIKE = {
-    view_vector, into_the_camera, brushed_about_x, brushed_metallic, brushed_in_its_space_by_nodes, wires, dirty_corners, thin_places,
+    view_vector, into_the_camera, brushed_about_x, brushed_metallic, brushed_in_its_space_by_nodes, wires, wires_behind_a_clip, parallel_window, dirty_corners, thin_places,
     own_hollows, transparent_corners, bevelled_ball, bevelled_and_bumped,
 }  # fmt: skip
 

@@ -403,10 +403,12 @@ class SceneBuilder:
         self,
         object_name: str,
         matrix_world: Sequence[Sequence[float]],
-        focal: tuple[float, float],  # in widths and heights of the picture
-        center: tuple[float, float],  # where the axis meets the picture, from 0 to 1
+        # The focal length in widths and heights of the picture, or 1 over these of an orthographic one, Blender units; and where the axis
+        # meets the picture, from 0 to 1.
+        frame: tuple[tuple[float, float], tuple[float, float]],
         pixels: tuple[int, int],
-        panorama: Panorama | None = None,  # instead of `focal` and `center`
+        panorama: Panorama | None = None,  # instead of `frame`
+        is_orthographic: bool = False,
     ) -> None:
         """What Blender's own camera frames, for shader graphs that ask for it."""
     def warnings(self) -> list[str]: ...

@@ -191,6 +191,8 @@ class Approximations:
 
     # Surfaces are rougher for paths that were scattered with less than this density per steradian; 0: none are.
     filter_glossy: float = 0.0
+    # The growth of footprints, over which bumps are computed, after a diffuse scattering: widths per length.
+    widening: float = 0.0
     # {"REPLACE": {"bounces", "distance", "factor"}}: ambient occlusion instead of the bounces from that number on;
     # {"ADD": {"distance", "factor"}}: besides all light.
     fast_gi: Literal["OFF"] | dict[str, dict[str, float]] = "OFF"

@@ -17,7 +17,7 @@ use petzval_render::projection::Panorama;
 use petzval_render::scene::mesh::{Dicing, EdgeLength, MeshDescription};
 use petzval_render::scene::shadow_terminator::ShadowTerminator;
 use petzval_render::scene::texture::Texture;
-use petzval_render::scene::viewport::ViewportDescription;
+use petzval_render::scene::viewport::{ViewportDescription, ViewportProjection};
 use petzval_render::scene::visibility::{LightLinking, LightSets};
 use petzval_render::scene::{self as engine, ObjectInfo};
 use pyo3::prelude::*;
@@ -283,22 +283,27 @@ impl SceneBuilder {
         Ok(self.builder.set_world(world)?)
     }
 
-    #[pyo3(signature = (object_name, matrix_world, focal, center, pixels, panorama = None))]
+    #[pyo3(signature = (object_name, matrix_world, frame, pixels, panorama = None, is_orthographic = false))]
     fn set_viewport(
         &mut self,
         object_name: &str,
         matrix_world: Matrix4,
-        focal: (f64, f64),
-        center: (f64, f64),
+        frame: ((f64, f64), (f64, f64)),
         pixels: (u32, u32),
         panorama: Option<Described<Panorama>>,
+        is_orthographic: bool,
     ) -> Result<(), Error> {
+        let projection = match panorama {
+            Some(panorama) => ViewportProjection::Panoramic(panorama.0),
+            None if is_orthographic => ViewportProjection::Orthographic,
+            None => ViewportProjection::Perspective,
+        };
         let viewport = ViewportDescription {
             matrix: matrix_world.into(),
-            focal: focal.into(),
-            center: center.into(),
+            focal: frame.0.into(),
+            center: frame.1.into(),
             pixels: [pixels.0.max(1), pixels.1.max(1)],
-            panorama: panorama.map(|panorama| panorama.0),
+            projection,
         };
         Ok(self.builder.set_viewport(object_name, viewport)?)
     }

@@ -69,6 +69,11 @@ impl Program {
         Slice { code, needs_normal, needs_footprint }
     }
 
+    /// True if any of the program's values may need the footprint.
+    pub fn needs_footprint(&self) -> bool {
+        self.code.iter().any(|instruction| needs(instruction.operation).1)
+    }
+
     /// Computes the values of a [`slice`](Self::slice), the same bits as [`run`](Self::run) has.
     pub fn run_slice<C: Context, T: Textures>(
         &self,
@@ -92,6 +97,7 @@ fn needs(operation: Operation) -> (bool, bool) {
             shift != Shift::NONE || matches!(field, Field::FootprintX | Field::FootprintY),
         ),
         Operation::Attribute(_, shift) => (false, shift != Shift::NONE),
+        Operation::Wireframe(in_pixels) => (false, in_pixels),
         Operation::Image(_, projection, _) => (projection == Projection::Box, false),
         Operation::NormalMap(_) | Operation::RadialTangent(_) => (true, false),
         Operation::Further(_)
@@ -100,7 +106,6 @@ fn needs(operation: Operation) -> (bool, bool) {
         | Operation::LayerFresnel
         | Operation::Facing
         | Operation::Falloff(_)
-        | Operation::Wireframe(_)
         | Operation::Environment(..) => (false, false),
         _ => (!operation.is_pure(), !operation.is_pure()),
     }

@@ -56,6 +56,8 @@ pub struct PreparedScene {
     pub media: Media,
     /// Tables of the plain surfaces, by material.
     pub plain_tables: Vec<Option<Arc<PrincipledTables>>>,
+    /// True if a material of the scene depends on the footprints of rays.
+    pub needs_cones: bool,
     /// Warnings on parts of the scene that were left out.
     pub warnings: Vec<String>,
     /// Wall time that the preparation took, s.
@@ -113,7 +115,8 @@ impl PreparedScene {
             .collect();
         let plain_tables = keys(&scene).map(|key| Some(known[&key?].clone())).collect();
         let build_seconds = start.elapsed().as_secs_f64();
-        Self { scene, accel, lights, emission, media, plain_tables, warnings, build_seconds }
+        let needs_cones = scene.materials.iter().any(|material| material.graph.needs_footprint());
+        Self { scene, accel, lights, emission, media, plain_tables, needs_cones, warnings, build_seconds }
     }
 }
 

@@ -9,7 +9,7 @@ use super::lamp::shape::on_disk;
 use super::triangle::LitTriangle;
 use super::{Emitter, Lights, Source};
 use crate::accel::{Hit, Ray, offset_origin};
-use crate::nodes::{PathState, View};
+use crate::nodes::{PathState, RayCone, View};
 use crate::sampler::{distribution::AliasTable, warp};
 use crate::scene::Scene;
 use crate::scene::motion::MIDDLE;
@@ -256,7 +256,14 @@ fn emit_triangle(
     let strength = triangle.radiance(
         scene,
         [u, v],
-        &View { direction: -direction, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE, is_blurry: true },
+        &View {
+            direction: -direction,
+            distance: 1.0,
+            way: PathState::LIGHT,
+            moment: MIDDLE,
+            is_blurry: true,
+            cone: RayCone::pixel(&scene.viewport),
+        },
     );
     let origin = offset_origin(point.position, out, point.position_error);
     EmittedRay { ray: Ray::new(origin, direction), source, strength, cos: local.z }

@@ -2,7 +2,7 @@
 
 use super::bounds::LightBounds;
 use super::{Leaving, LightSample};
-use crate::nodes::{PathState, View};
+use crate::nodes::{PathState, RayCone, View};
 use crate::scene::Scene;
 use crate::scene::motion::MIDDLE;
 use crate::scene::visibility::{LightSets, Rays};
@@ -12,8 +12,15 @@ use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// The view for emission that does not depend on the direction.
-const FROM_LIGHTS: View =
-    View { direction: Vec3A::NEG_Z, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE, is_blurry: true };
+const FROM_LIGHTS: View = View {
+    direction: Vec3A::NEG_Z,
+    distance: 1.0,
+    way: PathState::LIGHT,
+    moment: MIDDLE,
+    is_blurry: true,
+    // About that of a pixel.
+    cone: RayCone { width: 1e-3, spread: 0.0 },
+};
 
 /// A triangle that emits, render space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,7 +152,14 @@ impl LitTriangle {
             radiance: self.radiance(
                 scene,
                 [v, w],
-                &View { direction: wi, distance, way: way.light(), moment: MIDDLE, is_blurry: true },
+                &View {
+                    direction: wi,
+                    distance,
+                    way: way.light(),
+                    moment: MIDDLE,
+                    is_blurry: true,
+                    cone: RayCone::pixel(&scene.viewport),
+                },
             ),
             pdf: distance2 / (cos * self.area),
             point_like: false,

@@ -4,7 +4,7 @@
 use super::images::Images;
 use super::layers::surface_point;
 use super::point::{Point, UNDISPLACED_NORMAL, View};
-use crate::nodes::PathState;
+use crate::nodes::{PathState, RayCone};
 use crate::scene::Scene;
 use crate::scene::corners::Corners;
 use crate::scene::graph::{Displacement, Graph};
@@ -82,8 +82,9 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         // Looked at from above, from about as far as the triangle is wide.
         let [a, b, c] = mesh.corners(triangle);
         let width = owner.to_render.transform_vector3((b - a).abs().max((c - a).abs())).length();
+        let cone = RayCone::pixel(&scene.viewport);
         let view =
-            View { direction: -normal, distance: width, way: PathState::BOUNCE, moment: MIDDLE, is_blurry: true };
+            View { direction: -normal, distance: width, way: PathState::BOUNCE, moment: MIDDLE, is_blurry: true, cone };
         let barycentric = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][corner];
         let Graph { program, slices, pass_index, .. } = graph;
         let surface = surface_point(scene.into(), [instance as u32, triangle], barycentric, &view);

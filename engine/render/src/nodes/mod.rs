@@ -10,6 +10,7 @@ pub mod lamp;
 mod layers;
 mod path_state;
 mod point;
+mod ray_cone;
 mod strand;
 #[cfg(test)]
 mod tests;
@@ -29,6 +30,7 @@ pub use layers::{
 };
 pub use path_state::{OF_BOUNCES, PathState};
 pub use point::View;
+pub use ray_cone::RayCone;
 
 /// The fields that are answered where materials are evaluated.
 pub const OF_MATERIALS: AnsweredFields =

@@ -3,6 +3,7 @@
 use super::around::SceneQueries;
 use super::ball::{self, Ball};
 use super::path_state::PathState;
+use super::ray_cone::RayCone;
 use super::strand::{self, Hair};
 use crate::accel::Ray;
 use crate::scene::corners::Corners;
@@ -33,6 +34,8 @@ pub struct View {
     pub moment: u16,
     /// True if the path was scattered so widely before that edges look alike sharp and bevelled.
     pub is_blurry: bool,
+    /// The cone about the ray.
+    pub cone: RayCone,
 }
 
 impl View {
@@ -40,10 +43,10 @@ impl View {
     /// (`svm_bevel` in bevel.h).
     const SHARP: f32 = 8.0;
 
-    /// The view along a ray of a hit at this distance. Where the densities of the path's directions are not known, a diffuse reflection makes
+    /// The view along a ray, with a cone about it, of a hit at this distance. Where the densities of the path's directions are not known, a diffuse reflection makes
     /// it blurry.
-    pub fn along(ray: &Ray, distance: f32, way: PathState) -> Self {
-        Self { direction: ray.direction, distance, way, moment: ray.moment, is_blurry: way.diffuse > 0 }
+    pub fn along(ray: &Ray, cone: RayCone, distance: f32, way: PathState) -> Self {
+        Self { direction: ray.direction, distance, way, moment: ray.moment, is_blurry: way.diffuse > 0, cone }
     }
 
     /// This view of a path whose directions were chosen with at least this probability density, per steradian.
@@ -90,8 +93,9 @@ impl<'a> Point<'a> {
         let (mut footprint, mut along) = ([Vec3A::ZERO; 2], [Vec2::ZERO; 2]);
         if has_footprint {
             let [x, y] = perpendicular(surface.geometric_normal);
-            // A pixel's width: heights are asked that far apart for a bump.
-            let size = scene.viewport.pixel_angle_rad() * view.distance.max(1e-6 * surface.position.length());
+            // Heights are asked that far apart for a bump.
+            let least = 1e-6 * scene.viewport.pixel_angle_rad() * surface.position.length();
+            let size = view.cone.at(view.distance).max(least);
             footprint = [x * size, y * size];
             along = if !mesh.is_special {
                 weights_along(instance, mesh.corners(triangle), &footprint)
@@ -216,9 +220,8 @@ impl<'a> Point<'a> {
     /// The pixel's width across the line of sight: the mean over both axes of the footprint, as they are seen along the ray: as Cycles has
     /// it.
     fn pixel_width(&self) -> f32 {
-        let seen = perpendicular(self.surface.geometric_normal)
-            .map(|axis| axis.reject_from_normalized(self.view.direction).length());
-        0.5 * (seen[0] + seen[1]) * self.scene.viewport.pixel_width(self.in_camera(Shift::NONE))
+        let seen = self.footprint.map(|axis| axis.reject_from_normalized(self.view.direction).length());
+        0.5 * (seen[0] + seen[1])
     }
 
     fn object_position(&self, shift: Shift) -> Vec3A {

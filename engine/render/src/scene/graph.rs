@@ -162,6 +162,11 @@ impl Graph {
         self.displacement.bends() && self.program.displacement.is_some()
     }
 
+    /// True if the graph's values depend on the footprint of the ray that meets the surface.
+    pub fn needs_footprint(&self) -> bool {
+        self.bends_normals() || self.program.needs_footprint()
+    }
+
     /// True if the graph's closures are spatially constant.
     pub fn is_even(&self) -> bool {
         self.slices.scattering.is_empty() && !self.bends_normals()

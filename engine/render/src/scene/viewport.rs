@@ -4,19 +4,31 @@
 use crate::projection::{Panorama, Projection};
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec2, DVec3, Mat3A, Vec2, Vec3A};
 
-/// A perspective or panoramic camera, as the scene's description has it.
+/// A perspective, orthographic or panoramic camera, as the scene's description has it.
 #[derive(Clone, Copy, Debug)]
 pub struct ViewportDescription {
     /// The viewport's axes to the world; it looks along its -z. Scale counts nothing.
     pub matrix: DMat4,
-    /// Focal length over the picture's width and height.
+    /// Focal length over the picture's width and height; of an orthographic camera 1 over width and height in Blender units.
     pub focal: DVec2,
     /// The point of the picture on the camera's axis, from 0 to 1 both ways.
     pub center: DVec2,
     /// Columns and rows of pixels.
     pub pixels: [u32; 2],
-    /// The picture of a panoramic camera; `focal` and `center` say nothing of it.
-    pub panorama: Option<Panorama>,
+    /// The projection of the picture.
+    pub projection: ViewportProjection,
+}
+
+/// The projection of a viewport's picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ViewportProjection {
+    /// By rays through the camera's origin.
+    #[default]
+    Perspective,
+    /// By parallel rays.
+    Orthographic,
+    /// That of a panoramic camera; focal length and centre say nothing of it.
+    Panoramic(Panorama),
 }
 
 impl Default for ViewportDescription {
@@ -26,7 +38,7 @@ impl Default for ViewportDescription {
             focal: DVec2::ONE,
             center: DVec2::splat(0.5),
             pixels: [1000; 2],
-            panorama: None,
+            projection: ViewportProjection::Perspective,
         }
     }
 }
@@ -41,27 +53,30 @@ pub struct Viewport {
     pub from_render: Affine3A,
     focal: Vec2,
     center: Vec2,
-    /// A pixel's sides at depth 1.
+    /// A pixel's sides: at depth 1, of an orthographic camera everywhere.
     pixel: Vec2,
-    /// The picture of a panoramic camera.
-    panorama: Option<Panorama>,
+    projection: ViewportProjection,
     /// From the camera's space to the camera's axes: right, up, backwards.
     to_axes: Mat3A,
 }
 
 impl Viewport {
     pub(super) fn new(description: &ViewportDescription, origin: DVec3) -> Self {
-        let ViewportDescription { matrix, focal, center, pixels: [columns, rows], panorama } = *description;
+        let ViewportDescription { matrix, focal, center, pixels: [columns, rows], projection } = *description;
         let unit = |axis: DVec3, otherwise: DVec3| axis.try_normalize().unwrap_or(otherwise);
         let own = DAffine3::from_mat4(matrix);
         let x = unit(own.matrix3.x_axis, DVec3::X);
         let y = unit(own.matrix3.y_axis, DVec3::Y);
         let z = unit(own.matrix3.z_axis, DVec3::Z);
-        let to_axes = match panorama {
-            None => DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)),
+        let to_axes = match projection {
+            ViewportProjection::Perspective | ViewportProjection::Orthographic => {
+                DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0))
+            }
             // As Cycles has them: a ball is looked at along y, all other pictures are of the directions about x.
-            Some(Panorama { projection: Projection::MirrorBall, .. }) => DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y),
-            Some(_) => DMat3::from_cols(DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y),
+            ViewportProjection::Panoramic(Panorama { projection: Projection::MirrorBall, .. }) => {
+                DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y)
+            }
+            ViewportProjection::Panoramic(_) => DMat3::from_cols(DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y),
         };
         let to_world = DAffine3 { matrix3: DMat3::from_cols(x, y, z) * to_axes, translation: own.translation };
         let from_world = to_world.inverse();
@@ -72,26 +87,32 @@ impl Viewport {
             from_render: single(from_world * DAffine3::from_translation(origin)),
             focal: focal.as_vec2(),
             center: center.as_vec2(),
-            pixel: match panorama {
-                None => (1.0 / (focal * size)).as_vec2(),
-                Some(panorama) => DVec2::from(panorama.step_rad(1.0 / size)).as_vec2(),
+            pixel: match projection {
+                ViewportProjection::Perspective | ViewportProjection::Orthographic => (1.0 / (focal * size)).as_vec2(),
+                ViewportProjection::Panoramic(panorama) => DVec2::from(panorama.step_rad(1.0 / size)).as_vec2(),
             },
-            panorama,
+            projection,
             to_axes: Mat3A::from(to_axes.as_mat3()),
         }
     }
 
     /// The place on the picture of a place of the camera's space, from 0 to 1 both ways; zero where it has none, as beside the camera.
     pub fn window(&self, place: Vec3A) -> Vec3A {
-        if let Some(panorama) = &self.panorama {
-            let at = panorama.place((self.to_axes * place).as_dvec3());
-            return at.map_or(Vec3A::ZERO, |at| (at.as_vec2() + 0.5).extend(0.0).into());
+        let across = Vec2::new(place.x, place.y);
+        match &self.projection {
+            ViewportProjection::Panoramic(panorama) => {
+                let at = panorama.place((self.to_axes * place).as_dvec3());
+                at.map_or(Vec3A::ZERO, |at| (at.as_vec2() + 0.5).extend(0.0).into())
+            }
+            ViewportProjection::Orthographic => (across * self.focal + self.center).extend(0.0).into(),
+            ViewportProjection::Perspective if place.z == 0.0 => Vec3A::ZERO,
+            ViewportProjection::Perspective => (across / place.z * self.focal + self.center).extend(0.0).into(),
         }
-        if place.z == 0.0 {
-            return Vec3A::ZERO;
-        }
-        let at = Vec2::new(place.x, place.y) / place.z;
-        (at * self.focal + self.center).extend(0.0).into()
+    }
+
+    /// True if the picture is one by parallel rays.
+    pub fn is_orthographic(&self) -> bool {
+        self.projection == ViewportProjection::Orthographic
     }
 
     /// Width of a pixel at distance 1, in the middle of the picture.
@@ -103,12 +124,20 @@ impl Viewport {
     /// same distance. Beyond the frame it is as if the place were `off_screen` - 1 times its distance from the frame farther away. As
     /// `Camera::world_to_raster_size` of Cycles.
     pub fn diced_width(&self, place: Vec3A, off_screen: f32) -> f32 {
-        if self.panorama.is_some() {
-            // Any place may be seen.
-            return self.pixel_angle_rad() * place.length();
-        }
         let Vec2 { x: left, y: bottom } = -self.center / self.focal;
         let Vec2 { x: right, y: top } = (Vec2::ONE - self.center) / self.focal;
+        match self.projection {
+            ViewportProjection::Perspective => {}
+            // Any place may be seen.
+            ViewportProjection::Panoramic(_) => return self.pixel_angle_rad() * place.length(),
+            ViewportProjection::Orthographic => {
+                let framed = Vec3A::new(place.x.clamp(left, right), place.y.clamp(bottom, top), place.z.max(0.0));
+                // In units of the frame's half diagonal over the square root of two.
+                let outside =
+                    place.distance(framed) / (0.5 * (right * right + top * top)).sqrt().max(f32::MIN_POSITIVE);
+                return self.pixel.min_element() * (1.0 + outside * (off_screen - 1.0).max(0.0));
+            }
+        }
         let beyond = |out: Vec3A| place.dot(out.normalize());
         let sides = [
             Vec3A::new(1.0, 0.0, -right),
@@ -122,8 +151,10 @@ impl Viewport {
 
     /// Width of a pixel across the line of sight at a place of the camera's space: the mean of both ways, world units.
     pub fn pixel_width(&self, place: Vec3A) -> f32 {
-        if self.panorama.is_some() {
-            return self.pixel_angle_rad() * place.length();
+        match self.projection {
+            ViewportProjection::Perspective => {}
+            ViewportProjection::Orthographic => return self.pixel_angle_rad(),
+            ViewportProjection::Panoramic(_) => return self.pixel_angle_rad() * place.length(),
         }
         let ahead = place / place.z.abs().max(1e-6);
         let step = |to: Vec3A| (ahead + to).normalize_or_zero().distance(ahead.normalize_or_zero());
@@ -141,7 +172,13 @@ mod tests {
         let turn = DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2);
         let matrix = DMat4::from_translation(DVec3::new(1.0, 2.0, 3.0)) * turn * DMat4::from_scale(DVec3::splat(2.0));
         let (focal, center) = (DVec2::new(0.5, 1.0), DVec2::new(0.5, 0.4));
-        let description = ViewportDescription { matrix, focal, center, pixels: [200, 100], panorama: None };
+        let description = ViewportDescription {
+            matrix,
+            focal,
+            center,
+            pixels: [200, 100],
+            projection: ViewportProjection::Perspective,
+        };
         Viewport::new(&description, DVec3::new(1.0, 0.0, 0.0))
     }
 
@@ -164,5 +201,17 @@ mod tests {
             let width = viewport.pixel_width(Vec3A::Z * depth);
             assert!((width - 0.01 * depth).abs() < 1e-5 * depth, "{width} at {depth}");
         }
+    }
+
+    /// 2 units by 1, shifted: everything is as large at any depth.
+    #[test]
+    fn an_orthographic_picture_has_no_depth() {
+        let viewport = Viewport { projection: ViewportProjection::Orthographic, ..viewport() };
+        for depth in [1.0, 3.0] {
+            let place = Vec3A::new(0.5, -0.2, depth);
+            assert!(viewport.window(place).distance(Vec3A::new(0.75, 0.2, 0.0)) < 1e-6);
+            assert_eq!([viewport.pixel_width(place), viewport.diced_width(place, 4.0)], [0.01; 2]);
+        }
+        assert!(viewport.diced_width(Vec3A::new(3.0, 0.0, 1.0), 4.0) > 0.02);
     }
 }

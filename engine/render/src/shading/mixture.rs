@@ -437,6 +437,19 @@ impl LobeDecomposition for Mixture {
         [sum.diffuse, sum.glossy, sum.transmission]
     }
 
+    fn mean_alpha_squared(&self, wi: Vec3A) -> f32 {
+        if self.lobes.iter().all(|lobe| lobe.width_squared() == 1.0) {
+            return 1.0;
+        }
+        let Here { geometric_normal, smooth_normal, .. } = self.here;
+        let above = geometric_normal.dot(wi) > 0.0;
+        let (sum, pdf) = self.lobes.iter().fold((0.0, 0.0), |(sum, pdf), lobe| {
+            let own = lobe.chance * lobe.evaluate(wi, above, smooth_normal).1;
+            (sum + own * lobe.width_squared(), pdf + own)
+        });
+        if pdf > 0.0 { sum / pdf } else { 1.0 }
+    }
+
     #[cold]
     #[inline(never)]
     fn features(&self) -> Features {

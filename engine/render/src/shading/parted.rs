@@ -86,6 +86,9 @@ pub trait LobeDecomposition {
     /// says better, as Cycles has it.
     fn albedos(&self) -> [Rgb; 3];
 
+    /// The mean square of the widths alpha of the lobes, mirrors left out, by the density with which each chooses `wi`; 1 for broad lobes.
+    fn mean_alpha_squared(&self, wi: Vec3A) -> f32;
+
     /// The features for a denoiser.
     fn features(&self) -> Features;
 

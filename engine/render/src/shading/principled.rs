@@ -394,6 +394,15 @@ impl LobeDecomposition for Bsdf {
         [self.diffuse, metal + glass + coat, through]
     }
 
+    fn mean_alpha_squared(&self, wi: Vec3A) -> f32 {
+        let Some(f) = self.rough_facets() else { return 1.0 };
+        let wi = warp::to_local(&self.frame, wi);
+        let (_, pdf) = self.evaluate_local(wi, wi.z > 0.0);
+        let diffuse = self.chance[3] * warp::cosine_hemisphere_pdf(self.base_normal.dot(wi).max(0.0));
+        let part = if pdf > 0.0 { (diffuse / pdf).min(1.0) } else { 1.0 };
+        part + (1.0 - part) * f.ggx.width().powi(2)
+    }
+
     #[cold]
     #[inline(never)]
     fn features(&self) -> Features {

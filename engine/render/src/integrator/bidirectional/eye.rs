@@ -10,7 +10,7 @@ use crate::integrator::aimed::AimedLights;
 use crate::integrator::path::{CAMERA_SETS, FirstSurface, Limits, PathResult, SURE_BOUNCES, transmittance};
 use crate::lights::receiver::LightSampleContext;
 use crate::lights::{LightHit, Line, Source};
-use crate::nodes::{self, PathState, View};
+use crate::nodes::{self, PathState, RayCone, View};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
@@ -218,7 +218,7 @@ impl HitLight<'_> {
     /// The light of the surface that the ray hits, and its weight beside rays that sources send to the lens.
     fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> (Rgb, f32) {
         let PreparedScene { scene, lights, emission, .. } = self.stage;
-        let view = View::along(self.ray, distance, self.way());
+        let view = View::along(self.ray, RayCone::camera(&scene.viewport, self.ray), distance, self.way());
         let radiance = nodes::emission_at(material(self.stage, point), self.stage.around(), point, &view);
         let source = lights.triangle_source(hit.instance, hit.triangle);
         let (Some(to), Some(source)) = (self.receiver(), source) else {
@@ -255,7 +255,8 @@ fn direct(stage: &PreparedScene, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], 
     *rays += 1;
     let mut ray = vertex.ray(light.wi);
     ray.t_max = light.reach(vertex.point.position_error);
-    let through = |hit: &Hit| transmittance(scene, hit, &View::along(&ray, hit.t, PathState::CAMERA.shadow()));
+    let cone = RayCone::pixel(&scene.viewport);
+    let through = |hit: &Hit| transmittance(scene, hit, &View::along(&ray, cone, hit.t, PathState::CAMERA.shadow()));
     found * stage.accel.light_through(&ray, Rays::SHADOW, through)
 }
 
@@ -287,12 +288,13 @@ fn connect(stage: &PreparedScene, eye: &Vertex, light: &Vertex, rays: &mut u32) 
     *rays += 1;
     // Both ends stand clear of their surfaces.
     let ray = Ray { t_max: gap.length(), ..eye.point.leaving(origin, gap.normalize_or(d)) };
+    let cone = RayCone::pixel(&stage.scene.viewport);
     let through = |hit: &Hit| {
         // A strand of hair does not hide itself.
         if light.point.is_on_strand_of(&stage.scene, hit) {
             return Rgb::ONE;
         }
-        transmittance(&stage.scene, hit, &View::along(&ray, hit.t, PathState::CAMERA.shadow()))
+        transmittance(&stage.scene, hit, &View::along(&ray, cone, hit.t, PathState::CAMERA.shadow()))
     };
     let open = stage.accel.light_through(&ray, Rays::BOUNCE, through);
     found * weight(others) * open

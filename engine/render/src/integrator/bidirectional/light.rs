@@ -8,7 +8,7 @@ use crate::accel::{Hit, Ray};
 use crate::camera::lens::from_scene::Landed;
 use crate::integrator::PreparedScene;
 use crate::integrator::path::{Limits, SURE_BOUNCES, transmittance};
-use crate::nodes::{PathState, View};
+use crate::nodes::{PathState, RayCone, View};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
@@ -159,8 +159,9 @@ pub(super) fn splat(
             let Some(way) = clip.way_to_camera(&seen) else { continue };
             ray.t_max = way;
         }
+        let cone = RayCone::pixel(&stage.scene.viewport);
         let through =
-            |hit: &Hit| transmittance(&stage.scene, hit, &View::along(&ray, hit.t, PathState::CAMERA.shadow()));
+            |hit: &Hit| transmittance(&stage.scene, hit, &View::along(&ray, cone, hit.t, PathState::CAMERA.shadow()));
         rays += 1;
         let open = stage.accel.light_through(&ray, Rays::CAMERA, through);
         let light = light * open;

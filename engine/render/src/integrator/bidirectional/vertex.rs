@@ -4,7 +4,7 @@ use super::weights::Partial;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::PreparedScene;
 use crate::integrator::path::{MOST_STEPS, leave, mix, opening};
-use crate::nodes::{self, Layers, PathState, View};
+use crate::nodes::{self, Layers, PathState, RayCone, View};
 use crate::sampler::PathSampler;
 use crate::scene::plain::PlainValues;
 use crate::scene::visibility::Rays;
@@ -46,7 +46,8 @@ impl Vertex {
         let (point, kept) = met;
         let material = material(stage, &point);
         let values = material.graph.plain.as_ref().map(|plain| {
-            let at_point = || nodes::plain_values(material, plain, stage.around(), &point, &bounced(&point, back));
+            let at_point =
+                || nodes::plain_values(material, plain, stage.around(), &point, &bounced(&stage.scene, &point, back));
             plain.constants.unwrap_or_else(at_point)
         });
         let bsdf = VertexSurface::new(stage, values.as_ref(), kept, &point, back);
@@ -88,8 +89,9 @@ pub(super) enum VertexSurface {
 }
 
 /// The view of a point along a ray that bounced before, `wo` towards its origin.
-fn bounced(point: &SurfacePoint, wo: Vec3A) -> View {
-    View { direction: -wo, distance: 1.0, way: PathState::BOUNCE, moment: point.moment, is_blurry: true }
+fn bounced(scene: &crate::scene::Scene, point: &SurfacePoint, wo: Vec3A) -> View {
+    let cone = RayCone::pixel(&scene.viewport);
+    View { direction: -wo, distance: 1.0, way: PathState::BOUNCE, moment: point.moment, is_blurry: true, cone }
 }
 
 impl VertexSurface {
@@ -100,7 +102,7 @@ impl VertexSurface {
             return Self::Plain(bsdf);
         }
         let mut layers = Layers::default();
-        nodes::layers(material(stage, point), stage.around(), point, &bounced(point, wo), &mut layers);
+        nodes::layers(material(stage, point), stage.around(), point, &bounced(&stage.scene, point, wo), &mut layers);
         let mut mixture = Mixture::empty();
         mix(&mut mixture, stage, &layers, point, wo, kept, None);
         Self::Layers(mixture)
@@ -197,7 +199,9 @@ impl Walk<'_> {
             let point = SurfacePoint::new(&self.stage.scene, &hit, ray.direction);
             let [u0, u1, u_light, u_alpha] = self.sampler.next_4d();
             distance += hit.t;
-            let opening = opening(&self.stage.scene, &point, &View::along(&ray, distance, PathState::BOUNCE));
+            let scene = &self.stage.scene;
+            let view = View::along(&ray, RayCone::pixel(&scene.viewport), distance, PathState::BOUNCE);
+            let opening = opening(scene, &point, &view);
             let stays = 1.0 - opening.chance;
             if u_alpha >= stays {
                 through *= opening.light / opening.chance;

@@ -10,6 +10,9 @@ pub struct Approximations {
     /// Filter Glossy of Cycles: surfaces are rougher where a path looks that was scattered with less than this density per
     /// steradian. 0 is off.
     pub filter_glossy: f32,
+    /// The growth of footprints after a diffuse scattering, in widths per length: what a bump is computed over is smoothed by it where a
+    /// path looks that was scattered. 0 leaves the pixel's own. Cycles from 5.2 on has Filter Glossy, at most 1.
+    pub widening: f32,
     /// A replacement of indirect light, or an addition to it.
     pub fast_gi: FastGi,
 }

@@ -17,7 +17,7 @@ use crate::integrator::PreparedScene;
 use crate::integrator::aimed::AimedLights;
 use crate::integrator::subsurface::leave;
 use crate::lights::Source;
-use crate::nodes::{self, Layers, PathState, View};
+use crate::nodes::{self, Layers, PathState, RayCone, View};
 use crate::sampler::{KeptScramble, PathSampler};
 use crate::scene::visibility::Rays;
 use crate::shading::Past;
@@ -75,6 +75,8 @@ struct Path {
     start: Vec3A,
     /// The instance that scattered the ray.
     from: u32,
+    /// The cone about the ray; nothing where no material of the scene needs it.
+    cone: RayCone,
     /// Least density of the directions that it was scattered in so far; infinite before the first.
     least_pdf: f32,
     /// The brightest channel of the throughput after the first scattering; 0 before it.
@@ -212,6 +214,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             travelled: 0.0,
             start: ray.origin,
             from: 0,
+            cone: RayCone::default(),
             least_pdf: f32::INFINITY,
             first_throughput: 0.0,
             sampler,
@@ -234,6 +237,11 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         if VOLUMES {
             self.inside.clear();
             self.inside.extend(self.paths.iter().map(|path| MediumState::new(stage, path)));
+        }
+        if stage.needs_cones {
+            for path in &mut self.paths {
+                path.cone = RayCone::camera(&stage.scene.viewport, &path.ray);
+            }
         }
         for step in 0..MOST_STEPS {
             if self.live.is_empty() {
@@ -440,7 +448,14 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         let SurfaceInteraction { path: i, point, view, u_light, share, next, .. } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
-        let at = ScatterPlace { stage, limits, point, normal: bent.unwrap_or(point.shading_normal), share: *share };
+        let at = ScatterPlace {
+            stage,
+            limits,
+            point,
+            normal: bent.unwrap_or(point.shading_normal),
+            share: *share,
+            distance: view.distance,
+        };
         if let Next::Scatter = next {
             found.notes.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
         }
@@ -490,6 +505,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         path.throughput *= light;
         let (at, bsdf) =
             (ScatterPlace { point: &exit, normal: exit.shading_normal, share: 1.0, ..at }, Mixture::exit(&exit));
+        path.cone.spread = 0.0;
         let to = at.light(path, &mut found, &mut self.shadows, &bsdf, [u_light, u0, u1]);
         if VOLUMES {
             let inside = &self.inside[*i as usize];
@@ -528,6 +544,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             let mut found = Found { path: *path, result: &mut self.results[*path as usize], notes: &mut self.notes };
             found.result.rays += 1;
             let mut left = limits.shadows_pass(*way);
+            let cone = RayCone::pixel(&stage.scene.viewport);
             let free = stage.accel.light_through(ray, Rays::SHADOW, |hit| {
                 if sets.blockers != 0 && !stage.scene.instances[hit.instance as usize].links.blocks_light_of(*sets) {
                     return Rgb::ONE;
@@ -536,7 +553,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
                     return Rgb::ZERO;
                 }
                 left -= 1;
-                transmittance(&stage.scene, hit, &View::along(ray, hit.t, way.shadow()))
+                transmittance(&stage.scene, hit, &View::along(ray, cone, hit.t, way.shadow()))
             });
             found.add(*of, limits.clamp(*light * free, u32::from(way.depth)));
         }

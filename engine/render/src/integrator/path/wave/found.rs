@@ -34,7 +34,7 @@ impl<N: AovSink> Found<'_, N> {
 impl Path {
     /// The view along the path's ray at the hit at this distance.
     pub(super) fn view(&self, distance: f32) -> View {
-        View::along(&self.ray, distance, self.way).with_least_pdf(self.least_pdf)
+        View::along(&self.ray, self.cone, distance, self.way).with_least_pdf(self.least_pdf)
     }
 
     /// True if light that the ray found counts: not where light linking excludes the object that the ray comes from

@@ -37,6 +37,8 @@ pub(super) struct ScatterPlace<'a> {
     pub(super) normal: Vec3A,
     /// The part of the paths that come there which scatter; a light sample is taken by all of them.
     pub(super) share: f32,
+    /// Distance of the place along the path since its last scattering.
+    pub(super) distance: f32,
 }
 
 impl ScatterPlace<'_> {
@@ -50,7 +52,7 @@ impl ScatterPlace<'_> {
         bsdf: &(impl Scattering + LobeDecomposition),
         [u_light, u0, u1]: [f32; 3],
     ) -> Option<LightSampleContext> {
-        let Self { stage, limits, point, normal, share } = *self;
+        let Self { stage, limits, point, normal, share, .. } = *self;
         if bsdf.is_mirror() {
             return None;
         }
@@ -125,6 +127,12 @@ impl ScatterPlace<'_> {
                 MisContext::WithPdf(next.pdf * self.share, to)
             }
         };
+        if self.stage.needs_cones {
+            let widening = self.limits.approximations.widening;
+            let is_wide = next.mirror || path.cone.spread >= widening;
+            let alpha_squared = if is_wide { 0.0 } else { bsdf.mean_alpha_squared(next.wi) };
+            path.cone = path.cone.scattered(self.distance, widening, alpha_squared);
+        }
         path.travelled = 0.0;
         path.ray = self.point.leaving(leave(self.point, next.wi), next.wi);
         if let Some(last) = self.limits.approximations.fast_gi.last_ray(path.way) {

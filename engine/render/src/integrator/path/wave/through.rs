@@ -14,8 +14,8 @@ use crate::integrator::media::{Event, Stack, Stretch};
 use crate::integrator::mis::power_heuristic;
 use crate::lights::receiver::LightSampleContext;
 use crate::lights::{LightHit, Line};
-use crate::nodes::View;
 use crate::nodes::volume::Medium;
+use crate::nodes::{RayCone, View};
 use crate::sampler::hashed::HashedNumbers;
 use crate::sampler::warp;
 use crate::scene::Scene;
@@ -256,6 +256,11 @@ impl MediumState {
         }
         path.chosen = MisContext::WithPdf(pdf * at.share, to);
         path.least_pdf = path.least_pdf.min(pdf);
+        if at.stage.needs_cones {
+            let widening = at.limits.approximations.widening;
+            // As wide as an even scattering, however far forward the medium scatters.
+            path.cone = path.cone.scattered(path.ray.origin.distance(at.position) + path.travelled, widening, 1.0);
+        }
         path.travelled = 0.0;
         path.ray = Ray::new(at.position, wi).at(path.ray.moment);
         if let Some(last) = at.limits.approximations.fast_gi.last_ray(path.way) {
@@ -410,6 +415,7 @@ impl ShadowMedia {
         let Shadow { ray, way, sets, .. } = shadow;
         let scene = &stage.scene;
         let mut left = limits.shadows_pass(*way);
+        let cone = RayCone::pixel(&scene.viewport);
         let mut borders: Vec<(f32, SurfacePoint)> = Vec::new();
         let free = stage.accel.light_through(ray, Rays::SHADOW, |hit| {
             let instance = &scene.instances[hit.instance as usize];
@@ -427,7 +433,7 @@ impl ShadowMedia {
                 return Rgb::ZERO;
             }
             left -= 1;
-            transmittance(scene, hit, &View::along(ray, hit.t, way.shadow()))
+            transmittance(scene, hit, &View::along(ray, cone, hit.t, way.shadow()))
         });
         if free == Rgb::ZERO || (borders.is_empty() && self.stack.is_empty()) {
             return free;
