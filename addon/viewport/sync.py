@@ -49,6 +49,7 @@ class SceneSync:
 
     def _tell(self, depsgraph, changed, space, origin) -> Any | None:
         kept, digest = self._kept, hashlib.blake2b(digest_size=16)
+        changed.materials |= kept.behind(depsgraph.scene_eval.frame_current, of_view=True)
         kept.begin(changed)
         # `Kept` counts pieces itself.
         kept.builder = Watched(self._builder, digest, pieces=None)
