@@ -12,9 +12,12 @@ from .image_pixels import Pixels
 from .kept import ImageKey, Kept, uid
 from .report import Report
 
-MAGENTA = np.array([[[1.0, 0.0, 1.0, 1.0]]], np.float32)
+#: Interpolated towards nothing as the bytes of a file are.
+MAGENTA = np.array([[[255, 0, 255, 255]]], np.uint8)
 #: From this version on a missing image is magenta beyond its edges too, whatever its extension.
 _MISSING_IS_EVERYWHERE = (5, 2, 0)
+#: From this version on a box has tiles, of which it shows the first alone; before, it shows that as an image without tiles.
+_BOXES_HAVE_TILES = (5, 2, 0)
 LINEAR_SPACES = {"Linear", "Linear Rec.709", "scene_linear"}
 
 
@@ -71,8 +74,9 @@ class Images:
         image = node.image.original
         if node.type == "TEX_ENVIRONMENT":
             return self._without_tiles(image, associated)
-        # A box takes coordinates without tiles.
         is_box = node.projection == "BOX"
+        if is_box and bpy.app.version < _BOXES_HAVE_TILES:
+            return self.index(image, FIRST_TILE, associated=associated)
         numbers = (FIRST_TILE,) if is_box else tuple(sorted(tile.number for tile in image.tiles))
         key = ImageKey(uid(image), numbers, associated)
         tiles = []
@@ -120,7 +124,7 @@ class Images:
     def _pixels(self, image: bpy.types.Image, part: Part, associated: bool) -> tuple[np.ndarray, bool]:
         """Pixels (height, width, 4) from below, and whether they are linear; those of a missing image are magenta."""
         if self._is_missing(image, part):
-            return MAGENTA, True
+            return MAGENTA.copy(), False
         place = uid(image), part
         # What was sent before, with colours and alpha together or apart, may now be sent the other way.
         read = self._read.pop(place, None) or self._of_file(image, part)
@@ -129,7 +133,7 @@ class Images:
         else:
             read = self._of_blender(image, part)
         if read is None:
-            return MAGENTA, True
+            return MAGENTA.copy(), False
         return read.sent(associated=associated), read.is_float
 
     @staticmethod

@@ -119,6 +119,9 @@ def _of_file(image: bpy.types.Image, part: Part) -> bpy.types.Image | None:
     data = packed(image, part)
     try:
         if data is None:
+            # What is not there Blender would complain of.
+            if not os.path.isfile(path(image, part)):
+                return None
             made = bpy.data.images.load(path(image, part))
         else:
             made = bpy.data.images.new(image.name, 1, 1)
