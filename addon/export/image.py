@@ -152,6 +152,8 @@ class Images:
         if part is not None:
             which = f", tile {part}," if image.source == "TILED" else f", frame {part},"
         help_ = "save or restore the file" if image.source == "TILED" else "restore the file"
+        if image.source == "MOVIE" and not image_parts.READS_MOVIES:
+            help_ = "movies need Blender 4.3 or later; an image sequence does not"
         self._report.warn(f"Image '{image.name}'{which} cannot be read ({where}), magenta is shown: {help_}")
 
     def _is_srgb(self, image: bpy.types.Image) -> bool:

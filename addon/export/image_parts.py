@@ -16,6 +16,8 @@ Part = int | None
 
 #: The tile at the origin of UV space.
 FIRST_TILE = 1001
+#: Whether Blender gives Python the frames of a movie: from 4.3 on.
+READS_MOVIES = "frame" in bpy.types.Image.bl_rna.functions["scale"].parameters
 _FOLLOW_THE_FRAME = {"SEQUENCE", "MOVIE"}
 #: The last digits of a file's name before its ending.
 _FRAME_IN_NAME = re.compile(r"(\d+)(?=\D*$)")
@@ -104,6 +106,8 @@ def _is_painted(image: bpy.types.Image, part: Part) -> bool:
 def _of_movie(image: bpy.types.Image, frame: int) -> bpy.types.Image | None:
     """A copy of a movie at a frame. Nothing but `scale` takes a frame from Python: then it is the copy's last one, which its pixels are of
     when they are read again."""
+    if not READS_MOVIES:
+        return None
     made = image.copy()
     try:
         made.scale(1, 1, frame=frame)

@@ -288,11 +288,17 @@ def test_a_movie(stage, blender, tmp_path):
     use(texture, {"frame_duration": 6, "frame_start": 2})
     seen = [tuple(same(stage, blender, tmp_path, frame)) for frame in (-1, 2, 3, 7, 9)]
     assert len(set(seen)) == 3
+    told = lambda: stage.part("render.statistics").last("Scene").warnings  # noqa: E731
+    with pytest.MonkeyPatch.context() as patch:
+        # As in Blender 4.2.
+        patch.setattr(stage.part("export.image_parts"), "READS_MOVIES", False)
+        assert np.allclose(scene_picture(stage, blender, tmp_path, "PETZVAL"), (1.0, 0.0, 1.0))
+        assert "an image sequence does not" in told()[0]
     (tmp_path / "movie.avi").unlink()
     image.reload()
     blender.context.scene.frame_set(4)
     assert np.allclose(scene_picture(stage, blender, tmp_path, "PETZVAL"), (1.0, 0.0, 1.0))
-    assert "movie.avi" in stage.part("render.statistics").last("Scene").warnings[0]
+    assert "movie.avi" in told()[0] and "restore the file" in told()[0]
 
 
 def test_floats_in_a_sequence(stage, blender, tmp_path):
@@ -307,3 +313,16 @@ def test_floats_in_a_sequence(stage, blender, tmp_path):
     for frame in (1, 2):
         # Blender turns colours by a matrix in single precision, whose inverse wrote the file.
         assert np.allclose(same(stage, blender, tmp_path, frame), (0.5 * frame, 3.0, 0.25), rtol=1e-4)
+
+
+def test_tiles_that_were_never_saved(stage, blender, tmp_path):
+    """The first is what was painted in Blender; of another there is nothing."""
+    from support import image_files as files
+
+    image = blender.data.images.new("Painted", 16, 16, tiled=True)
+    image.pixels.foreach_set(files.picture(16, 16, 4).astype(np.float32).ravel())
+    image.update()
+    image.tiles.new(1002)
+    sheet(stage, image, (0.0, 0.0), (2.0, 1.0))
+    found = alike(tmp_path, warns="tile 1002, cannot be read")
+    assert np.allclose(found[8, -4], (1.0, 0.0, 1.0), atol=1e-5) and found[8, 8].max() < 0.95
