@@ -60,8 +60,8 @@ class Kept:
     #: The frames that were shown the time before.
     _frames: set[ImageKey] = field(default_factory=set)
 
-    def begin(self, changed: Changes) -> None:
-        """Forgets what changed; what is not asked for until `sweep` goes then."""
+    def begin(self, changed: Changes, scene_frame: int) -> None:
+        """Forgets what changed, and frames that are not those of the scene's frame; what is not asked for until `sweep` goes then."""
         if changed.images & {key.image for key in self.images}:
             # Materials name images by their index.
             changed = Changes(changed.images, changed.shapes, set(self.materials))
@@ -70,9 +70,16 @@ class Kept:
             self.builder.forget_material(self.materials.pop(key))
             self.wanted.pop(key, None)
             self.changes += 1
-        # Worlds and lights are told anew each time.
         self._frames = {key for shown in self.timed.values() for key in shown}
+        as_now = {
+            key
+            for shown in self.timed.values()
+            for key, timing in shown.items()
+            if key.part == timing.frame(scene_frame)
+        }
+        # Worlds and lights are told anew each time.
         self.timed = {key: shown for key, shown in self.timed.items() if key in self.materials}
+        self._forget_frames(as_now)
         self._drop(key for key, piece in self.meshes.items() if not piece.sources.isdisjoint(changed.shapes))
         self.reshaped = frozenset(changed.shapes)
         for piece in self.meshes.values():
@@ -93,12 +100,7 @@ class Kept:
     def sweep(self) -> None:
         """Forgets the meshes that were not asked for, and the frames that nothing shows any more."""
         self._drop(key for key, piece in self.meshes.items() if not piece.is_used)
-        shown = {key for keys in self.timed.values() for key in keys}
-        in_use = {self.images[key] for key in shown & self.images.keys()}
-        gone = {(key.image, key.part) for key in self._frames - shown}
-        self._forget_images(
-            {key for key, index in self.images.items() if (key.image, key.part) in gone and index not in in_use}
-        )
+        self._forget_frames(set())
 
     def mesh(self, key: Hashable, sources: Iterable[bpy.types.ID | None], send: Callable[[], int | None]) -> int | None:
         """The engine's index of a mesh, sent if it is not there yet. The address of an evaluated mesh may be in `key`: one that is of
@@ -114,6 +116,15 @@ class Kept:
         piece.sources |= made_of
         piece.is_used = True
         return piece.index
+
+    def _forget_frames(self, wanted: set[ImageKey]) -> None:
+        """Forgets the frames of the time before that nothing shows, but those that are `wanted`."""
+        shown = wanted.union(*self.timed.values())
+        in_use = {self.images[key] for key in shown & self.images.keys()}
+        gone = {(key.image, key.part) for key in self._frames - shown}
+        self._forget_images(
+            {key for key, index in self.images.items() if (key.image, key.part) in gone and index not in in_use}
+        )
 
     def _forget_images(self, keys: set[ImageKey]) -> None:
         """One image may have two keys: an opaque one is the same with its colours multiplied by alpha."""

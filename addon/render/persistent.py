@@ -55,7 +55,8 @@ def begin(depsgraph: bpy.types.Depsgraph, native: Any, *, is_still: bool, is_wat
     settings = (export.shared_settings(depsgraph, is_render=True), is_watched) if can_keep else None
     last = last if is_persistent and last is not None and last.of == of else None
     changes = Changes.of(depsgraph)
-    behind = set() if last is None else last.kept.behind(depsgraph.scene_eval.frame_current, of_view=False)
+    frame = depsgraph.scene_eval.frame_current
+    behind = set() if last is None else last.kept.behind(frame, of_view=False)
     # What was warned of may be mended: only what is sent says so.
     may_be_mended = (
         last is not None and last.report.warnings and (changes.images or changes.shapes or changes.materials | behind)
@@ -67,7 +68,7 @@ def begin(depsgraph: bpy.types.Depsgraph, native: Any, *, is_still: bool, is_wat
         # A new graph calls everything changed but images, which may have changed before it was made.
         changes.images.update(key.image for key in last.kept.images)
     changes.materials |= behind
-    last.kept.begin(changes)
+    last.kept.begin(changes, frame)
     return last
 
 

@@ -126,8 +126,9 @@ def test_an_image_that_changed_while_another_engine_rendered(room, parts, blende
     assert np.array_equal(second, parts.render(tmp_path, "whole.exr"))
 
 
-def test_fingerprints_do_not_depend_on_what_was_sent_before(room, parts, blender, tmp_path, monkeypatch):
-    """A checkpoint of one frame of an animation is gone on with by a render of that frame alone."""
+@pytest.fixture
+def fingerprints(parts, monkeypatch):
+    """Those of the scenes that are rendered from now on."""
     checkpoints, found = parts.part("render.checkpoints"), []
     plain = checkpoints.Checkpoint.add
 
@@ -136,6 +137,12 @@ def test_fingerprints_do_not_depend_on_what_was_sent_before(room, parts, blender
         found.append(self._scene.hexdigest())
 
     monkeypatch.setattr(checkpoints.Checkpoint, "add", add)
+    return found
+
+
+def test_fingerprints_do_not_depend_on_what_was_sent_before(room, parts, blender, tmp_path, fingerprints):
+    """A checkpoint of one frame of an animation is gone on with by a render of that frame alone."""
+    found = fingerprints
     room.petzval.use_checkpoints = room.render.use_persistent_data = True
     parts.render(tmp_path, "first.exr")
     recolour(blender, parts)
@@ -217,6 +224,9 @@ def test_a_sequence_follows_the_frame(filmed, room, parts, blender, tmp_path):
 
 
 def test_a_frame_that_is_missing_is_said_while_it_is(filmed, room, parts, blender, tmp_path):
+    """Nothing else moves, of which Blender would say that it changed; the node is one that views do not refresh."""
+    filmed.image_user.use_auto_refresh = False
+    room.camera.animation_data_clear()
     last = parts.part("render.statistics").last
     (tmp_path / "frame_0002.png").unlink()
     for frame, told in ((3, 0), (4, 1), (5, 0), (4, 1)):
@@ -240,6 +250,10 @@ def test_a_sequence_of_the_world(filmed, room, parts, blender, tmp_path):
         pictures.append(parts.render(tmp_path, f"{frame}.exr"))
         # The stripes, the frame of the sky, and that of the square.
         assert len(set(parts.part("render.persistent")._last.kept.images.values())) == 3
+    sky.image = None
+    parts.render(tmp_path, "without.exr")
+    assert len(set(parts.part("render.persistent")._last.kept.images.values())) == 2
+    sky.image = filmed.image
     room.render.use_persistent_data = False
     for frame, picture in enumerate(pictures, 1):
         room.frame_set(frame)
@@ -265,3 +279,19 @@ def test_tiles_stay(room, parts, blender, tmp_path):
     changed = parts.render(tmp_path, "changed.exr")
     room.render.use_persistent_data = False
     assert np.array_equal(changed, parts.render(tmp_path, "whole.exr"))
+
+
+def test_fingerprints_of_frames_and_tiles(filmed, room, parts, blender, tmp_path, fingerprints):
+    from support import image_files as files
+
+    texture = next(node for node in blender.data.materials["Painted"].node_tree.nodes if node.type == "TEX_IMAGE")
+    texture.image = files.tiled(tmp_path, {1001: files.picture(8, 8, 1), 1011: files.picture(4, 4, 2)})
+    room.petzval.use_checkpoints = True
+    for frame in (3, 4, 5):
+        room.frame_set(frame)
+        parts.render(tmp_path, "persistent.exr")
+    room.render.use_persistent_data = False
+    for frame in (3, 4, 5):
+        room.frame_set(frame)
+        parts.render(tmp_path, "alone.exr")
+    assert fingerprints[:3] == fingerprints[3:] and len(set(fingerprints)) == 3
