@@ -14,6 +14,7 @@ import numpy as np
 #: Calls of the builder by which it gets images, materials and meshes, and forgets them, and the kind of piece.
 _ADDS = {
     "add_image": "image",
+    "add_tiles": "image",
     "add_material": "material",
     "add_mesh": "mesh",
     "add_curves": "mesh",

@@ -42,9 +42,9 @@ def send_scene(
     does not catch shadows holds out, and is not there for anything but the camera. `kept`: what the builder holds already; `seen_in`:
     the view whose own choice of objects counts. True where something is to catch shadows."""
     kept = Kept(builder) if kept is None else kept
-    images, layer = Images(kept, report), depsgraph.view_layer_eval
+    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+    images = Images(kept, report, scene.frame_current)
     materials = Materials(kept, images, Aovs(layer), report, layer.material_override)
-    scene = depsgraph.scene_eval
     groups = LightGroups(layer)
     own = sky_of(depsgraph)
     builder.set_world(_sky(depsgraph, images, groups, report))
@@ -100,7 +100,8 @@ def sky_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
 def send_sky(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report) -> None:
     """Fills a `SceneBuilder` with the world alone."""
     groups = LightGroups(depsgraph.view_layer_eval)
-    builder.set_world(_sky(depsgraph, Images(Kept(builder), report), groups, report))
+    images = Images(Kept(builder), report, depsgraph.scene_eval.frame_current)
+    builder.set_world(_sky(depsgraph, images, groups, report))
 
 
 def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:

@@ -1,107 +1,160 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images: each sent once, with Blender's magenta where its file is missing."""
+"""Images: each frame and tile sent once, with Blender's magenta where its file is missing."""
 
 from __future__ import annotations
 
 import bpy
 import numpy as np
 
-from . import image_file
-from .kept import Kept, uid
+from . import image_file, image_parts, image_pixels
+from .image_parts import FIRST_TILE, Part, Timing
+from .image_pixels import Pixels
+from .kept import ImageKey, Kept, uid
 from .report import Report
 
-MAGENTA = np.array([[[1.0, 0.0, 1.0, 1.0]]], np.float32)
+#: Interpolated towards nothing as the bytes of a file are.
+MAGENTA = np.array([[[255, 0, 255, 255]]], np.uint8)
 #: From this version on a missing image is magenta beyond its edges too, whatever its extension.
 _MISSING_IS_EVERYWHERE = (5, 2, 0)
+#: From this version on a box has tiles, of which it shows the first alone; before, it shows that as an image without tiles.
+_BOXES_HAVE_TILES = (5, 2, 0)
 LINEAR_SPACES = {"Linear", "Linear Rec.709", "scene_linear"}
 
 
 class Images:
-    """The images of one scene, by the engine's index."""
+    """The images of one scene at a frame of it, by the engine's index."""
 
-    def __init__(self, kept: Kept, report: Report) -> None:
+    def __init__(self, kept: Kept, report: Report, scene_frame: int) -> None:
         self._kept = kept
         self._builder = kept.builder
         self._report = report
+        self._frame = scene_frame
         self._known = kept.images
-        # Pixels of files that are to be sent, by datablock, and the datablocks whose file was read.
-        self._of_files: dict[int, np.ndarray] = {}
-        self._read_before: set[int] = set()
+        # Pixels that are to be sent, and what was read before; by datablock and part.
+        self._read: dict[tuple[int, Part], Pixels] = {}
+        self._read_before: set[tuple[int, Part]] = set()
 
-    def index(self, image: bpy.types.Image | None, user: str, *, associated: bool) -> int:
-        """The engine's index of an image; `user` is who asks, for the warning where there is none.
+    def of_node(self, node: bpy.types.Node, holder: bpy.types.ID) -> int | None:
+        """The engine's index of the image that a texture node of a material, world or light shows, its colours multiplied by alpha or not as
+        the node gives them; None where the image is missing, which is named: a missing image is magenta wherever it is read."""
+        image, user = node.image, f"{holder.id_type.title()} '{holder.name}'"
+        associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
+        if image is None:
+            self._report.warn(f"{user}: no image is chosen, magenta is shown")
+            return None
+        if image.source == "TILED":
+            return self._of_tiled(node, associated)
+        timing = Timing.of(node)
+        part = None if timing is None else timing.frame(self._frame)
+        if timing is not None:
+            self._kept.timed.setdefault(uid(holder), {})[ImageKey(uid(image), part, associated)] = timing
+        if self._is_missing(image.original, part) and not _ends_at_its_edge(node):
+            self._warn_of_missing(image, part)
+            return None
+        return self.index(image, part, associated=associated)
+
+    def index(self, image: bpy.types.Image, part: Part = None, *, associated: bool) -> int:
+        """The engine's index of an image, or of a part of one.
 
         `associated`: colours multiplied by alpha, as a node gives them whose alpha is not used.
         """
-        key = (uid(image), associated)
-        if image is None or self._is_missing(image.original):
-            self._warn_of_missing(image, user)
+        key, original = ImageKey(uid(image), part, associated), image.original
+        if self._is_missing(original, part):
+            self._warn_of_missing(image, part)
         if key not in self._known:
-            name, pixels, srgb = self._read(image and image.original, associated)
-            opaque = bool((pixels[..., 3] == pixels.dtype.type(255 if pixels.dtype == np.uint8 else 1)).all())
-            self._known[key] = self._builder.add_image(name, pixels, srgb=srgb)
-            self._kept.changes += 1
-            if opaque:
-                self._known[key[0], not associated] = self._known[key]
+            pixels, is_linear = self._pixels(original, part, associated)
+            name = image.name if part is None else f"{image.name} {part}"
+            self._add(key, self._builder.add_image(name, pixels, srgb=not is_linear and self._is_srgb(original)))
+            if image_pixels.is_opaque(pixels):
+                self._known[key._replace(associated=not associated)] = self._known[key]
         return self._known[key]
 
-    def of_node(self, node: bpy.types.Node, owner: str) -> int | None:
-        """The engine's index of the image that a texture node shows, its colours multiplied by alpha or not as the node
-        gives them; None where the image is missing, which is named: a missing image is magenta wherever it is read."""
-        if node.image is None or (self._is_missing(node.image.original) and not _ends_at_its_edge(node)):
-            self._warn_of_missing(node.image, owner)
-            return None
-        associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
-        return self.index(node.image, owner, associated=associated)
+    def _of_tiled(self, node: bpy.types.Node, associated: bool) -> int | None:
+        """The engine's index of an image of tiles (UDIM), which shows magenta where there is no tile; each tile that is missing is named."""
+        image = node.image.original
+        if node.type == "TEX_ENVIRONMENT":
+            return self._without_tiles(image, associated)
+        is_box = node.projection == "BOX"
+        if is_box and bpy.app.version < _BOXES_HAVE_TILES:
+            return self.index(image, FIRST_TILE, associated=associated)
+        numbers = (FIRST_TILE,) if is_box else tuple(sorted(tile.number for tile in image.tiles))
+        key = ImageKey(uid(image), numbers, associated)
+        tiles = []
+        for number in numbers:
+            if self._is_missing(image, number):
+                self._warn_of_missing(image, number)
+                if bpy.app.version >= _MISSING_IS_EVERYWHERE:
+                    continue
+            tiles.append((number, self.index(image, number, associated=associated)))
+        if key not in self._known:
+            self._add(key, self._builder.add_tiles(image.name, tiles))
+        return self._known[key]
 
-    def _is_missing(self, image: bpy.types.Image) -> bool:
+    def _without_tiles(self, image: bpy.types.Image, associated: bool) -> int | None:
+        """An environment knows no tiles: it shows the first one that is packed, else nothing, as in Cycles."""
+        first = image.tiles[0].number
+        told = f"Image '{image.name}': an Environment Texture node has no tiles (UDIM)"
+        if image_parts.packed(image, first) is None:
+            self._report.warn(f"{told}, magenta is shown as in Cycles: use an image of one file")
+            return None
+        self._report.warn(f"{told}, tile {first} is shown as in Cycles: use an image of one file")
+        return self.index(image, first, associated=associated)
+
+    def _add(self, key: ImageKey, index: int) -> None:
+        self._known[key] = index
+        self._kept.changes += 1
+
+    def _is_missing(self, image: bpy.types.Image, part: Part) -> bool:
         """Whether there are no pixels of it. Those that its file gives are kept until they are sent: Blender then has not to read it, too."""
-        key = uid(image)
-        if key in self._read_before or key in self._of_files:
+        place = uid(image), part
+        if place in self._read_before or place in self._read:
             return False
-        if not {(key, False), (key, True)}.isdisjoint(self._known) and image_file.is_there(image):
+        keys = {ImageKey(*place, False), ImageKey(*place, True)}
+        if not keys.isdisjoint(self._known) and image_file.is_there(image, part):
             return False
-        read = image_file.pixels(image)
-        if read is None:
+        read = self._of_file(image, part)
+        if read is None and part is None:
             return _has_no_pixels(image)
-        self._of_files[key] = read
+        read = read or self._of_blender(image, part)
+        if read is None:
+            return True
+        self._read[place] = read
         return False
 
-    def _read(self, image: bpy.types.Image | None, associated: bool) -> tuple[str, np.ndarray, bool]:
-        """Name, pixels (height, width, 4) from below, and whether they are sRGB-encoded; those of a missing image are magenta."""
-        if image is None or self._is_missing(image):
-            return "(missing)", MAGENTA, False
-        self._warn_of_kind(image)
-        read = self._of_files.pop(uid(image), None)
-        if read is None:
-            # Sent before, with colours and alpha together or apart, and now the other way.
-            read = image_file.pixels(image)
+    def _pixels(self, image: bpy.types.Image, part: Part, associated: bool) -> tuple[np.ndarray, bool]:
+        """Pixels (height, width, 4) from below, and whether they are linear; those of a missing image are magenta."""
+        if self._is_missing(image, part):
+            return MAGENTA.copy(), False
+        place = uid(image), part
+        # What was sent before, with colours and alpha together or apart, may now be sent the other way.
+        read = self._read.pop(place, None) or self._of_file(image, part)
         if read is not None:
-            self._read_before.add(uid(image))
-            _associate_bytes(image, read, associated)
-            return image.name, read, self._is_srgb(image)
-        width, height = image.size
-        values = np.empty(width * height * image.channels, np.float32)
-        image.pixels.foreach_get(values)
-        pixels = _four_channels(values.reshape(height, width, image.channels))
-        _associate(image, pixels, associated)
-        # Blender turns the pixels of float images into scene-linear ones when it loads them.
-        if image.is_float:
-            return image.name, pixels, False
-        return image.name, _bytes(pixels), self._is_srgb(image)
+            self._read_before.add(place)
+        else:
+            read = self._of_blender(image, part)
+        if read is None:
+            return MAGENTA.copy(), False
+        return read.sent(associated=associated), read.is_float
 
-    def _warn_of_missing(self, image: bpy.types.Image | None, user: str) -> None:
-        if image is None:
-            self._report.warn(f"{user}: no image is chosen, magenta is shown")
-            return
-        path = bpy.path.abspath(image.original.filepath, library=image.original.library) or "no file"
-        self._report.warn(f"Image '{image.name}' cannot be read ({path}), magenta is shown: restore the file")
+    @staticmethod
+    def _of_file(image: bpy.types.Image, part: Part) -> Pixels | None:
+        found = image_file.pixels(image, part)
+        return None if found is None else Pixels.of_bytes(image, found)
 
-    def _warn_of_kind(self, image: bpy.types.Image) -> None:
-        if image.source == "TILED" and len(image.tiles) > 1:
-            self._report.warn(f"Image '{image.name}': tiles (UDIM) are not supported yet, its first tile is used")
-        elif image.source in {"SEQUENCE", "MOVIE"}:
-            self._report.warn(f"Image '{image.name}': image sequences are not supported yet, one frame is used")
+    @staticmethod
+    def _of_blender(image: bpy.types.Image, part: Part) -> Pixels | None:
+        with image_parts.opened(image, part) as found:
+            return None if found is None else Pixels.of_blender(found)
+
+    def _warn_of_missing(self, image: bpy.types.Image, part: Part) -> None:
+        where = image_parts.path(image.original, part) or "no file"
+        which = ""
+        if part is not None:
+            which = f", tile {part}," if image.source == "TILED" else f", frame {part},"
+        help_ = "save or restore the file" if image.source == "TILED" else "restore the file"
+        if image.source == "MOVIE" and not image_parts.READS_MOVIES:
+            help_ = "movies need Blender 4.3 or later; an image sequence does not"
+        self._report.warn(f"Image '{image.name}'{which} cannot be read ({where}), magenta is shown: {help_}")
 
     def _is_srgb(self, image: bpy.types.Image) -> bool:
         settings = image.colorspace_settings
@@ -123,53 +176,3 @@ def _has_no_pixels(image: bpy.types.Image) -> bool:
     """Whether Blender has no pixels of it."""
     width, height = image.size
     return width == 0 or height == 0 or image.channels == 0
-
-
-def _associate(image: bpy.types.Image, pixels: np.ndarray, wanted: bool) -> None:
-    """Brings colours and alpha together, or apart, where the image's alpha means transparency."""
-    if image.channels in (1, 3) or image.alpha_mode in {"CHANNEL_PACKED", "NONE"}:
-        return
-    if image.colorspace_settings.is_data:
-        return
-    # Bytes are kept apart from alpha; floats together with it, but from 5.0 on as the image says.
-    held = image.is_float and (image.alpha_mode == "PREMUL" or bpy.app.version < (5, 0, 0))
-    alpha = pixels[..., 3]
-    if wanted == held or (alpha == 1.0).all():
-        return
-    factor = alpha if wanted else np.reciprocal(alpha, where=alpha > 0.0, out=np.ones_like(alpha))
-    # One channel at a time: twice as fast as all three at once.
-    for channel in range(3):
-        pixels[..., channel] *= factor
-
-
-def _associate_bytes(image: bpy.types.Image, pixels: np.ndarray, wanted: bool) -> None:
-    """Brings colours and alpha of bytes together, as `_associate`; rounded, as `_bytes` does."""
-    if not wanted or image.alpha_mode == "CHANNEL_PACKED" or image.colorspace_settings.is_data:
-        return
-    alpha = pixels[..., 3].astype(np.uint16)
-    if (alpha == 255).all():
-        return
-    for channel in range(3):
-        pixels[..., channel] = (pixels[..., channel] * alpha + np.uint16(127)) // np.uint16(255)
-
-
-def _bytes(pixels: np.ndarray) -> np.ndarray:
-    """Eight bits a channel again, as the file had them: from 0 to 1. Uses the array up: large images are large."""
-    pixels *= 255.0
-    pixels += 0.5
-    return pixels.astype(np.uint8)
-
-
-def _four_channels(pixels: np.ndarray) -> np.ndarray:
-    """RGBA, whatever the file had."""
-    channels = pixels.shape[2]
-    if channels == 4:
-        return pixels
-    out = np.ones((*pixels.shape[:2], 4), np.float32)
-    if channels == 3:
-        out[..., :3] = pixels
-    else:
-        out[..., :3] = pixels[..., :1]
-        if channels == 2:
-            out[..., 3] = pixels[..., 1]
-    return out

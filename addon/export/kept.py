@@ -5,14 +5,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import bpy
+
+from .image_parts import Part, Timing
 
 
 def uid(one: bpy.types.ID | None) -> int:
     """A number that a datablock keeps, evaluated or not, renamed or moved by undo; 0 of none."""
     return 0 if one is None else one.original.session_uid
+
+
+class ImageKey(NamedTuple):
+    """What an image of the engine was made of."""
+
+    #: The datablock.
+    image: int
+    #: A frame or a tile; tiles together by their numbers.
+    part: Part | tuple[int, ...]
+    #: Whether colours are multiplied by alpha.
+    associated: bool
 
 
 @dataclass
@@ -29,8 +42,9 @@ class Kept:
     """All of one builder, by what each was made of."""
 
     builder: Any
-    #: By datablock, and whether colours are multiplied by alpha.
-    images: dict[tuple[int, bool], int] = field(default_factory=dict)
+    images: dict[ImageKey, int] = field(default_factory=dict)
+    #: By material, world or light: the frames of sequences and movies that it shows, and how they follow the scene's.
+    timed: dict[int, dict[ImageKey, Timing]] = field(default_factory=dict)
     #: By datablock.
     materials: dict[int, int] = field(default_factory=dict)
     #: By material: the attributes that it asks of meshes.
@@ -43,28 +57,50 @@ class Kept:
     reshaped: frozenset[int] = frozenset()
     #: How often something was sent or forgotten.
     changes: int = 0
+    #: The frames that were shown the time before.
+    _frames: set[ImageKey] = field(default_factory=set)
 
-    def begin(self, changed: Changes) -> None:
-        """Forgets what changed; what is not asked for until `sweep` goes then."""
-        if changed.images & {key for key, _ in self.images}:
+    def begin(self, changed: Changes, scene_frame: int) -> None:
+        """Forgets what changed, and frames that are not those of the scene's frame; what is not asked for until `sweep` goes then."""
+        if changed.images & {key.image for key in self.images}:
             # Materials name images by their index.
             changed = Changes(changed.images, changed.shapes, set(self.materials))
-        for index in {index for (key, _), index in self.images.items() if key in changed.images}:
-            self.builder.forget_image(index)
-            self.changes += 1
-        self.images = {key: index for key, index in self.images.items() if key[0] not in changed.images}
+        self._forget_images({key for key in self.images if key.image in changed.images})
         for key in changed.materials & self.materials.keys():
             self.builder.forget_material(self.materials.pop(key))
             self.wanted.pop(key, None)
             self.changes += 1
+        self._frames = {key for shown in self.timed.values() for key in shown}
+        as_now = {
+            key
+            for shown in self.timed.values()
+            for key, timing in shown.items()
+            if key.part == timing.frame(scene_frame)
+        }
+        # Worlds and lights are told anew each time.
+        self.timed = {key: shown for key, shown in self.timed.items() if key in self.materials}
+        self._forget_frames(as_now)
         self._drop(key for key, piece in self.meshes.items() if not piece.sources.isdisjoint(changed.shapes))
         self.reshaped = frozenset(changed.shapes)
         for piece in self.meshes.values():
             piece.is_used = False
 
+    def behind(self, scene_frame: int, *, of_view: bool) -> set[int]:
+        """The materials that show another frame of a sequence or movie than they do at a frame of the scene. `of_view`: without those that
+        views are not to refresh."""
+        return {
+            holder
+            for holder, shown in self.timed.items()
+            if any(
+                key.part != timing.frame(scene_frame) and (timing.is_refreshed or not of_view)
+                for key, timing in shown.items()
+            )
+        }
+
     def sweep(self) -> None:
-        """Forgets the meshes that were not asked for."""
+        """Forgets the meshes that were not asked for, and the frames that nothing shows any more."""
         self._drop(key for key, piece in self.meshes.items() if not piece.is_used)
+        self._forget_frames(set())
 
     def mesh(self, key: Hashable, sources: Iterable[bpy.types.ID | None], send: Callable[[], int | None]) -> int | None:
         """The engine's index of a mesh, sent if it is not there yet. The address of an evaluated mesh may be in `key`: one that is of
@@ -80,6 +116,21 @@ class Kept:
         piece.sources |= made_of
         piece.is_used = True
         return piece.index
+
+    def _forget_frames(self, wanted: set[ImageKey]) -> None:
+        """Forgets the frames of the time before that nothing shows, but those that are `wanted`."""
+        shown = wanted.union(*self.timed.values())
+        in_use = {self.images[key] for key in shown & self.images.keys()}
+        gone = {(key.image, key.part) for key in self._frames - shown}
+        self._forget_images(
+            {key for key, index in self.images.items() if (key.image, key.part) in gone and index not in in_use}
+        )
+
+    def _forget_images(self, keys: set[ImageKey]) -> None:
+        """One image may have two keys: an opaque one is the same with its colours multiplied by alpha."""
+        for index in {self.images.pop(key) for key in keys}:
+            self.builder.forget_image(index)
+            self.changes += 1
 
     def _drop(self, keys: Iterable[Hashable]) -> None:
         for key in list(keys):

@@ -89,7 +89,7 @@ def _nodes(light: bpy.types.Light, images: Images) -> str | None:
     """What the engine is told of a light's nodes; a new light's, which change nothing, are left out."""
     if not uses_nodes(light):
         return None
-    described = graph.describe(light.node_tree, lambda node: images.of_node(node, f"Light '{light.name}'"))
+    described = graph.describe(light.node_tree, lambda node: images.of_node(node, light))
     return None if described["nodes"] and _is_plain(described) else json.dumps(described)
 
 

@@ -81,13 +81,13 @@ class Materials:
         tree, owner, key = material.node_tree, f"Material '{material.name}'", uid(material)
         if tree.get_output_node("CYCLES") is None:
             self._report.warn(f"{owner}: it has no Material Output node, its surface is black")
-        graph = describe_graph(tree, lambda node: self._images.of_node(node, owner))
+        graph = describe_graph(tree, lambda node: self._images.of_node(node, material))
         self._kept.fills_space |= graph["volume"] is not None
         self._wanted[key] = attributes.wanted(graph)
         described = MaterialDescription(
             material.name, json.dumps(graph), displacement_method=material.displacement_method
         )
-        found = self._aovs.describe(tree, lambda node: self._images.of_node(node, owner))
+        found = self._aovs.describe(tree, lambda node: self._images.of_node(node, material))
         if found is not None:
             described.aovs = json.dumps(found[0]), found[1]
             self._wanted[key] |= attributes.wanted(found[0])

@@ -45,8 +45,7 @@ def fills_space(world: bpy.types.World | None) -> bool:
 def _surface(world: bpy.types.World, images: Images) -> WorldDescription:
     if not uses_nodes(world):
         return WorldDescription(color=tuple(world.color))
-    owner = f"World '{world.name}'"
-    described = graph.describe(world.node_tree, lambda node: images.of_node(node, owner))
+    described = graph.describe(world.node_tree, lambda node: images.of_node(node, world))
     return _plain(described) or WorldDescription(graph=json.dumps(described))
 
 

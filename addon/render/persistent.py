@@ -11,7 +11,7 @@ import bpy
 
 from .. import export
 from ..data.fingerprint import Pieces
-from ..export.kept import Changes, Kept, uid
+from ..export.kept import Changes, Kept
 from ..export.report import Report
 
 
@@ -55,19 +55,20 @@ def begin(depsgraph: bpy.types.Depsgraph, native: Any, *, is_still: bool, is_wat
     settings = (export.shared_settings(depsgraph, is_render=True), is_watched) if can_keep else None
     last = last if is_persistent and last is not None and last.of == of else None
     changes = Changes.of(depsgraph)
-    # They change with the frame.
-    changes.images.update(uid(image) for image in bpy.data.images if image.source in {"SEQUENCE", "MOVIE"})
+    frame = depsgraph.scene_eval.frame_current
+    behind = set() if last is None else last.kept.behind(frame, of_view=False)
     # What was warned of may be mended: only what is sent says so.
     may_be_mended = (
-        last is not None and last.report.warnings and (changes.images or changes.shapes or changes.materials)
+        last is not None and last.report.warnings and (changes.images or changes.shapes or changes.materials | behind)
     )
     if last is None or settings is None or last.shared_settings != settings or may_be_mended:
         builder = native.SceneBuilder()
         return KeptScene(of, builder, Kept(builder), settings, scene=last and last.scene)
     if {key for key in last.kept.materials if key > 0} <= changes.materials:
         # A new graph calls everything changed but images, which may have changed before it was made.
-        changes.images.update(key for key, _ in last.kept.images)
-    last.kept.begin(changes)
+        changes.images.update(key.image for key in last.kept.images)
+    changes.materials |= behind
+    last.kept.begin(changes, frame)
     return last
 
 

@@ -49,7 +49,9 @@ class SceneSync:
 
     def _tell(self, depsgraph, changed, space, origin) -> Any | None:
         kept, digest = self._kept, hashlib.blake2b(digest_size=16)
-        kept.begin(changed)
+        frame = depsgraph.scene_eval.frame_current
+        changed.materials |= kept.behind(frame, of_view=True)
+        kept.begin(changed, frame)
         # `Kept` counts pieces itself.
         kept.builder = Watched(self._builder, digest, pieces=None)
         export.send_scene(depsgraph, kept.builder, self.report, lambda: None, kept=kept, seen_in=space)

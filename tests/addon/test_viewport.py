@@ -34,7 +34,9 @@ class Viewer:
         self.report_of = part("export.report").Report
         self.sync, self.session = self.sync_of(self.native), self.session_of(self.native)
         self.drafts = 0
+        # Blender tells views of both.
         bpy.app.handlers.depsgraph_update_post.append(self._updated)
+        bpy.app.handlers.frame_change_post.append(self._updated)
 
     def _updated(self, _scene, depsgraph):
         draft = self.sync.update(depsgraph, self.changes_of(depsgraph), None, ORIGIN)
@@ -76,6 +78,7 @@ class Viewer:
 
     def close(self):
         self.bpy.app.handlers.depsgraph_update_post.remove(self._updated)
+        self.bpy.app.handlers.frame_change_post.remove(self._updated)
         self.session.close()
 
 
@@ -286,6 +289,34 @@ def test_a_first_picture_is_coarse_and_soon_fine(viewer):
 
     # To the noise of one sample of 384 pixels each, of light that varies by half.
     assert quarters(coarse.pixels) == pytest.approx(quarters(fine), rel=0.3)
+
+
+@pytest.mark.parametrize("is_refreshed", [True, False])
+def test_an_image_sequence_follows_the_frame(viewer, tmp_path, is_refreshed):
+    """As its texture node says: Auto Refresh."""
+    from support import image_files as files
+
+    bpy, ball = viewer.bpy, balls(viewer.bpy)[2]
+    tree = ball.active_material.node_tree
+    node = tree.nodes.new("ShaderNodeTexImage")
+    colours = {1: (0.9, 0.1, 0.1), 2: (0.1, 0.9, 0.1), 3: (0.1, 0.1, 0.9)}
+    node.image = files.sequence(tmp_path, {frame: files.plain(colour) for frame, colour in colours.items()})
+    node.image_user.frame_duration, node.image_user.use_auto_refresh = 3, is_refreshed
+    tree.links.new(node.outputs["Color"], color(ball))
+    bpy.context.scene.frame_set(1)
+    assert viewer.update()
+    pictures = [viewer.picture()]
+    for frame in (2, 3, 4):
+        bpy.context.scene.frame_set(frame)
+        # Beyond the last frame nothing changes.
+        assert viewer.update() == (is_refreshed and frame < 4)
+        pictures.append(viewer.picture())
+        if is_refreshed:
+            assert np.array_equal(pictures[-1], viewer.afresh())
+        # One frame and what else there is: those before are forgotten.
+        assert len(set(viewer.sync._kept.images.values())) == 1
+    assert np.array_equal(pictures[0], pictures[1]) != is_refreshed
+    assert np.array_equal(pictures[2], pictures[3])
 
 
 def test_a_lens_that_cannot_be_is_told(viewer):

@@ -21,7 +21,7 @@ def given(parts, blender):
     sent, warned = [], []
     builder = SimpleNamespace(add_image=lambda name, pixels, srgb: sent.append(pixels) or len(sent) - 1)
     report = SimpleNamespace(warn=warned.append)
-    images = parts.part("export.image").Images(parts.part("export.kept").Kept(builder), report)
+    images = parts.part("export.image").Images(parts.part("export.kept").Kept(builder), report, 1)
     return SimpleNamespace(files=parts.part("export.image_file"), images=images, sent=sent, warned=warned)
 
 
@@ -43,12 +43,7 @@ def saved(bpy, tmp_path, kind: str, *, has_alpha: bool = False, is_deep: bool = 
 
 
 def by_blender(image, module, *, associated: bool) -> np.ndarray:
-    width, height = image.size
-    values = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(values)
-    pixels = module._four_channels(values.reshape(height, width, image.channels))
-    module._associate(image, pixels, associated)
-    return pixels if image.is_float else module._bytes(pixels)
+    return module.Pixels.of_blender(image).sent(associated=associated)
 
 
 @pytest.mark.parametrize("associated", [False, True])
@@ -63,19 +58,19 @@ def test_bytes_are_those_that_blender_has(
     if is_packed:
         image.pack()
         image.buffers_free()
-    given.images.index(image, "a test", associated=associated)
+    given.images.index(image, associated=associated)
     # Blender had not to read what its file gives.
     assert image.has_data == (has_alpha and alpha_mode in ("PREMUL", "NONE"))
-    expected = by_blender(image, parts.part("export.image"), associated=associated)
+    expected = by_blender(image, parts.part("export.image_pixels"), associated=associated)
     assert given.sent[0].dtype == np.uint8 and np.array_equal(given.sent[0], expected)
     assert not given.warned
 
 
 def test_both_uses_of_an_image_are_sent(parts, blender, given, tmp_path):
     image = saved(blender, tmp_path, "PNG", has_alpha=True)
-    numbers = [given.images.index(image, "a test", associated=associated) for associated in (True, False, True, False)]
+    numbers = [given.images.index(image, associated=associated) for associated in (True, False, True, False)]
     assert numbers == [0, 1, 0, 1] and not image.has_data
-    module = parts.part("export.image")
+    module = parts.part("export.image_pixels")
     for associated, sent in zip((True, False), given.sent, strict=True):
         assert np.array_equal(sent, by_blender(image, module, associated=associated))
 
@@ -86,7 +81,7 @@ def test_what_blender_holds_differently_is_read_from_blender(parts, blender, giv
     painted = saved(blender, tmp_path, "JPEG")
     painted.pixels[0] = 0.25
     assert painted.is_dirty and given.files.pixels(painted) is None
-    given.images.index(painted, "a test", associated=True)
+    given.images.index(painted, associated=True)
     assert given.sent[0][0, 0, 0] == 64
     generated = blender.data.images.new("generated", 4, 4)
     assert given.files.pixels(generated) is None
@@ -99,6 +94,6 @@ def test_files_that_cannot_be_read_are_magenta_and_named(blender, given, tmp_pat
         path.write_bytes(content)
         image.filepath = str(path)
         image.buffers_free()
-        given.images.index(image.copy(), "a test", associated=True)
+        given.images.index(image.copy(), associated=True)
     assert len(given.warned) == 3 and all("cannot be read" in line for line in given.warned)
     assert all(pixels.shape == (1, 1, 4) for pixels in given.sent)

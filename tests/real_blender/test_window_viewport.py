@@ -66,6 +66,12 @@ def test_the_view_shows_the_scene_and_its_edits(walked):
         assert shown[name] > 0.005, name
 
 
+def test_an_image_sequence_follows_the_frame(walked):
+    """A red sky, then a blue one; the lamps in the room are what they were."""
+    first, second = (walked[0]["shown"][f"viewport-frame-{frame}"] for frame in (1, 2))
+    assert first[1] / first[3] > 1.2 * second[1] / second[3], (first, second)
+
+
 def test_what_is_wrong_is_told_in_the_view(walked):
     assert "no such lens: no-such.lens" in walked[0]["told"]
 

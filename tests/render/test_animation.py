@@ -73,6 +73,37 @@ def test_persistent_data_draws_trees_anew_around_what_moves(parts, blender, tmp_
     assert parts.part("render.persistent")._last is None
 
 
+@pytest.mark.parametrize("use_motion_blur", [False, True])
+def test_an_animation_of_an_image_sequence(parts, blender, tmp_path, use_motion_blur):
+    """Each frame shows the image of its own middle; the same as rendered alone."""
+    from support import image_files as files
+
+    scene = parts.set_up(width=36, height=24, samples=4)
+    scene.frame_start, scene.frame_end = 2, 4
+    scene.render.use_motion_blur, scene.render.motion_blur_shutter = use_motion_blur, 1.0
+    colours = {frame: (0.2 * frame, 0.5, 1.0 - 0.2 * frame) for frame in (1, 2, 3)}
+    material, tree, surface = parts.material("Filmed")
+    texture, glow = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeEmission")
+    texture.image = files.sequence(tmp_path, {frame: files.plain(colour) for frame, colour in colours.items()})
+    texture.image.colorspace_settings.name = "Non-Color"
+    texture.image_user.frame_start, texture.image_user.frame_duration = 2, 3
+    texture.image_user.use_auto_refresh = True
+    tree.links.new(texture.outputs[0], glow.inputs[0])
+    tree.links.new(glow.outputs[0], surface)
+    sheet = parts.square("Sheet", (0.0, 3.0, 0.0), 1.0, material)
+    for frame, x in ((1, -0.1), (5, 0.1)):
+        sheet.location.x = x
+        sheet.keyframe_insert("location", frame=frame)
+    scene.render.filepath = str(tmp_path / "picture-####")
+    blender.ops.render.render(animation=True)
+    for number, colour in colours.items():
+        picture = parts.read(tmp_path / f"picture-{number + 1:04}.exr")
+        # In the middle of the sheet; its file has eight bits.
+        assert np.allclose(picture[12, 18, :3], colour, atol=0.5 / 255 + 1e-4), number
+        scene.frame_set(number + 1)
+        assert np.array_equal(picture, parts.render(tmp_path, "alone.exr")), number
+
+
 @pytest.mark.once
 def test_a_focus_pull_while_the_shutter_is_open(parts, blender, tmp_path):
     """From one lamp to another within a frame: the mean of the pictures before, between and after."""

@@ -126,8 +126,9 @@ def test_an_image_that_changed_while_another_engine_rendered(room, parts, blende
     assert np.array_equal(second, parts.render(tmp_path, "whole.exr"))
 
 
-def test_fingerprints_do_not_depend_on_what_was_sent_before(room, parts, blender, tmp_path, monkeypatch):
-    """A checkpoint of one frame of an animation is gone on with by a render of that frame alone."""
+@pytest.fixture
+def fingerprints(parts, monkeypatch):
+    """Those of the scenes that are rendered from now on."""
     checkpoints, found = parts.part("render.checkpoints"), []
     plain = checkpoints.Checkpoint.add
 
@@ -136,6 +137,12 @@ def test_fingerprints_do_not_depend_on_what_was_sent_before(room, parts, blender
         found.append(self._scene.hexdigest())
 
     monkeypatch.setattr(checkpoints.Checkpoint, "add", add)
+    return found
+
+
+def test_fingerprints_do_not_depend_on_what_was_sent_before(room, parts, blender, tmp_path, fingerprints):
+    """A checkpoint of one frame of an animation is gone on with by a render of that frame alone."""
+    found = fingerprints
     room.petzval.use_checkpoints = room.render.use_persistent_data = True
     parts.render(tmp_path, "first.exr")
     recolour(blender, parts)
@@ -176,3 +183,114 @@ def test_a_memory_limit_counts_every_mesh(room, parts, blender, tmp_path):
     first = parts.part("render.persistent")._last
     parts.render(tmp_path, "2.exr")
     assert parts.part("render.persistent")._last is not first and first.shared_settings is None
+
+
+@pytest.fixture
+def filmed(room, parts, blender, tmp_path):
+    """The room, its red square showing an image sequence of three frames from the third on; again from the first after these."""
+    from support import image_files as files
+
+    colours = {1: (0.9, 0.2, 0.1), 2: (0.2, 0.9, 0.1), 3: (0.1, 0.2, 0.9)}
+    material, tree, surface = parts.material("Filmed")
+    texture, glow = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeEmission")
+    texture.image = files.sequence(tmp_path, {frame: files.plain(colour) for frame, colour in colours.items()})
+    user = texture.image_user
+    user.frame_start, user.frame_duration, user.use_auto_refresh = 3, 3, True
+    tree.links.new(texture.outputs[0], glow.inputs[0])
+    tree.links.new(glow.outputs[0], surface)
+    blender.data.objects["Red"].material_slots[0].material = material
+    room.render.use_persistent_data = True
+    return texture
+
+
+def test_a_sequence_follows_the_frame(filmed, room, parts, blender, tmp_path):
+    """Its frame alone is sent again, and the last one forgotten; nothing where the frame stays."""
+    persistent = parts.part("render.persistent")
+    pictures, changes = {}, {}
+    for frame in (3, 4, 5, 6, 7):
+        room.frame_set(frame)
+        pictures[frame] = parts.render(tmp_path, f"{frame}.exr")
+        kept = persistent._last.kept
+        changes[frame] = kept.changes
+        # The stripes and one frame, opaque each: two keys of one image.
+        assert len(set(kept.images.values())) == 2
+        assert not parts.part("render.statistics").last(room.name).warnings
+    # A material and an image, forgotten and sent; after the last frame nothing.
+    assert [changes[frame + 1] - changes[frame] for frame in (3, 4, 5, 6)] == [4, 4, 0, 0]
+    room.render.use_persistent_data = False
+    for frame, picture in pictures.items():
+        room.frame_set(frame)
+        assert np.array_equal(picture, parts.render(tmp_path, f"whole-{frame}.exr")), frame
+
+
+def test_a_frame_that_is_missing_is_said_while_it_is(filmed, room, parts, blender, tmp_path):
+    """By a node that views do not refresh."""
+    filmed.image_user.use_auto_refresh = False
+    last = parts.part("render.statistics").last
+    (tmp_path / "frame_0002.png").unlink()
+    for frame, told in ((3, 0), (4, 1), (5, 0), (4, 1)):
+        room.frame_set(frame)
+        parts.render(tmp_path, "picture.exr")
+        warnings = last(room.name).warnings
+        assert len(warnings) == told and all("frame 2" in one for one in warnings), frame
+
+
+def test_a_sequence_of_the_world(filmed, room, parts, blender, tmp_path):
+    tree = room.world.node_tree
+    sky = tree.nodes.new("ShaderNodeTexEnvironment")
+    sky.image = filmed.image
+    sky.image_user.frame_duration = 3
+    # One frame behind the sky's.
+    filmed.image_user.frame_start, filmed.image_user.use_cyclic = 2, True
+    tree.links.new(sky.outputs[0], next(node for node in tree.nodes if node.type == "BACKGROUND").inputs["Color"])
+    pictures = []
+    for frame in (1, 2, 3):
+        room.frame_set(frame)
+        pictures.append(parts.render(tmp_path, f"{frame}.exr"))
+        # The stripes, the frame of the sky, and that of the square.
+        assert len(set(parts.part("render.persistent")._last.kept.images.values())) == 3
+    sky.image = None
+    parts.render(tmp_path, "without.exr")
+    assert len(set(parts.part("render.persistent")._last.kept.images.values())) == 2
+    sky.image = filmed.image
+    room.render.use_persistent_data = False
+    for frame, picture in enumerate(pictures, 1):
+        room.frame_set(frame)
+        assert np.array_equal(picture, parts.render(tmp_path, "whole.exr")), frame
+
+
+def test_tiles_stay(room, parts, blender, tmp_path):
+    """Tiles of an image are sent once, and again when the image changes."""
+    from support import image_files as files
+
+    texture = next(node for node in blender.data.materials["Painted"].node_tree.nodes if node.type == "TEX_IMAGE")
+    texture.image = files.tiled(tmp_path, {1001: files.picture(8, 8, 1), 1011: files.picture(4, 4, 2)})
+    persistent = parts.part("render.persistent")
+    room.render.use_persistent_data = True
+    parts.render(tmp_path, "first.exr")
+    before = persistent._last.kept.changes
+    room.frame_set(5)
+    parts.render(tmp_path, "second.exr")
+    assert persistent._last.kept.changes == before
+    files.save(tmp_path / "tile.1001.png", files.plain((0.1, 0.9, 0.3)))
+    texture.image.reload()
+    texture.image.update_tag()
+    changed = parts.render(tmp_path, "changed.exr")
+    room.render.use_persistent_data = False
+    assert np.array_equal(changed, parts.render(tmp_path, "whole.exr"))
+
+
+def test_fingerprints_of_frames_and_tiles(filmed, room, parts, blender, tmp_path, fingerprints):
+    from support import image_files as files
+
+    texture = next(node for node in blender.data.materials["Painted"].node_tree.nodes if node.type == "TEX_IMAGE")
+    texture.image = files.tiled(tmp_path, {1001: files.picture(8, 8, 1), 1011: files.picture(4, 4, 2)})
+    room.petzval.use_checkpoints = True
+    for frame in (3, 4, 5):
+        room.frame_set(frame)
+        parts.render(tmp_path, "persistent.exr")
+    room.render.use_persistent_data = False
+    for frame in (3, 4, 5):
+        room.frame_set(frame)
+        parts.render(tmp_path, "alone.exr")
+    assert fingerprints[:3] == fingerprints[3:] and len(set(fingerprints)) == 3

@@ -187,6 +187,11 @@ class Recorder:
         self.images.append((name, pixels.copy(), srgb))
         return self._builder.add_image(name, pixels, srgb=srgb)
 
+    def add_tiles(self, name, tiles):
+        # Of their own index, which counts among the images.
+        self.images.append((name, tiles, None))
+        return self._builder.add_tiles(name, tiles)
+
     def add_material(self, description):
         self.materials.append(description)
         return self._builder.add_material(description)

@@ -152,6 +152,24 @@ def drag_focus():
     seen["dragged"] = dof.focus_distance
 
 
+def show_sequence(world, colours):
+    """The sky has the colour of the scene's frame, by an image sequence."""
+    for frame, colour in colours.items():
+        made = bpy.data.images.new("made", 4, 4)
+        made.pixels.foreach_set([*colour, 1.0] * 16)
+        made.filepath_raw, made.file_format = str(FOLDER / f"sky_{frame:04d}.png"), "PNG"
+        made.save()
+        bpy.data.images.remove(made)
+    tree = world.node_tree
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = bpy.data.images.load(str(FOLDER / "sky_0001.png"))
+    texture.image.source, texture.image_user.frame_duration = "SEQUENCE", len(colours)
+    texture.image_user.use_auto_refresh = True
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Strength"].default_value = 1.0
+    tree.links.new(texture.outputs["Color"], background.inputs["Color"])
+
+
 def steps():
     bpy.ops.wm.open_mainfile(filepath=SCENE, load_ui=False)
     yield 1.0
@@ -197,6 +215,12 @@ def steps():
     chosen.hide_viewport = True
     yield from look("viewport-hidden")
     chosen.hide_viewport = False
+
+    # An image sequence in the sky follows the frame.
+    show_sequence(scene.world, {1: (1.0, 0.1, 0.1), 2: (0.1, 0.1, 1.0)})
+    for frame in (1, 2):
+        scene.frame_set(frame)
+        yield from look(f"viewport-frame-{frame}")
 
     # Another look: Blender's own perspective, and along parallel lines.
     view().spaces.active.region_3d.view_perspective = "PERSP"

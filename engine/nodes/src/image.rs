@@ -12,6 +12,9 @@ choices! {
     pub(crate) EnvironmentProjection { Equirectangular = "EQUIRECTANGULAR", MirrorBall = "MIRROR_BALL" }
 }
 
+/// The colour of a missing image, linear, as Cycles shows it; its alpha is 1.
+pub const MISSING: [f32; 3] = [1.0, 0.0, 1.0];
+
 /// One image and how it is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ImageTexture {

@@ -40,6 +40,7 @@ pub use context::{
 };
 pub use graph::{Graph, Input, Link, Node, Parsing};
 pub use hash::{random_of, random_of_pair};
+pub use image::MISSING;
 pub use pixels::Pixels;
 pub use points::{Column, Points};
 pub use program::{Layer, LayerKind, Operand, Program, Registers, Slice};

@@ -322,6 +322,9 @@ class SceneBuilder:
         *,
         srgb: bool,  # values are sRGB-encoded (uint8 or float); False: linear or non-colour
     ) -> int: ...
+    def add_tiles(self, name: str, tiles: Sequence[tuple[int, int]]) -> int:
+        """An image of tiles (UDIM): the number of each, 1001 + column + 10 row, and its index among the images. Its own index; what it
+        is made of may be forgotten then."""
     def add_material(self, material: MaterialDescription) -> int:
         """The material's index."""
     def add_mesh(

@@ -81,6 +81,10 @@ impl SceneBuilder {
         Ok(self.builder.add_texture(texture))
     }
 
+    fn add_tiles(&mut self, name: &str, tiles: Vec<(u32, usize)>) -> Result<usize, Error> {
+        Ok(self.builder.add_tiles(name, &tiles)?)
+    }
+
     fn add_material(&mut self, material: PyMaterial) -> Result<usize, Error> {
         let (material, reports) = material.material(&mut self.graphs)?;
         reports.into_iter().for_each(|report| self.builder.warn(report));

@@ -4,7 +4,7 @@ use super::{At, Lowered, colour, number, vector};
 use crate::context::{Extension, Field, Interpolation, Shift};
 use crate::gabor::GaborKind;
 use crate::ies::Ies;
-use crate::image::{EnvironmentProjection, ImageTexture, Projection};
+use crate::image::{EnvironmentProjection, ImageTexture, MISSING, Projection};
 use crate::mix::Blend;
 use crate::noise::{Dimensions, Fractal};
 use crate::patterns::{GradientKind, WaveAxis, WaveKind, WaveProfile};
@@ -15,9 +15,6 @@ use crate::sky::hosek::Hosek;
 use crate::sky::preetham::Preetham;
 use crate::voronoi::{CellHash, Feature, Metric};
 use glam::Vec3A;
-
-/// Cycles shows a missing image in this colour.
-const MISSING: [f32; 3] = [1.0, 0.0, 1.0];
 
 impl At<'_, '_> {
     /// A texture's coordinates: generated where nothing is linked.

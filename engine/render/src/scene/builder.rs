@@ -64,6 +64,20 @@ impl SceneBuilder {
         self.textures.add(Arc::new(texture))
     }
 
+    /// Adds an image of tiles (UDIM): numbers, 1001 + column + 10 row, and indices of images that were added. Gives its index. These images
+    /// stay with it where they are forgotten.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchPiece`], [`SceneError::BadTiles`].
+    pub fn add_tiles(&mut self, name: &str, tiles: &[(u32, usize)]) -> Result<usize, SceneError> {
+        let known = self.textures.all();
+        let missing = |index| SceneError::NoSuchPiece { object: name.into(), kind: "image", index, count: known.len() };
+        let found =
+            tiles.iter().map(|&(number, index)| Ok((number, known.get(index).ok_or_else(|| missing(index))?.clone())));
+        let texture = Texture::from_tiles(name, found.collect::<Result<_, SceneError>>()?)?;
+        Ok(self.add_texture(texture))
+    }
+
     /// Notes what could not be done as described.
     pub fn warn(&mut self, what: String) {
         if !self.warnings.contains(&what) {

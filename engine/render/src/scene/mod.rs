@@ -100,6 +100,14 @@ pub enum SceneError {
         /// Height of the image, pixels.
         height: usize,
     },
+    /// An image with two tiles of one number, or with a number that no tile has.
+    #[error("image '{image}': tile {number} is there twice, or no tile's number: they are 1001 and more, each once")]
+    BadTiles {
+        /// The image's name.
+        image: String,
+        /// The tile's number.
+        number: u32,
+    },
 }
 
 /// Everything there is to photograph, in render space; immutable.

@@ -2,8 +2,9 @@
 
 use super::SceneError;
 use crate::Rgb;
-use glam::{Vec2, Vec4, Vec4Swizzles};
-use std::sync::LazyLock;
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
+use petzval_nodes::MISSING;
+use std::sync::{Arc, LazyLock};
 
 /// The continuation of an image outside of the unit square (Blender's Image Texture node).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,14 +37,23 @@ enum TexturePixels {
     Floats(Vec<Vec4>),
 }
 
-/// An image, first row at the bottom as Blender stores it. Lookups give scene-linear values.
+/// An image, first row at the bottom as Blender stores it; or the tiles of one (UDIM). Lookups give scene-linear values.
 #[derive(Clone, Debug)]
 pub struct Texture {
     name: String,
     width: usize,
     height: usize,
     pixels: TexturePixels,
+    /// By their numbers, which grow: 1001 + column + 10 row. The pixels are then those of a place without a tile. Empty of an image that
+    /// has no tiles.
+    tiles: Vec<(u32, Arc<Texture>)>,
 }
+
+/// The number of the first tile, at column 0 and row 0.
+const FIRST_TILE: u32 = 1001;
+
+/// Number of columns of tiles.
+const TILE_COLUMNS: i32 = 10;
 
 impl Texture {
     /// A texture of eight-bit RGBA.
@@ -53,7 +63,7 @@ impl Texture {
     pub fn from_bytes(name: &str, width: usize, height: usize, rgba: &[u8], srgb: bool) -> Result<Self, SceneError> {
         check(name, width, height, rgba.len())?;
         let rgba = rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
-        Ok(Self { name: name.into(), width, height, pixels: TexturePixels::Bytes { rgba, srgb } })
+        Ok(Self::of_pixels(name, width, height, TexturePixels::Bytes { rgba, srgb }))
     }
 
     /// A texture of floating-point RGBA; values that are not finite become 0.
@@ -66,12 +76,31 @@ impl Texture {
         let decode = |x: f32| if srgb { srgb_to_linear(finite(x)) } else { finite(x) };
         let texels =
             rgba.chunks_exact(4).map(|p| Vec4::new(decode(p[0]), decode(p[1]), decode(p[2]), finite(p[3]))).collect();
-        Ok(Self { name: name.into(), width, height, pixels: TexturePixels::Floats(texels) })
+        Ok(Self::of_pixels(name, width, height, TexturePixels::Floats(texels)))
     }
 
     /// A black pixel, where there is no image.
     pub fn empty() -> Self {
-        Self { name: String::new(), width: 1, height: 1, pixels: TexturePixels::Floats(vec![Vec4::ZERO]) }
+        Self::of_pixels("", 1, 1, TexturePixels::Floats(vec![Vec4::ZERO]))
+    }
+
+    /// An image of tiles (UDIM) by their numbers, 1001 + column + 10 row, each a unit square of UV space with its own size. Where there is
+    /// no tile it shows the colour of missing images, alpha 1.
+    ///
+    /// # Errors
+    /// [`SceneError::BadTiles`] where two tiles have one number, or a number is below 1001.
+    pub fn from_tiles(name: &str, mut tiles: Vec<(u32, Arc<Self>)>) -> Result<Self, SceneError> {
+        tiles.sort_by_key(|(number, _)| *number);
+        let is_twice = tiles.windows(2).find(|pair| pair[0].0 == pair[1].0).map(|pair| pair[0].0);
+        if let Some(number) = tiles.first().map(|tile| tile.0).filter(|first| *first < FIRST_TILE).or(is_twice) {
+            return Err(SceneError::BadTiles { image: name.into(), number });
+        }
+        let missing = TexturePixels::Floats(vec![Vec3::from(MISSING).extend(1.0)]);
+        Ok(Self { tiles, ..Self::of_pixels(name, 1, 1, missing) })
+    }
+
+    fn of_pixels(name: &str, width: usize, height: usize, pixels: TexturePixels) -> Self {
+        Self { name: name.into(), width, height, pixels, tiles: Vec::new() }
     }
 
     /// Name of the image in Blender.
@@ -117,9 +146,27 @@ impl Texture {
     }
 
     /// The value at `uv`, linear RGBA. Between pixels, eight-bit sRGB is interpolated as it is stored and decoded
-    /// after, as Cycles does.
+    /// after, as Cycles does. Of tiles each is looked up by itself: nothing is interpolated from one to the next.
     pub fn lookup(&self, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
-        self.decoded(self.interpolated(uv, interpolation, extension))
+        if self.tiles.is_empty() {
+            return self.decoded(self.interpolated(uv, interpolation, extension));
+        }
+        match self.tile_at(uv) {
+            Some((tile, within)) => tile.lookup(within, interpolation, extension),
+            None => self.texel(0, 0),
+        }
+    }
+
+    /// The tile at a place, and the place on it. As in Cycles the tiles of the first column and row reach to -1, where the place on them is
+    /// negative and the extension counts.
+    fn tile_at(&self, uv: Vec2) -> Option<(&Self, Vec2)> {
+        let (column, row) = (uv.x as i32, uv.y as i32);
+        if !(0..TILE_COLUMNS).contains(&column) || row < 0 {
+            return None;
+        }
+        let number = (row as u32).saturating_mul(TILE_COLUMNS as u32).saturating_add(FIRST_TILE + column as u32);
+        let found = self.tiles.binary_search_by_key(&number, |(number, _)| *number).ok()?;
+        Some((&self.tiles[found].1, uv - Vec2::new(column as f32, row as f32)))
     }
 
     fn interpolated(&self, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
@@ -260,6 +307,34 @@ mod tests {
                 assert_eq!(pixel.lookup(Vec2::new(u, -u), interpolation, Extension::Repeat).x, 0.25, "{u}");
             }
         }
+    }
+
+    #[test]
+    fn each_tile_is_looked_up_by_itself() {
+        let wide = Texture::from_floats("wide", 2, 1, &[1.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 1.0], false).unwrap();
+        let tiles = vec![(1012, Arc::new(wide)), (1001, Arc::new(ramp()))];
+        let t = Texture::from_tiles("tiles", tiles.clone()).unwrap();
+        let at = |u: f32, v: f32, e| t.lookup(Vec2::new(u, v), Interpolation::Closest, e);
+        let missing = Vec4::new(1.0, 0.0, 1.0, 1.0);
+        for extension in [Extension::Repeat, Extension::Extend, Extension::Clip, Extension::Mirror] {
+            assert_eq!(at(0.9, 0.1, extension), Vec4::new(3.0, 0.0, 0.0, 1.0));
+            assert_eq!(at(1.1, 1.9, extension).x, 1.0);
+            assert_eq!(at(1.9, 1.1, extension).x, 2.0);
+            // Without a tile, beyond the ten columns, below, above; and far beyond what a tile's number holds.
+            for (u, v) in [(1.5, 0.5), (0.5, 1.5), (10.5, 0.5), (-1.5, 0.5), (0.5, -1.5), (0.5, 1e30), (-1e30, 0.5)] {
+                assert_eq!(at(u, v, extension), missing, "{u} {v}");
+            }
+            assert!(at(f32::NAN, 0.5, extension).is_finite());
+        }
+        // From -1 to 0 the first tiles go on as the extension says.
+        assert_eq!(at(-0.1, 0.1, Extension::Repeat).x, 3.0);
+        assert_eq!(at(-0.1, 0.1, Extension::Extend).x, 0.0);
+        assert_eq!(at(-0.1, 0.1, Extension::Clip), Vec4::ZERO);
+        // At the edge of a tile the interpolation is with its own other edge, whatever stands beside it.
+        let edge = t.lookup(Vec2::new(1.999_999, 1.5), Interpolation::Linear, Extension::Repeat);
+        assert!((edge.x - 1.5).abs() < 1e-4, "{edge}");
+        assert!(Texture::from_tiles("twice", vec![tiles[0].clone(), tiles[0].clone()]).is_err());
+        assert!(Texture::from_tiles("low", vec![(1000, tiles[0].1.clone())]).is_err());
     }
 
     #[test]
