@@ -123,6 +123,26 @@ def test_the_default_output(petzval_cli, cli_scenes, tmp_path):
 
 
 @pytest.mark.once
+def test_a_scene_in_black_and_white_stays_so(blender, petzval_cli, tmp_path):
+    """As when Blender itself saves its picture."""
+    from support import scenes as parts
+
+    scene = parts.set_up(48, 32, 4)
+    parts.square("Square", (0.0, 5.0, 0.0), 4.0, parts.emitter((1.0, 0.5, 0.2), 2.0))
+    shown = {}
+    for mode in ("BW", "RGB"):
+        scene.render.image_settings.color_mode = mode
+        blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / f"{mode}.blend"))
+        out = tmp_path / f"{mode}.exr"
+        done = petzval_cli("render", tmp_path / f"{mode}.blend", "--camera", "pinhole", "-o", out)
+        assert done.returncode == 0, done.stderr
+        shown[mode] = picture(out)[..., :3]
+    grey = shown["BW"]
+    assert grey.max() > 0.5 and (grey == grey[..., :1]).all()
+    assert (shown["RGB"] != shown["RGB"][..., :1]).any()
+
+
+@pytest.mark.once
 def test_an_animation_is_rendered_frame_by_frame(petzval_cli, cli_scenes, tmp_path):
     out, stats = tmp_path / "walk_###.exr", tmp_path / "stats.json"
     options = ("--camera", "pinhole", "--samples", 1, "--frames", "1-3,2", "-o", out, "--stats", stats)

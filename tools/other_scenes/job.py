@@ -31,6 +31,8 @@ def prepare(path: str, copy: str) -> None:
         raise SystemExit("it has no camera")
     scene.render.use_motion_blur = scene.render.use_border = scene.render.use_freestyle = False
     scene.render.use_compositing = scene.render.use_sequencer = False
+    # Colours are compared, whatever the file is saved in.
+    scene.render.image_settings.color_mode = "RGB"
     cycles = scene.cycles
     cycles.use_animated_seed = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0

@@ -379,7 +379,8 @@ def _apply_output(r: Any, file: str, output: str, of_layers: bool) -> None:
     if output.lower().endswith(".exr"):
         # Blender's own may lose something, and what the engine found is to be in the file.
         settings.exr_codec = "ZIP"
-    if not of_layers:  # which has all channels of all passes
+    # Layers have all channels of all passes. A scene that is saved in black and white stays so, as when Blender saves it.
+    if not of_layers and settings.color_mode != "BW":
         settings.color_mode = "RGBA" if r.film_transparent else "RGB"
 
 
