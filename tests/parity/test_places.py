@@ -193,6 +193,32 @@ def parallel_bump(t: Tree):
     t.shows(t.node("BsdfDiffuse", Normal=bump.outputs[0]).outputs[0])
 
 
+def _displaced(t: Tree, method: str, place, scale: float):
+    """By a noise, all of it or what the mesh is too coarse for seen as a bump: fine enough for the part of a pixel to matter between which
+    the bump's heights are."""
+    from support.shaders import material_of
+
+    material_of(t).displacement_method = method
+    noise = t.node("TexNoise", Vector=place, Scale=scale, Detail=0.0)
+    moved = t.node("Displacement", Height=noise.outputs[0], Midlevel=0.5, Scale=0.06)
+    output = next(node for node in t.tree.nodes if node.type == "OUTPUT_MATERIAL")
+    t.tree.links.new(moved.outputs[0], output.inputs["Displacement"])
+    _diffuse(t, (0.8, 0.8, 0.8, 1.0))
+
+
+def displaced_as_a_bump(t: Tree):
+    _displaced(t, "BUMP", t.coordinates("Generated"), 50.0)
+
+
+def displaced_and_bumped(t: Tree):
+    _displaced(t, "BOTH", t.coordinates("Generated"), 50.0)
+
+
+def displaced_and_bumped_by_place(t: Tree):
+    """The places are those of the mesh before it was displaced."""
+    _displaced(t, "BOTH", t.coordinates("Object"), 25.0)
+
+
 def parallel_window(t: Tree):
     _parallel(t)
     _diffuse(t, _noise(t, t.coordinates("Window"), 8.0))
@@ -374,7 +400,8 @@ def smooth_noise(t: Tree):
 MATERIALS = (
     camera_coordinates, window_coordinates, view_vector, view_depth_and_distance, into_the_camera, coat_over_bumps,
     bumped_coat, brushed_by_uv, brushed_about_x, brushed_metallic, brushed_in_its_space, brushed_in_its_space_by_nodes,
-    wires, wires_in_pixels, wires_behind_a_clip, wires_in_a_mirror, parallel_wires, parallel_bump, parallel_window, islands, hollows, glowing_where_open, dirty_corners, thin_places, own_hollows,
+    wires, wires_in_pixels, wires_behind_a_clip, wires_in_a_mirror, parallel_wires, parallel_bump, parallel_window,
+    displaced_as_a_bump, displaced_and_bumped, displaced_and_bumped_by_place, islands, hollows, glowing_where_open, dirty_corners, thin_places, own_hollows,
     transparent_corners, bevelled_edges, bevelled_ball, bevelled_and_bumped, bevelled_in_a_mirror,
     random_instances, smooth_noise,
 )  # fmt: skip

@@ -3,7 +3,7 @@
 
 use super::images::Images;
 use super::layers::surface_point;
-use super::point::{Point, UNDISPLACED_NORMAL, View};
+use super::point::{Point, UNDISPLACED_NORMAL, UNDISPLACED_POSITION, View};
 use crate::nodes::{PathState, RayCone};
 use crate::scene::Scene;
 use crate::scene::corners::Corners;
@@ -112,7 +112,7 @@ fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
 
 /// The mesh with its vertices moved. Triangles that were flat are flat again. At vertices of triangles that are displaced and not bumped,
 /// by the material of their slot, smooth triangles get the means of the new normals; elsewhere they keep the old ones, as in Cycles. The
-/// old ones of all are kept where a bump, which is of the whole displacement, is to bend them.
+/// old normals and positions of all are kept where a bump, which is of the whole displacement, is to bend them.
 fn moved(mesh: &Mesh, offsets: &[Vec3], by_vertices: impl Fn(u32) -> bool, bends: bool) -> MeshDescription {
     let shift = |positions: &[Vec3]| positions.iter().zip(offsets).map(|(p, offset)| *p + *offset).collect();
     let positions: Vec<Vec3> = shift(&mesh.positions);
@@ -153,6 +153,8 @@ fn moved(mesh: &Mesh, offsets: &[Vec3], by_vertices: impl Fn(u32) -> bool, bends
         let old = |i: u32| mesh.normals(i).unwrap_or_else(|| [face_normal(mesh.corners(i)); 3]);
         let old = (0..triangles.len() as u32).map(|i| old(i).map(|normal| normal.extend(0.0))).collect();
         attributes.push((UNDISPLACED_NORMAL.to_owned(), Corners::Each(old)));
+        let old = mesh.positions.iter().map(|position| position.extend(1.0)).collect();
+        attributes.push((UNDISPLACED_POSITION.to_owned(), Corners::Vertices(old)));
     }
     let moved_positions = moved_positions.map(|moved| moved.map(|positions| shift(&positions)));
     MeshDescription {

@@ -73,21 +73,22 @@ fn with_slice<T>(
     })
 }
 
+/// Part of the footprint between the heights by which a displacement bends normals: the default of the Bump node's Filter Width, which Cycles
+/// takes there, too.
+const BUMP_FILTER: f32 = 0.1;
+
 /// Bends a point's normal by the displacement.
 fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &mut Registers) {
     let Graph { program, slices, .. } = graph;
     let Some(displacement) = program.displacement else { return };
-    if graph.displacement == Displacement::Both
-        && let Some(normal) = point.undisplaced_normal()
-    {
-        *point = point.with_normal(normal);
-    }
+    let before = if graph.displacement == Displacement::Both { point.undisplaced() } else { None };
+    let (base, axes) = before.unwrap_or((*point, point.footprint()));
     let mut height_at = |x, y| {
-        program.run_slice(&slices.displacement, &point.beside(x, y), images, registers);
-        point.along_normal(program.value(displacement, registers))
+        program.run_slice(&slices.displacement, &base.beside(x, y), images, registers);
+        base.along_normal(program.value(displacement, registers))
     };
-    let heights = [height_at(0.0, 0.0), height_at(1.0, 0.0), height_at(0.0, 1.0)];
-    point.bend(heights);
+    let heights = [height_at(0.0, 0.0), height_at(BUMP_FILTER, 0.0), height_at(0.0, BUMP_FILTER)];
+    point.bend(base.bent(heights, axes, BUMP_FILTER));
 }
 
 /// The point of a surface at a place of a triangle that is seen in the view's direction.

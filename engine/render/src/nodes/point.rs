@@ -18,8 +18,9 @@ use std::f32::consts::{PI, TAU};
 const POINTINESS: &str = ".pointiness";
 const RANDOM_PER_ISLAND: &str = ".random_per_island";
 
-/// The name by which a mesh whose vertices were moved keeps the normals that it had.
+/// The names by which a mesh whose vertices were moved keeps the normals and positions that it had.
 pub(super) const UNDISPLACED_NORMAL: &str = ".undisplaced_normal";
+pub(super) const UNDISPLACED_POSITION: &str = ".undisplaced_position";
 
 /// The view of a point along a ray.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +74,8 @@ pub(super) struct Point<'a> {
     /// The shift of the place at which programs are evaluated.
     beside: Shift,
     is_bent: bool,
+    /// True if the place is that of the mesh before its vertices were moved.
+    is_undisplaced: bool,
 }
 
 impl<'a> Point<'a> {
@@ -120,6 +123,7 @@ impl<'a> Point<'a> {
             along,
             beside: Shift::NONE,
             is_bent: false,
+            is_undisplaced: false,
         }
     }
 
@@ -134,12 +138,26 @@ impl<'a> Point<'a> {
         self
     }
 
-    /// The shading normal before the mesh's vertices were moved, on the viewer's side.
-    pub(super) fn undisplaced_normal(&self) -> Option<Vec3A> {
+    /// This point on the mesh before its vertices were moved, with the normal on the viewer's side, and the footprint's axes along that surface;
+    /// `None` where the mesh keeps none. Places beside the point are as far away as these axes are long on average, but along the surface as it
+    /// is: so Cycles has it (`svm_node_enter_bump_eval` in bump.h).
+    pub(super) fn undisplaced(&self) -> Option<(Self, [Vec3A; 2])> {
         let normals = self.mesh.attribute(UNDISPLACED_NORMAL)?;
         let normal = Vec3A::from_vec4(self.interpolated(normals, Shift::NONE));
         let normal = (self.instance.normal_to_render * normal).try_normalize()?;
-        Some(if normal.dot(self.surface.geometric_normal) < 0.0 { -normal } else { normal })
+        let positions = self.mesh.attribute(UNDISPLACED_POSITION)?;
+        let [a, b, c] = positions
+            .at(self.mesh.numbers(), self.surface.triangle)
+            .map(|p| self.instance.to_render.transform_point3a(Vec3A::from_vec4(p)));
+        let [wa, wb, wc] = self.barycentric(Shift::NONE);
+        let mut before = *self;
+        before.surface.position = a * wa + b * wb + c * wc;
+        before.surface.shading_normal = if normal.dot(self.surface.geometric_normal) < 0.0 { -normal } else { normal };
+        before.is_undisplaced = true;
+        let axes = self.along.map(|along| (b - a) * along.x + (c - a) * along.y);
+        let size = 0.5 * (axes[0].length() + axes[1].length());
+        before.footprint = perpendicular(self.surface.geometric_normal).map(|axis| axis * size);
+        Some((before, axes))
     }
 
     /// The height by which a vector of the world lifts the surface.
@@ -147,14 +165,24 @@ impl<'a> Point<'a> {
         vector.dot(self.surface.shading_normal)
     }
 
-    /// Bends the shading normal as if the surface had these heights here and beside, along the footprint.
-    pub(super) fn bend(&mut self, [here, in_x, in_y]: [f32; 3]) {
-        let (n, [x, y]) = (self.surface.shading_normal, self.footprint);
+    /// The axes of the footprint along the surface, render space.
+    pub(super) fn footprint(&self) -> [Vec3A; 2] {
+        self.footprint
+    }
+
+    /// The shading normal, bent as if the surface had these heights here and beside, along this part of the axes.
+    pub(super) fn bent(&self, [here, in_x, in_y]: [f32; 3], [x, y]: [Vec3A; 2], part: f32) -> Vec3A {
+        let n = self.surface.shading_normal;
         let (across_y, across_x) = (y.cross(n), n.cross(x));
         let determinant = x.dot(across_y);
         let slope = across_y * (in_x - here) + across_x * (in_y - here);
-        let bent = n * determinant.abs() - slope * determinant.signum();
-        self.surface.shading_normal = bent.try_normalize().unwrap_or(n);
+        let bent = n * (part * determinant.abs()) - slope * determinant.signum();
+        bent.try_normalize().unwrap_or(n)
+    }
+
+    /// Sets the shading normal to one that is bent, unit.
+    pub(super) fn bend(&mut self, normal: Vec3A) {
+        self.surface.shading_normal = normal;
         self.is_bent = true;
     }
 
@@ -225,7 +253,7 @@ impl<'a> Point<'a> {
     }
 
     fn object_position(&self, shift: Shift) -> Vec3A {
-        if !self.mesh.is_of_triangles() {
+        if !self.mesh.is_of_triangles() || self.is_undisplaced {
             return self.instance.to_object.transform_point3a(self.in_render(shift));
         }
         let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle);
