@@ -182,8 +182,6 @@ WITHOUT_SKY_SAMPLES = (
 
 #: Where a block may differ by more than 1 %.
 BLOCK_LIMITS = {
-    # Rational fits to the tables of the paper, which are off by as much in the lobe's shape, not in its whole.
-    "microfiber": 0.035,
     # Tables of albedos with other steps.
     "multiscatter glass": 0.015,
     "principled glass": 0.015,

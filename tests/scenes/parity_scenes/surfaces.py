@@ -160,7 +160,7 @@ def transparent():
     monkey(plain(GREEN), (0.3, 0.6, 1.0), 1.8)
 
 
-@scene("Sheen shader", tolerance=0.02, why="rational fits to the paper's tables; docs/design/closures.md")
+@scene("Sheen shader")
 def sheen():
     _pair(
         material(lambda t: t.shows(t.node("BsdfSheen", Color=GOLD, Roughness=0.4).outputs[0])),

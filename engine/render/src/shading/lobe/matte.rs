@@ -93,8 +93,16 @@ impl Velvet {
     }
 }
 
-/// Cloth of fibres as a transformed cosine (Zeltner, Burley and Chiang 2022), by the rational fits to its tables that
-/// MaterialX has. The frame's x axis lies on the viewer's side.
+/// Steps of the cosine and of the roughness in [`FIBRES`].
+const FIBRE_STEPS: usize = 32;
+
+/// The tables of [`Microfiber`] as 32-bit floats, little-endian, by cosine and roughness from 0 to 1: the transform's two coefficients and the
+/// albedo. From `fitting/python/data/ltc_table_sheen_volume.npy` of github.com/tizian/ltc-sheen (T. Zeltner, Apache License 2.0), which
+/// accompanies the paper; rounded to single precision.
+const FIBRES: &[u8; FIBRE_STEPS * FIBRE_STEPS * 12] = include_bytes!("../../../data/sheen.bin");
+
+/// Cloth of fibres as a transformed cosine, by tables (Zeltner, Burley and Chiang 2022, "Practical Multiple-Scattering Sheen Using Linearly
+/// Transformed Cosines"). The frame's x axis lies on the viewer's side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Microfiber {
     a: f32,
@@ -104,15 +112,21 @@ pub(super) struct Microfiber {
 impl Microfiber {
     /// The lobe and its albedo.
     pub(super) fn new(roughness: f32, cos_o: f32) -> (Self, f32) {
-        let (x, y) = (cos_o.clamp(0.0, 1.0), roughness.clamp(1e-3, 1.0));
-        let a = (2.58126 * x + 0.813_703 * y) * y / (1.0 + 0.310_327 * x * x + 2.60994 * x * y);
-        let b = (1.0 - x).sqrt() * (y - 1.0) * y * y * y
-            / (0.000_025_405_3 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y);
-        let s = y * (0.020_660_7 + 1.58491 * y) / (0.037_942_4 + y * (1.32227 + y));
-        let m = y * (-0.193_854 + y * (-1.14885 + y * (1.7932 - 0.95943 * y * y))) / (0.046_391 + y);
-        let o = y * (0.000_654_023 + (-0.020_781_8 + 0.119_681 * y) * y) / (1.26264 + y * (-1.92021 + y));
-        let albedo = (-0.5 * ((x - m) / s).powi(2)).exp() / (s * TAU.sqrt()) + o;
-        (Self { a, b }, albedo.clamp(0.0, 1.0))
+        let last = (FIBRE_STEPS - 1) as f32;
+        let place = |value: f32| {
+            let at = value.clamp(0.0, 1.0) * last;
+            let step = (at as usize).min(FIBRE_STEPS - 2);
+            (step, at - step as f32)
+        };
+        let ((i, across), (j, along)) = (place(cos_o), place(roughness.max(1e-3)));
+        let entry = |i: usize, j: usize| {
+            let at = (i * FIBRE_STEPS + j) * 12;
+            let number = |k: usize| f32::from_le_bytes(std::array::from_fn(|byte| FIBRES[at + 4 * k + byte]));
+            Vec3A::new(number(0), number(1), number(2))
+        };
+        let row = |i: usize| entry(i, j).lerp(entry(i, j + 1), along);
+        let [a, b, albedo] = row(i).lerp(row(i + 1), across).to_array();
+        (Self { a, b }, albedo)
     }
 
     /// True if the lobe scatters a visible amount.
