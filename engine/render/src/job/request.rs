@@ -1,5 +1,6 @@
 //! A render as it is asked for: descriptions, settings, a plan and outputs become the arguments of a [`Job`].
 
+use super::bake::BakeRequest;
 use super::checkpoint::Checkpoints;
 pub use super::error::RequestError;
 use super::forecast::{self, Forecast};
@@ -48,6 +49,10 @@ pub struct JobRequest {
     pub catches: bool,
     /// The file in which the render is kept while it goes on.
     pub checkpoints: Option<Checkpoints>,
+    /// Length of the rays of the ambient occlusion pass, Blender units; `None`: without end.
+    pub occlusion_distance: Option<f32>,
+    /// The surface that is baked instead of a photograph: plan, shutter, mattes, groups and parts then count nothing.
+    pub bake: Option<BakeRequest>,
 }
 
 impl Job {
@@ -56,6 +61,9 @@ impl Job {
     /// # Errors
     /// [`RequestError`].
     pub fn request(stage: Arc<PreparedScene>, asked: JobRequest) -> Result<Self, RequestError> {
+        if asked.bake.is_some() {
+            return Self::bake(stage, asked);
+        }
         let origin = stage.scene.origin;
         // All read one lens file, once.
         let beside = |d: CameraDescription| d.reading_with(&asked.camera);
@@ -91,9 +99,10 @@ impl Job {
             clip: Clip::new(&now, &cameras[0]),
             gains: shade::gains(&now, &cameras[cameras.len() / 2], size[0], size[1])?,
             light_groups: asked.light_groups,
-            parts: Parts::new(&passes, seen),
+            parts: Parts::new(&passes, seen).occluded_within(asked.occlusion_distance),
             checkpoints: asked.checkpoints,
             exposure: exposure(asked.shutter.as_ref().filter(|_| is_moving), &now, origin),
+            bake: None,
         };
         let stray_light = asked.plan.map(|plan| (plan, asked.camera));
         let mut job = Self::start_with(stage, cameras, settings, output)?;

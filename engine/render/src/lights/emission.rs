@@ -256,7 +256,14 @@ fn emit_triangle(
     let strength = triangle.radiance(
         scene,
         [u, v],
-        &View { direction: -direction, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE, is_blurry: true },
+        &View {
+            direction: -direction,
+            distance: 1.0,
+            way: PathState::LIGHT,
+            moment: MIDDLE,
+            is_blurry: true,
+            footprint: None,
+        },
     );
     let origin = offset_origin(point.position, out, point.position_error);
     EmittedRay { ray: Ray::new(origin, direction), source, strength, cos: local.z }

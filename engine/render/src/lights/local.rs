@@ -219,7 +219,14 @@ fn look_at(scene: &Scene, material: usize, [instance, triangle]: [u32; 2], look:
         [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step: f64| (0.5 + step * look as f64).fract() as f32);
     let placed = &scene.instances[instance as usize];
     let normal = geometric_normal(placed, &placed.corners(mesh_of(scene, instance), triangle));
-    let view = View { direction: -normal, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE, is_blurry: true };
+    let view = View {
+        direction: -normal,
+        distance: 1.0,
+        way: PathState::LIGHT,
+        moment: MIDDLE,
+        is_blurry: true,
+        footprint: None,
+    };
     let radiance = nodes::emission(
         &scene.materials[material],
         scene.into(),

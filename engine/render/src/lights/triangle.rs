@@ -12,8 +12,14 @@ use glam::{Vec3, Vec3A};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// The view for emission that does not depend on the direction.
-const FROM_LIGHTS: View =
-    View { direction: Vec3A::NEG_Z, distance: 1.0, way: PathState::LIGHT, moment: MIDDLE, is_blurry: true };
+const FROM_LIGHTS: View = View {
+    direction: Vec3A::NEG_Z,
+    distance: 1.0,
+    way: PathState::LIGHT,
+    moment: MIDDLE,
+    is_blurry: true,
+    footprint: None,
+};
 
 /// A triangle that emits, render space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,7 +151,7 @@ impl LitTriangle {
             radiance: self.radiance(
                 scene,
                 [v, w],
-                &View { direction: wi, distance, way: way.light(), moment: MIDDLE, is_blurry: true },
+                &View { direction: wi, distance, way: way.light(), moment: MIDDLE, is_blurry: true, footprint: None },
             ),
             pdf: distance2 / (cos * self.area),
             point_like: false,

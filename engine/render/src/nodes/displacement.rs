@@ -82,8 +82,14 @@ fn offsets(scene: &Scene, instance: usize) -> Option<Vec<Vec3>> {
         // Looked at from above, from about as far as the triangle is wide.
         let [a, b, c] = mesh.corners(triangle);
         let width = owner.to_render.transform_vector3((b - a).abs().max((c - a).abs())).length();
-        let view =
-            View { direction: -normal, distance: width, way: PathState::BOUNCE, moment: MIDDLE, is_blurry: true };
+        let view = View {
+            direction: -normal,
+            distance: width,
+            way: PathState::BOUNCE,
+            moment: MIDDLE,
+            is_blurry: true,
+            footprint: None,
+        };
         let barycentric = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][corner];
         let Graph { program, slices, pass_index, .. } = graph;
         let surface = surface_point(scene.into(), [instance as u32, triangle], barycentric, &view);

@@ -33,6 +33,8 @@ pub struct View {
     pub moment: u16,
     /// True if the path was scattered so widely before that edges look alike sharp and bevelled.
     pub is_blurry: bool,
+    /// Width of the pixel on the surface, Blender units; `None`: as the camera sees it at this distance.
+    pub footprint: Option<f32>,
 }
 
 impl View {
@@ -43,7 +45,14 @@ impl View {
     /// The view along a ray of a hit at this distance. Where the densities of the path's directions are not known, a diffuse reflection makes
     /// it blurry.
     pub fn along(ray: &Ray, distance: f32, way: PathState) -> Self {
-        Self { direction: ray.direction, distance, way, moment: ray.moment, is_blurry: way.diffuse > 0 }
+        Self {
+            direction: ray.direction,
+            distance,
+            way,
+            moment: ray.moment,
+            is_blurry: way.diffuse > 0,
+            footprint: None,
+        }
     }
 
     /// This view of a path whose directions were chosen with at least this probability density, per steradian.
@@ -91,7 +100,9 @@ impl<'a> Point<'a> {
         if has_footprint {
             let [x, y] = perpendicular(surface.geometric_normal);
             // A pixel's width: heights are asked that far apart for a bump.
-            let size = scene.viewport.pixel_angle_rad() * view.distance.max(1e-6 * surface.position.length());
+            let size = view.footprint.unwrap_or_else(|| {
+                scene.viewport.pixel_angle_rad() * view.distance.max(1e-6 * surface.position.length())
+            });
             footprint = [x * size, y * size];
             along = if !mesh.is_special {
                 weights_along(instance, mesh.corners(triangle), &footprint)

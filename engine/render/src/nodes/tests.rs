@@ -47,7 +47,14 @@ fn three() -> Scene {
 
 fn point(scene: &Scene, instance: u32) -> Point<'_> {
     let hit = Hit { t: 1.0, u: 0.2, v: 0.3, instance, triangle: 0, moment: 0 };
-    let view = View { direction: -Vec3A::Z, distance: 1.0, way: PathState::CAMERA, moment: 0, is_blurry: false };
+    let view = View {
+        direction: -Vec3A::Z,
+        distance: 1.0,
+        way: PathState::CAMERA,
+        moment: 0,
+        is_blurry: false,
+        footprint: None,
+    };
     Point::new(scene.into(), SurfacePoint::new(scene, &hit, view.direction), view, &[], 0.0, true)
 }
 

@@ -89,7 +89,14 @@ pub(super) enum VertexSurface {
 
 /// The view of a point along a ray that bounced before, `wo` towards its origin.
 fn bounced(point: &SurfacePoint, wo: Vec3A) -> View {
-    View { direction: -wo, distance: 1.0, way: PathState::BOUNCE, moment: point.moment, is_blurry: true }
+    View {
+        direction: -wo,
+        distance: 1.0,
+        way: PathState::BOUNCE,
+        moment: point.moment,
+        is_blurry: true,
+        footprint: None,
+    }
 }
 
 impl VertexSurface {

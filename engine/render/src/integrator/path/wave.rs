@@ -60,6 +60,17 @@ pub struct Wavefront<N: AovSink = NoAovs, const VOLUMES: bool = false> {
     kept_scramble: KeptScramble,
     /// The lights that send rays to the lens, too.
     aimed: Option<Arc<AimedLights>>,
+    /// The starts of paths on surfaces; empty where all paths begin with rays that are traced.
+    starts: Vec<SurfaceStart>,
+}
+
+/// The start of a path at a point of a surface, as if a ray from outside had hit it: nothing stands before it.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceStart {
+    /// The hit of the ray; `None`: it goes to the sky, past everything.
+    pub hit: Option<Hit>,
+    /// Width of the pixel on the surface, Blender units: bumps are asked that far apart.
+    pub footprint: f32,
 }
 
 /// One path under way.
@@ -165,6 +176,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             veils: Vec::new(),
             kept_scramble: KeptScramble::default(),
             aimed: None,
+            starts: Vec::new(),
         }
     }
 
@@ -181,11 +193,18 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         self.notes.clear();
         self.live.clear();
         self.is_alive.clear();
+        self.starts.clear();
     }
 
     /// Adds a path that begins with a ray from the camera; its number is the count of those before it.
     pub fn start(&mut self, ray: Ray, sampler: PathSampler) {
         self.start_by(LensStrategy::CameraAlone, ray, sampler);
+    }
+
+    /// Adds a path like [`Self::start`], whose ray has a known end. Either all paths begin so, or none.
+    pub fn start_at(&mut self, start: SurfaceStart, ray: Ray, sampler: PathSampler) {
+        self.starts.push(start);
+        self.start(ray, sampler);
     }
 
     /// Adds a path like [`Self::start`], whose ray the camera leads to with this density per unit of etendue.
@@ -239,7 +258,12 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             if self.live.is_empty() {
                 return;
             }
-            self.trace(stage);
+            if step == 0 && !self.starts.is_empty() {
+                self.hits.clear();
+                self.hits.extend(self.starts.iter().map(|start| start.hit));
+            } else {
+                self.trace(stage);
+            }
             self.meet(stage, limits, step);
             self.sort(stage);
             self.scatter(stage, limits);
@@ -268,12 +292,14 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         if VOLUMES {
             self.veils.clear();
         }
+        // Nothing lies before a surface that a path starts on.
+        let starts = step == 0 && !self.starts.is_empty();
         for (&i, hit) in self.live.iter().zip(&self.hits) {
             let path = &mut self.paths[i as usize];
             let aimed = self.aimed.as_deref();
             let mut found = Found { path: i, result: &mut self.results[i as usize], notes: &mut self.notes };
             self.is_alive[i as usize] = false;
-            if VOLUMES {
+            if VOLUMES && !starts {
                 path.sampler.jump_to(CAMERA_SETS + step * Self::SETS);
                 let inside = &mut self.inside[i as usize];
                 let shades = (&mut self.shadows, &mut self.veils);
@@ -287,7 +313,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
                 }
             }
             let Some(hit) = hit else {
-                if !VOLUMES {
+                if !VOLUMES && !starts {
                     path.lamps_before(stage, limits, aimed, path.travelled + path.ray.t_max, &mut found);
                 }
                 path.sky(stage, limits, &mut found);
@@ -296,7 +322,10 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             path.sampler.jump_to(CAMERA_SETS + step * Self::SETS);
             let point = SurfacePoint::new(&stage.scene, hit, path.ray.direction);
             let [u0, u1, u_light, u_alpha] = path.sampler.next_4d_kept(&mut self.kept_scramble);
-            let view = path.view(path.travelled + hit.t);
+            let mut view = path.view(path.travelled + hit.t);
+            if starts {
+                view.footprint = Some(self.starts[i as usize].footprint);
+            }
             let opening = opening(stage.around(), &point, &view);
             // The film is opaque where a surface that glows alone stops a path.
             let is_film = limits.hide_sky && path.way.is_camera();
@@ -306,14 +335,14 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             let is_seen = u_alpha < share.max(1.0 - opening.chance);
             let is_border = VOLUMES && share < 1.0 && is_only_volume(stage, &point);
             let is_split = share >= LEAST_SHARE && !is_border;
-            if is_scattered && !VOLUMES {
+            if is_scattered && !VOLUMES && !starts {
                 path.lamps_before(stage, limits, aimed, path.travelled + hit.t, &mut found);
             }
             found.result.hit |= is_seen;
             if !is_border && path.emission(stage, limits, aimed, (hit, &point, opening.rest), &mut found) {
                 continue;
             }
-            if is_seen && found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
+            if (is_seen || starts) && found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
                 found.result.first = Some(FirstSurface::from(&point));
                 found.notes.finds(i, stage, &point, &view);
             }
@@ -437,10 +466,11 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         bent: Option<Vec3A>,
         bsdf: &(impl Scattering + LobeDecomposition),
     ) {
-        let SurfaceInteraction { path: i, point, view, u_light, share, next, .. } = &self.meetings[meeting];
+        let SurfaceInteraction { path: i, point, kept, view, u_light, share, next } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
         let at = ScatterPlace { stage, limits, point, normal: bent.unwrap_or(point.shading_normal), share: *share };
+        found.notes.evaluates(*i, path.way, bsdf);
         if let Next::Scatter = next {
             found.notes.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
         }
@@ -463,6 +493,13 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         }
         // The first two choose the lobe and the direction in it.
         let [u2, u3, u_split, u_end] = path.sampler.next_4d_kept(&mut self.kept_scramble);
+        if let Some(asked) = found.notes.occlusion(path.way) {
+            at.occlusion((*i, path), asked, &mut self.shadows, bsdf, *kept, [u2, u3]);
+            if VOLUMES {
+                let inside = &self.inside[*i as usize];
+                inside.veil(&stage.scene, point, &self.shadows, &mut self.veils, [u3, u2, u_light[0]]);
+            }
+        }
         let is_ambient = matches!(limits.approximations.fast_gi, FastGi::Add { .. });
         if is_ambient {
             at.ambient(path, &found, &mut self.shadows, bsdf, [u2, u3]);

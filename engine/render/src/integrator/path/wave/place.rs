@@ -135,6 +135,32 @@ impl ScatterPlace<'_> {
         true
     }
 
+    /// A ray of the ambient occlusion pass, as `integrate_surface_ao` in shade_surface.h of Cycles: spread by the cosine about the mean normal
+    /// of the diffuse lobes. `kept` is the weight of the surface.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn occlusion<Of>(
+        &self,
+        path: (u32, &Path),
+        (distance, of): (f32, Of),
+        shadows: &mut Vec<Shadow<Of>>,
+        bsdf: &impl LobeDecomposition,
+        kept: f32,
+        u: [f32; 2],
+    ) {
+        let (number, path) = path;
+        let (_, normal) = bsdf.diffuse();
+        let d = warp::to_world(&warp::frame(normal), warp::sample_cosine_hemisphere(u)).normalize();
+        let scene = &self.stage.scene;
+        let ray = match terminator::grazing(scene, self.point, self.normal, d) {
+            None => self.point.leaving(leave(self.point, d), d),
+            Some(grazing) => grazing.along(scene, self.point, d),
+        };
+        let ray = Ray { t_max: distance, ..ray };
+        let (light, way, sets) = (path.throughput * kept, path.way, LightSets::EVERYTHING);
+        shadows.push(Shadow { path: number, ray, light, way, sets, of });
+    }
+
     /// Light that [`FastGi::Add`] puts in where nothing is near, as `integrate_surface_ao` in shade_surface.h of Cycles: about the
     /// mean of the normals, in no pass but the whole picture.
     #[cold]

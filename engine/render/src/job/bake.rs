@@ -1,0 +1,330 @@
+//! Bakes: what the surface of one object sends up, or is, pixel by pixel of a texture that Blender has laid out.
+//!
+//! Paths, film and parts of light are those of pictures; only where paths start differs ([`crate::pipeline::bake`]).
+
+use super::request::{JobRequest, RequestError};
+use super::{Job, OutputOptions, Settings, catcher};
+use crate::camera::{Camera, CameraDescription, Model};
+use crate::film::data::DataPass;
+use crate::integrator::path::parts::{LightPass, LobeKind, Parts, Seen};
+use crate::integrator::{Integrator, PreparedScene};
+use crate::pipeline::Pipeline;
+use crate::pipeline::bake::{BakePoint, BakePoints, ViewFrom};
+use crate::scene::Scene;
+use serde::Deserialize;
+use std::sync::Arc;
+
+/// The thing that is baked, as Blender names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum BakeKind {
+    /// All light that leaves the surface.
+    Combined,
+    /// Ambient occlusion.
+    Ao,
+    /// The part of the light that other objects leave.
+    Shadow,
+    /// Position in world space.
+    Position,
+    /// Shading normal in world space.
+    Normal,
+    /// Texture coordinates of the first UV map.
+    Uv,
+    /// Roughness of the material.
+    Roughness,
+    /// Emission of the material.
+    Emit,
+    /// The sky in the direction of the surface's place.
+    Environment,
+    /// Light of diffuse lobes.
+    Diffuse,
+    /// Light of lobes of reflection.
+    Glossy,
+    /// Light of lobes of transmission.
+    Transmission,
+}
+
+/// The settings of a bake. Which light counts is for [`BakeKind::Combined`] and the kinds of lobes.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BakeSettings {
+    /// Name of the Blender object, for errors.
+    pub object_name: String,
+    /// The thing that is baked.
+    pub kind: BakeKind,
+    /// True if the surface is seen from the camera, not from straight above.
+    pub from_camera: bool,
+    /// Light that comes straight from emitters.
+    pub direct: bool,
+    /// Light that was scattered before.
+    pub indirect: bool,
+    /// The colour of the lobes; without it light is divided by that.
+    pub color: bool,
+    /// Light of diffuse lobes, for [`BakeKind::Combined`].
+    pub diffuse: bool,
+    /// Light of lobes of reflection, likewise.
+    pub glossy: bool,
+    /// Light of lobes of transmission, likewise.
+    pub transmission: bool,
+    /// Emission of the surface, likewise.
+    pub emission: bool,
+}
+
+/// The points of a bake, pixel by pixel, rows from below.
+#[derive(Clone, Debug, Default)]
+pub struct BakeTable {
+    /// Triangle of the object's mesh; below 0: none.
+    pub primitives: Vec<i32>,
+    /// Barycentric weights of the first and second corner.
+    pub weights: Vec<[f32; 2]>,
+    /// Changes of the first weight from column to column and from row to row, then of the second.
+    pub differentials: Vec<[f32; 4]>,
+    /// Numbers by which pixels choose their random numbers; empty: each its own.
+    pub seeds: Vec<u32>,
+}
+
+/// A bake as it is asked for.
+pub struct BakeRequest {
+    /// Its settings.
+    pub settings: BakeSettings,
+    /// Its points.
+    pub table: BakeTable,
+}
+
+/// An error by which a bake does not start.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    /// The object is not in the scene.
+    #[error("object '{0}': nothing of it is rendered; enable it for rendering, and give it faces")]
+    NoObject(String),
+    /// A point names a triangle that the mesh does not have.
+    #[error("object '{object}': triangle {triangle} is to be baked, and its mesh has {count}; apply its modifiers")]
+    NoTriangle {
+        /// Name of the object.
+        object: String,
+        /// Number of the triangle.
+        triangle: i32,
+        /// Number of triangles of the mesh.
+        count: usize,
+    },
+    /// The arrays are not of one length.
+    #[error("object '{0}': the arrays of its points differ in length from the texture")]
+    Lengths(String),
+    /// No light at all was asked for.
+    #[error("object '{0}': no light is to be baked; choose direct or indirect light, color, or emission")]
+    NoLight(String),
+}
+
+/// The result of a bake, by what the film keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum BakeResult {
+    /// The picture as it is.
+    Picture,
+    /// The sum of parts of light, with the picture's alpha.
+    Seen(Vec<LightPass>),
+    /// The sum of parts of light.
+    Light(Vec<LightPass>),
+    /// The sum of parts, each divided by its reference.
+    Relative(Vec<LightPass>),
+    Position,
+    /// The shading normals; of surfaces that scatter nothing those of the mesh.
+    Normal,
+    /// For [`Job::shadow`].
+    Shadow,
+}
+
+impl BakeSettings {
+    /// The parts of light of a kind of lobe that count.
+    fn of_lobe(&self, lobe: LobeKind) -> impl Iterator<Item = LightPass> {
+        let both = [(true, self.direct), (false, self.indirect)];
+        both.into_iter().filter(|(_, is_wanted)| *is_wanted).map(move |(near, _)| LightPass::Light(lobe, near))
+    }
+
+    fn result(&self) -> BakeResult {
+        let lobe = |lobe: LobeKind| match (self.direct || self.indirect, self.color) {
+            (false, _) => BakeResult::Relative(vec![LightPass::Colour(lobe)]),
+            (true, true) => BakeResult::Light(self.of_lobe(lobe).collect()),
+            (true, false) => BakeResult::Relative(self.of_lobe(lobe).collect()),
+        };
+        match self.kind {
+            BakeKind::Combined => self.combined(),
+            BakeKind::Ao => BakeResult::Relative(vec![LightPass::Occlusion]),
+            BakeKind::Shadow => BakeResult::Shadow,
+            BakeKind::Position => BakeResult::Position,
+            BakeKind::Normal => BakeResult::Normal,
+            BakeKind::Uv => BakeResult::Relative(vec![LightPass::Uv]),
+            BakeKind::Roughness => BakeResult::Relative(vec![LightPass::Roughness]),
+            BakeKind::Emit => BakeResult::Light(vec![LightPass::Emission]),
+            BakeKind::Environment => BakeResult::Light(vec![LightPass::Environment]),
+            BakeKind::Diffuse => lobe(LobeKind::Diffuse),
+            BakeKind::Glossy => lobe(LobeKind::Glossy),
+            BakeKind::Transmission => lobe(LobeKind::Transmission),
+        }
+    }
+
+    fn combined(&self) -> BakeResult {
+        let wanted = [self.direct, self.indirect, self.diffuse, self.glossy, self.transmission, self.emission];
+        if wanted == [true; 6] {
+            return BakeResult::Picture;
+        }
+        let lobes = [
+            (LobeKind::Diffuse, self.diffuse),
+            (LobeKind::Glossy, self.glossy),
+            (LobeKind::Transmission, self.transmission),
+        ];
+        let mut parts: Vec<LightPass> =
+            lobes.into_iter().filter(|(_, is_wanted)| *is_wanted).flat_map(|(lobe, _)| self.of_lobe(lobe)).collect();
+        parts.extend(
+            [(true, self.direct), (false, self.indirect)]
+                .iter()
+                .filter_map(|&(near, is_wanted)| is_wanted.then_some(LightPass::Volume(near))),
+        );
+        parts.extend(self.emission.then_some(LightPass::Emission));
+        BakeResult::Seen(parts)
+    }
+
+    /// The render's settings as the bake needs them.
+    fn applied(&self, mut settings: Settings) -> Settings {
+        settings.integrator = Integrator::Path;
+        settings.pipeline = Pipeline::FilmFirst;
+        settings.light_tracing = false;
+        settings.window = None;
+        // What lies behind a transparent surface is no part of it.
+        settings.transparent_film = self.kind != BakeKind::Environment;
+        settings.with_data = matches!(self.kind, BakeKind::Position | BakeKind::Normal);
+        let is_light = match self.kind {
+            BakeKind::Combined | BakeKind::Shadow => true,
+            BakeKind::Diffuse | BakeKind::Glossy | BakeKind::Transmission => self.direct || self.indirect,
+            _ => false,
+        };
+        if !is_light {
+            settings.noise_threshold = 0.0;
+        }
+        if !is_light || (!self.indirect && self.kind != BakeKind::Shadow) {
+            settings.max_bounces = 0;
+        }
+        settings
+    }
+
+    fn view(&self, camera: &CameraDescription, scene: &Scene) -> ViewFrom {
+        // Normals are those of the surface, wherever it is seen from.
+        let is_seen = self.from_camera && self.kind != BakeKind::Normal;
+        match self.kind {
+            BakeKind::Environment => ViewFrom::Sky((-scene.origin).as_vec3a()),
+            _ if !is_seen => ViewFrom::Above,
+            _ if camera.model == Model::Orthographic => {
+                ViewFrom::Far(camera.matrix_world.z_axis.truncate().normalize_or_zero().as_vec3a())
+            }
+            _ => ViewFrom::Place((camera.position() - scene.origin).as_vec3a()),
+        }
+    }
+}
+
+impl BakeTable {
+    /// The points on the scene's object to be baked.
+    fn points(
+        self,
+        settings: &BakeSettings,
+        size: [u32; 2],
+        scene: &Scene,
+    ) -> Result<Vec<Option<BakePoint>>, BakeError> {
+        let name = || settings.object_name.clone();
+        let instance =
+            scene.placed().iter().find(|instance| instance.is_baked).ok_or_else(|| BakeError::NoObject(name()))?;
+        let count = scene.meshes[instance.mesh as usize].triangles.len();
+        let pixels = size[0] as usize * size[1] as usize;
+        let lengths = [self.primitives.len(), self.weights.len(), self.differentials.len()];
+        if lengths != [pixels; 3] || !(self.seeds.is_empty() || self.seeds.len() == pixels) {
+            return Err(BakeError::Lengths(name()));
+        }
+        let point = |i: usize| {
+            let triangle = self.primitives[i];
+            if triangle < 0 {
+                return Ok(None);
+            }
+            if triangle as usize >= count {
+                return Err(BakeError::NoTriangle { object: name(), triangle, count });
+            }
+            let [along_u, up_u, along_v, up_v] = self.differentials[i];
+            let own = [i as u32 % size[0], i as u32 / size[0]];
+            let numbers_of = self.seeds.get(i).map_or(own, |seed| [seed & 0xffff, seed >> 16]);
+            let steps = [[along_u, up_u], [along_v, up_v]];
+            Ok(Some(BakePoint { triangle: triangle as u32, weights: self.weights[i], steps, numbers_of }))
+        };
+        (0..pixels).map(point).collect()
+    }
+}
+
+impl Job {
+    /// Starts a bake in threads of its own.
+    pub(super) fn bake(stage: Arc<PreparedScene>, asked: JobRequest) -> Result<Self, RequestError> {
+        let Some(BakeRequest { settings: bake, table }) = asked.bake else {
+            return Err(super::SettingsError::Camera.into());
+        };
+        let settings = bake.applied(asked.settings);
+        let result = bake.result();
+        let wanted = match &result {
+            BakeResult::Picture | BakeResult::Position => Vec::new(),
+            BakeResult::Seen(parts) | BakeResult::Light(parts) | BakeResult::Relative(parts) if !parts.is_empty() => {
+                parts.clone()
+            }
+            BakeResult::Seen(_) | BakeResult::Light(_) | BakeResult::Relative(_) => {
+                return Err(BakeError::NoLight(bake.object_name).into());
+            }
+            BakeResult::Normal => vec![LightPass::ShadingNormal],
+            BakeResult::Shadow => catcher::PARTS.to_vec(),
+        };
+        let size = [settings.width, settings.height];
+        let points = table.points(&bake, size, &stage.scene)?;
+        let instance = stage.scene.placed().iter().position(|instance| instance.is_baked).unwrap_or_default();
+        let view = bake.view(&asked.camera, &stage.scene);
+        let points = BakePoints { width: size[0], instance: instance as u32, points, view };
+        let output = OutputOptions {
+            parts: Parts::new(&wanted, Seen::default()).occluded_within(asked.occlusion_distance),
+            bake: Some(points),
+            ..OutputOptions::default()
+        };
+        let camera = Camera::new(&asked.camera, size[0], size[1])?;
+        let mut job = Self::start_with(stage, vec![camera], settings, output)?;
+        job.baked = Some(result);
+        Ok(job)
+    }
+
+    /// The result of a bake so far, RGBA, rows from below; `None` of a picture, and of shadows without a bake of the same object `alone`.
+    pub fn baked(&self, alone: Option<&Self>) -> Option<Vec<[f32; 4]>> {
+        let opaque = |pixels: Vec<[f32; 3]>| pixels.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
+        let sum = |films: Vec<Vec<[f32; 3]>>| films.into_iter().reduce(added);
+        let light = |parts: &[LightPass]| sum(parts.iter().map(|&part| self.light_of(part)).collect::<Option<_>>()?);
+        Some(match self.baked.as_ref()? {
+            BakeResult::Picture => self.picture(),
+            BakeResult::Light(parts) => opaque(light(parts)?),
+            BakeResult::Seen(parts) => {
+                let pixels = light(parts)?;
+                let alphas = self.picture().into_iter().map(|[.., alpha]| alpha);
+                pixels.into_iter().zip(alphas).map(|([r, g, b], alpha)| [r, g, b, alpha]).collect()
+            }
+            BakeResult::Relative(parts) => {
+                opaque(sum(parts.iter().map(|&part| self.part(part)).collect::<Option<_>>()?)?)
+            }
+            BakeResult::Position => opaque(self.data(DataPass::Position).as_chunks().0.to_vec()),
+            BakeResult::Normal => {
+                let evaluated = self.part(LightPass::Evaluated)?;
+                let own = self.data(DataPass::Normal);
+                let shading = self.part(LightPass::ShadingNormal)?;
+                let pixels = shading.into_iter().zip(own.as_chunks().0).zip(evaluated);
+                opaque(pixels.map(|((shading, own), [count, ..])| if count > 0.0 { shading } else { *own }).collect())
+            }
+            BakeResult::Shadow => opaque(self.shadow(alone?)?),
+        })
+    }
+
+    /// A part as it is kept, not divided by its reference.
+    fn light_of(&self, part: LightPass) -> Option<Vec<[f32; 3]>> {
+        let place = self.shared.parts.place(part)?;
+        Some(self.shared.film.parts()[place].picture().into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
+    }
+}
+
+fn added(a: Vec<[f32; 3]>, b: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+    a.into_iter().zip(b).map(|(a, b)| std::array::from_fn(|c| a[c] + b[c])).collect()
+}
