@@ -3,7 +3,7 @@
 //! Paths, film and parts of light are those of pictures; only where paths start differs ([`crate::pipeline::bake`]).
 
 use super::request::{JobRequest, RequestError};
-use super::{Job, OutputOptions, Settings, catcher};
+use super::{Job, OutputOptions, Settings};
 use crate::camera::{Camera, CameraDescription, Model};
 use crate::film::data::DataPass;
 use crate::integrator::path::parts::{LightPass, LobeKind, Parts, Seen};
@@ -129,7 +129,7 @@ pub(super) enum BakeResult {
     Position,
     /// The shading normals; of surfaces that scatter nothing those of the mesh.
     Normal,
-    /// For [`Job::shadow`].
+    /// The picture over that of the object alone.
     Shadow,
 }
 
@@ -264,7 +264,7 @@ impl Job {
         let settings = bake.applied(asked.settings);
         let result = bake.result();
         let wanted = match &result {
-            BakeResult::Picture | BakeResult::Position => Vec::new(),
+            BakeResult::Picture | BakeResult::Position | BakeResult::Shadow => Vec::new(),
             BakeResult::Seen(parts) | BakeResult::Light(parts) | BakeResult::Relative(parts) if !parts.is_empty() => {
                 parts.clone()
             }
@@ -272,7 +272,6 @@ impl Job {
                 return Err(BakeError::NoLight(bake.object_name).into());
             }
             BakeResult::Normal => vec![LightPass::ShadingNormal],
-            BakeResult::Shadow => catcher::PARTS.to_vec(),
         };
         let size = [settings.width, settings.height];
         let points = table.points(&bake, size, &stage.scene)?;
@@ -314,7 +313,10 @@ impl Job {
                 let pixels = shading.into_iter().zip(own.as_chunks().0).zip(evaluated);
                 opaque(pixels.map(|((shading, own), [count, ..])| if count > 0.0 { shading } else { *own }).collect())
             }
-            BakeResult::Shadow => opaque(self.shadow(alone?)?),
+            BakeResult::Shadow => {
+                let lit = alone?.picture();
+                opaque(self.picture().into_iter().zip(lit).map(|(light, lit)| left(light, lit)).collect())
+            }
         })
     }
 
@@ -323,6 +325,12 @@ impl Job {
         let place = self.shared.parts.place(part)?;
         Some(self.shared.film.parts()[place].picture().into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
     }
+}
+
+/// The part of the light that is left; all of it where there is none, and of what is seen through the surface.
+fn left(light: [f32; 4], lit: [f32; 4]) -> [f32; 3] {
+    let alpha = light[3];
+    std::array::from_fn(|c| 1.0 - alpha + alpha * if lit[c] == 0.0 { 1.0 } else { light[c] / lit[c] })
 }
 
 fn added(a: Vec<[f32; 3]>, b: Vec<[f32; 3]>) -> Vec<[f32; 3]> {

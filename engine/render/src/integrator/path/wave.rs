@@ -327,12 +327,17 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
                 view.footprint = Some(self.starts[i as usize].footprint);
             }
             let opening = opening(stage.around(), &point, &view);
+            if starts {
+                // What lies behind a surface is no part of it: as in Cycles, the path does not go on, and the surface has a hole.
+                found.result.hit = true;
+                found.result.hole += opening.light.element_sum() / 3.0;
+            }
             // The film is opaque where a surface that glows alone stops a path.
             let is_film = limits.hide_sky && path.way.is_camera();
             let share = if is_film { 1.0 - opening.chance } else { opening.share };
             let is_scattered = u_alpha < share;
             // What is seen goes by the weights alone, however dark.
-            let is_seen = u_alpha < share.max(1.0 - opening.chance);
+            let is_seen = starts || u_alpha < share.max(1.0 - opening.chance);
             let is_border = VOLUMES && share < 1.0 && is_only_volume(stage, &point);
             let is_split = share >= LEAST_SHARE && !is_border;
             if is_scattered && !VOLUMES && !starts {
@@ -342,13 +347,13 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             if !is_border && path.emission(stage, limits, aimed, (hit, &point, opening.rest), &mut found) {
                 continue;
             }
-            if (is_seen || starts) && found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
+            if is_seen && found.result.first.is_none() && (!VOLUMES || path.way.is_camera()) {
                 found.result.first = Some(FirstSurface::from(&point));
                 found.notes.finds(i, stage, &point, &view);
             }
             let next = if is_scattered {
                 Next::Scatter
-            } else if is_border || limits.goes_on(path.way) {
+            } else if (is_border || limits.goes_on(path.way)) && !starts {
                 Next::Pass(TransparentPassage {
                     weight: opening.light / (1.0 - share),
                     t: hit.t,
@@ -494,7 +499,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         // The first two choose the lobe and the direction in it.
         let [u2, u3, u_split, u_end] = path.sampler.next_4d_kept(&mut self.kept_scramble);
         if let Some(asked) = found.notes.occlusion(path.way) {
-            at.occlusion((*i, path), asked, &mut self.shadows, bsdf, *kept, [u2, u3]);
+            at.occlusion((*i, path), asked, &mut self.shadows, bsdf, (*kept, view), [u2, u3]);
             if VOLUMES {
                 let inside = &self.inside[*i as usize];
                 inside.veil(&stage.scene, point, &self.shadows, &mut self.veils, [u3, u2, u_light[0]]);
