@@ -9,10 +9,10 @@ from typing import Any
 import bpy
 import numpy as np
 
-from petzval.description import BakeDescription, CameraDescription, SettingsDescription
+from petzval.description import BakeDescription, CameraDescription, DenoisingDescription, SettingsDescription
 
-from ..data import passes
-from ..export import baking, memory
+from ..data import denoiser, passes
+from ..export import baking, denoising, memory
 from ..export import camera as camera_export
 from ..export import settings as render_settings
 from ..export.report import Report
@@ -21,6 +21,8 @@ from . import loop, messages, staging
 
 #: The camera of a scene without one.
 _NOWHERE = CameraDescription("", tuple(tuple(float(i == j) for j in range(4)) for i in range(4)), "PINHOLE")
+#: What is denoised where pictures are.
+_DENOISED = {"COMBINED", "SHADOW"}
 #: Parts of the engine that a kind of bake keeps, at most: each is a film of its own.
 _MOST_PARTS = 10
 
@@ -76,6 +78,7 @@ class Bake:
         """A finished job of the engine; a `share` of all the work, of which a part is done before."""
         is_shadow = only_catchers or described.kind == "SHADOW"
         scene = self._stage(settings, is_shadow=is_shadow, only_catchers=only_catchers)
+        how = self._denoising(described.kind)
         lit_by = getattr(self._scene.world, "light_settings", None)
         job = engine().Job(
             scene,
@@ -83,11 +86,23 @@ class Bake:
             dataclasses.replace(settings, denoising=None),
             occlusion_distance=None if lit_by is None else lit_by.distance,
             bake=(described, *points),
+            parts=[] if how is None else denoising.guides(how),
         )
         tell = lambda part, _: self._host.update_progress(done + share * part)  # noqa: E731
         if loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell):
             raise loop.Stopped
+        if how is not None:
+            loop.stoppable(lambda: job.denoise(how), self._stop_asked)
         return job
+
+    def _denoising(self, kind: str) -> DenoisingDescription | None:
+        """How a bake is denoised: as Cycles' are, where pictures of the view layer are."""
+        if kind not in _DENOISED or not passes.is_denoised(self._scene, self._depsgraph.view_layer_eval):
+            return None
+        how = denoising.of_render(self._scene)
+        if how is None and self._scene.cycles.is_property_set("use_denoising"):
+            self._host.report({"WARNING"}, f"Not denoised: {denoiser.INSTALL}")
+        return how and denoising.within_memory(how, self._scene.petzval.memory_limit)
 
     def _stage(self, settings: SettingsDescription, *, is_shadow: bool, only_catchers: bool) -> Any:
         """The engine's scene."""

@@ -147,8 +147,8 @@ pub struct Job {
     keeping: Mutex<Option<JoinHandle<()>>>,
     /// The plan that decides on stray light, and the camera before it.
     stray_light: Option<(Plan, CameraDescription)>,
-    /// The result of a bake that the film keeps.
-    baked: Option<bake::BakeResult>,
+    /// The bake that the film keeps.
+    baked: Option<bake::Baked>,
 }
 
 impl Job {

@@ -115,13 +115,24 @@ pub enum BakeError {
     NoLight(String),
 }
 
+/// What a job bakes.
+pub(super) struct Baked {
+    kind: BakeKind,
+    result: BakeResult,
+}
+
+impl Baked {
+    /// True if the image has the film's alpha; what else is baked is opaque, as in Cycles.
+    fn has_alpha(&self) -> bool {
+        matches!(self.kind, BakeKind::Combined | BakeKind::Diffuse | BakeKind::Glossy | BakeKind::Transmission)
+    }
+}
+
 /// The result of a bake, by what the film keeps.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum BakeResult {
+enum BakeResult {
     /// The picture as it is.
     Picture,
-    /// The sum of parts of light, with the picture's alpha.
-    Seen(Vec<LightPass>),
     /// The sum of parts of light.
     Light(Vec<LightPass>),
     /// The sum of parts, each divided by its reference.
@@ -180,7 +191,7 @@ impl BakeSettings {
                 .filter_map(|&(near, is_wanted)| is_wanted.then_some(LightPass::Volume(near))),
         );
         parts.extend(self.emission.then_some(LightPass::Emission));
-        BakeResult::Seen(parts)
+        BakeResult::Light(parts)
     }
 
     /// The render's settings as the bake needs them.
@@ -257,22 +268,23 @@ impl BakeTable {
 
 impl Job {
     /// Starts a bake in threads of its own.
-    pub(super) fn bake(stage: Arc<PreparedScene>, asked: JobRequest) -> Result<Self, RequestError> {
-        let Some(BakeRequest { settings: bake, table }) = asked.bake else {
-            return Err(super::SettingsError::Camera.into());
-        };
+    pub(super) fn bake(
+        stage: Arc<PreparedScene>,
+        BakeRequest { settings: bake, table }: BakeRequest,
+        asked: JobRequest,
+    ) -> Result<Self, RequestError> {
         let settings = bake.applied(asked.settings);
         let result = bake.result();
         let wanted = match &result {
             BakeResult::Picture | BakeResult::Position | BakeResult::Shadow => Vec::new(),
-            BakeResult::Seen(parts) | BakeResult::Light(parts) | BakeResult::Relative(parts) if !parts.is_empty() => {
-                parts.clone()
-            }
-            BakeResult::Seen(_) | BakeResult::Light(_) | BakeResult::Relative(_) => {
+            BakeResult::Light(parts) | BakeResult::Relative(parts) if !parts.is_empty() => parts.clone(),
+            BakeResult::Light(_) | BakeResult::Relative(_) => {
                 return Err(BakeError::NoLight(bake.object_name).into());
             }
             BakeResult::Normal => vec![LightPass::ShadingNormal],
         };
+        // Those by which a denoiser is guided.
+        let wanted = [wanted, asked.parts].concat();
         let size = [settings.width, settings.height];
         let points = table.points(&bake, size, &stage.scene)?;
         let instance = stage.scene.placed().iter().position(|instance| instance.is_baked).unwrap_or_default();
@@ -285,39 +297,46 @@ impl Job {
         };
         let camera = Camera::new(&asked.camera, size[0], size[1])?;
         let mut job = Self::start_with(stage, vec![camera], settings, output)?;
-        job.baked = Some(result);
+        job.baked = Some(Baked { kind: bake.kind, result });
         Ok(job)
     }
 
     /// The result of a bake so far, RGBA, rows from below; `None` of a picture, and of shadows without a bake of the same object `alone`.
     pub fn baked(&self, alone: Option<&Self>) -> Option<Vec<[f32; 4]>> {
-        let opaque = |pixels: Vec<[f32; 3]>| pixels.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect();
-        let sum = |films: Vec<Vec<[f32; 3]>>| films.into_iter().reduce(added);
-        let light = |parts: &[LightPass]| sum(parts.iter().map(|&part| self.light_of(part)).collect::<Option<_>>()?);
-        Some(match self.baked.as_ref()? {
-            BakeResult::Picture => self.picture(),
-            BakeResult::Light(parts) => opaque(light(parts)?),
-            BakeResult::Seen(parts) => {
-                let pixels = light(parts)?;
-                let alphas = self.picture().into_iter().map(|[.., alpha]| alpha);
-                pixels.into_iter().zip(alphas).map(|([r, g, b], alpha)| [r, g, b, alpha]).collect()
+        let baked = self.baked.as_ref()?;
+        let pixels: Vec<[f32; 3]> = match &baked.result {
+            _ if baked.kind == BakeKind::Combined && self.is_denoised() => {
+                self.picture().into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
             }
-            BakeResult::Relative(parts) => {
-                opaque(sum(parts.iter().map(|&part| self.part(part)).collect::<Option<_>>()?)?)
-            }
-            BakeResult::Position => opaque(self.data(DataPass::Position).as_chunks().0.to_vec()),
+            BakeResult::Picture => self.picture().into_iter().map(|[r, g, b, _]| [r, g, b]).collect(),
+            BakeResult::Light(parts) => sum(parts.iter().map(|&part| self.light_of(part)))?,
+            BakeResult::Relative(parts) => sum(parts.iter().map(|&part| self.part(part)))?,
+            BakeResult::Position => self.data(DataPass::Position).as_chunks().0.to_vec(),
             BakeResult::Normal => {
                 let evaluated = self.part(LightPass::Evaluated)?;
                 let own = self.data(DataPass::Normal);
                 let shading = self.part(LightPass::ShadingNormal)?;
                 let pixels = shading.into_iter().zip(own.as_chunks().0).zip(evaluated);
-                opaque(pixels.map(|((shading, own), [count, ..])| if count > 0.0 { shading } else { *own }).collect())
+                pixels.map(|((shading, own), [count, ..])| if count > 0.0 { shading } else { *own }).collect()
             }
             BakeResult::Shadow => {
                 let lit = alone?.picture();
-                opaque(self.picture().into_iter().zip(lit).map(|(light, lit)| left(light, lit)).collect())
+                self.picture().into_iter().zip(lit).map(|(light, lit)| left(light, lit)).collect()
             }
-        })
+        };
+        let has_alpha = baked.has_alpha();
+        let alphas = self.picture().into_iter().map(|[.., alpha]| if has_alpha { alpha } else { 1.0 });
+        Some(pixels.into_iter().zip(alphas).map(|([r, g, b], alpha)| [r, g, b, alpha]).collect())
+    }
+
+    /// The light of a combined bake that holds not all of it; `None` of all else.
+    pub(super) fn some_light(&self) -> Option<Vec<[f32; 3]>> {
+        match self.baked.as_ref()? {
+            Baked { kind: BakeKind::Combined, result: BakeResult::Light(parts) } => {
+                sum(parts.iter().map(|&part| self.light_of(part)))
+            }
+            _ => None,
+        }
     }
 
     /// A part as it is kept, not divided by its reference.
@@ -333,6 +352,8 @@ fn left(light: [f32; 4], lit: [f32; 4]) -> [f32; 3] {
     std::array::from_fn(|c| 1.0 - alpha + alpha * if lit[c] == 0.0 { 1.0 } else { light[c] / lit[c] })
 }
 
-fn added(a: Vec<[f32; 3]>, b: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
-    a.into_iter().zip(b).map(|(a, b)| std::array::from_fn(|c| a[c] + b[c])).collect()
+/// The sum of pictures; `None` where there are none, or one is not kept.
+fn sum(films: impl Iterator<Item = Option<Vec<[f32; 3]>>>) -> Option<Vec<[f32; 3]>> {
+    let add = |[a, b]: [[f32; 3]; 2]| std::array::from_fn(|c| a[c] + b[c]);
+    films.reduce(|a, b| Some(a?.into_iter().zip(b?).map(|(a, b)| add([a, b])).collect())).flatten()
 }

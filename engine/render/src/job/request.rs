@@ -51,7 +51,7 @@ pub struct JobRequest {
     pub checkpoints: Option<Checkpoints>,
     /// Length of the rays of the ambient occlusion pass, Blender units; `None`: without end.
     pub occlusion_distance: Option<f32>,
-    /// The surface that is baked instead of a photograph: plan, shutter, mattes, groups and parts then count nothing.
+    /// The surface that is baked instead of a photograph: plan, shutter, mattes and groups then count nothing, and parts only guide a denoiser.
     pub bake: Option<BakeRequest>,
 }
 
@@ -60,9 +60,9 @@ impl Job {
     ///
     /// # Errors
     /// [`RequestError`].
-    pub fn request(stage: Arc<PreparedScene>, asked: JobRequest) -> Result<Self, RequestError> {
-        if asked.bake.is_some() {
-            return Self::bake(stage, asked);
+    pub fn request(stage: Arc<PreparedScene>, mut asked: JobRequest) -> Result<Self, RequestError> {
+        if let Some(bake) = asked.bake.take() {
+            return Self::bake(stage, bake, asked);
         }
         let origin = stage.scene.origin;
         // All read one lens file, once.

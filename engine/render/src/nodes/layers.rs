@@ -73,6 +73,10 @@ fn with_slice<T>(
     })
 }
 
+/// Part of the footprint's axes by which a displacement is asked for beside a point to bend its normal: that of Cycles' own Bump node
+/// (`bump_from_displacement` in shader_graph.cpp).
+const DISPLACEMENT_STEP: f32 = 0.1;
+
 /// Bends a point's normal by the displacement.
 fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &mut Registers) {
     let Graph { program, slices, .. } = graph;
@@ -86,8 +90,10 @@ fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &m
         program.run_slice(&slices.displacement, &point.beside(x, y), images, registers);
         point.along_normal(program.value(displacement, registers))
     };
-    let heights = [height_at(0.0, 0.0), height_at(1.0, 0.0), height_at(0.0, 1.0)];
-    point.bend(heights);
+    let here = height_at(0.0, 0.0);
+    let steep = |beside: f32| here + (beside - here) / DISPLACEMENT_STEP;
+    let beside = [height_at(DISPLACEMENT_STEP, 0.0), height_at(0.0, DISPLACEMENT_STEP)];
+    point.bend([here, steep(beside[0]), steep(beside[1])]);
 }
 
 /// The point of a surface at a place of a triangle that is seen in the view's direction.
