@@ -2,9 +2,8 @@
 //!
 //! Paths, film and parts of light are those of pictures; only where paths start differs ([`crate::pipeline::bake`]).
 
-use super::request::{JobRequest, RequestError};
 use super::{Job, OutputOptions, Settings};
-use crate::camera::{Camera, CameraDescription, Model};
+use crate::camera::{CameraDescription, Model};
 use crate::film::data::DataPass;
 use crate::integrator::path::parts::{LightPass, LobeKind, Parts, Seen};
 use crate::integrator::{Integrator, PreparedScene};
@@ -12,7 +11,6 @@ use crate::pipeline::Pipeline;
 use crate::pipeline::bake::{BakePoint, BakePoints, ViewFrom};
 use crate::scene::Scene;
 use serde::Deserialize;
-use std::sync::Arc;
 
 /// The thing that is baked, as Blender names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -232,21 +230,12 @@ impl BakeSettings {
 }
 
 impl BakeTable {
-    /// The points on the scene's object to be baked.
-    fn points(
-        self,
-        settings: &BakeSettings,
-        size: [u32; 2],
-        scene: &Scene,
-    ) -> Result<Vec<Option<BakePoint>>, BakeError> {
-        let name = || settings.object_name.clone();
-        let instance =
-            scene.placed().iter().find(|instance| instance.is_baked).ok_or_else(|| BakeError::NoObject(name()))?;
-        let count = scene.meshes[instance.mesh as usize].triangles.len();
+    /// The points of an image of this size, on a mesh of `count` triangles.
+    fn points(self, object: &str, size: [u32; 2], count: usize) -> Result<Vec<Option<BakePoint>>, BakeError> {
         let pixels = size[0] as usize * size[1] as usize;
         let lengths = [self.primitives.len(), self.weights.len(), self.differentials.len()];
         if lengths != [pixels; 3] || !(self.seeds.is_empty() || self.seeds.len() == pixels) {
-            return Err(BakeError::Lengths(name()));
+            return Err(BakeError::Lengths(object.to_owned()));
         }
         let point = |i: usize| {
             let triangle = self.primitives[i];
@@ -254,7 +243,7 @@ impl BakeTable {
                 return Ok(None);
             }
             if triangle as usize >= count {
-                return Err(BakeError::NoTriangle { object: name(), triangle, count });
+                return Err(BakeError::NoTriangle { object: object.to_owned(), triangle, count });
             }
             let [along_u, up_u, along_v, up_v] = self.differentials[i];
             let own = [i as u32 % size[0], i as u32 / size[0]];
@@ -266,41 +255,53 @@ impl BakeTable {
     }
 }
 
-impl Job {
-    /// Starts a bake in threads of its own.
-    pub(super) fn bake(
-        stage: Arc<PreparedScene>,
-        BakeRequest { settings: bake, table }: BakeRequest,
-        asked: JobRequest,
-    ) -> Result<Self, RequestError> {
-        let settings = bake.applied(asked.settings);
+/// A bake as a job takes it.
+pub(super) struct Prepared {
+    pub(super) settings: Settings,
+    pub(super) output: OutputOptions,
+    pub(super) baked: Baked,
+}
+
+impl BakeRequest {
+    /// Checks the points and makes of them what a job takes. `guides`: the parts by which a denoiser is guided; `occlusion_distance`: length
+    /// of the rays of ambient occlusion, Blender units, `None` without end.
+    ///
+    /// # Errors
+    /// [`BakeError`].
+    pub(super) fn prepared(
+        self,
+        stage: &PreparedScene,
+        camera: &CameraDescription,
+        settings: Settings,
+        guides: Vec<LightPass>,
+        occlusion_distance: Option<f32>,
+    ) -> Result<Prepared, BakeError> {
+        let Self { settings: bake, table } = self;
+        let settings = bake.applied(settings);
         let result = bake.result();
         let wanted = match &result {
             BakeResult::Picture | BakeResult::Position | BakeResult::Shadow => Vec::new(),
             BakeResult::Light(parts) | BakeResult::Relative(parts) if !parts.is_empty() => parts.clone(),
-            BakeResult::Light(_) | BakeResult::Relative(_) => {
-                return Err(BakeError::NoLight(bake.object_name).into());
-            }
+            BakeResult::Light(_) | BakeResult::Relative(_) => return Err(BakeError::NoLight(bake.object_name)),
             BakeResult::Normal => vec![LightPass::ShadingNormal],
         };
-        // Those by which a denoiser is guided.
-        let wanted = [wanted, asked.parts].concat();
-        let size = [settings.width, settings.height];
-        let points = table.points(&bake, size, &stage.scene)?;
-        let instance = stage.scene.placed().iter().position(|instance| instance.is_baked).unwrap_or_default();
-        let view = bake.view(&asked.camera, &stage.scene);
-        let points = BakePoints { width: size[0], instance: instance as u32, points, view };
-        let output = OutputOptions {
-            parts: Parts::new(&wanted, Seen::default()).occluded_within(asked.occlusion_distance),
-            bake: Some(points),
-            ..OutputOptions::default()
+        let scene = &stage.scene;
+        let instance = scene.placed().iter().position(|instance| instance.is_baked);
+        let instance = instance.ok_or_else(|| BakeError::NoObject(bake.object_name.clone()))?;
+        let count = scene.meshes[scene.instances[instance].mesh as usize].triangles.len();
+        let points = BakePoints {
+            width: settings.width,
+            instance: instance as u32,
+            points: table.points(&bake.object_name, [settings.width, settings.height], count)?,
+            view: bake.view(camera, scene),
         };
-        let camera = Camera::new(&asked.camera, size[0], size[1])?;
-        let mut job = Self::start_with(stage, vec![camera], settings, output)?;
-        job.baked = Some(Baked { kind: bake.kind, result });
-        Ok(job)
+        let parts = Parts::new(&[wanted, guides].concat(), Seen::default()).occluded_within(occlusion_distance);
+        let output = OutputOptions { parts, bake: Some(points), ..OutputOptions::default() };
+        Ok(Prepared { settings, output, baked: Baked { kind: bake.kind, result } })
     }
+}
 
+impl Job {
     /// The result of a bake so far, RGBA, rows from below; `None` of a picture, and of shadows without a bake of the same object `alone`.
     pub fn baked(&self, alone: Option<&Self>) -> Option<Vec<[f32; 4]>> {
         let baked = self.baked.as_ref()?;
@@ -356,4 +357,61 @@ fn left(light: [f32; 4], lit: [f32; 4]) -> [f32; 3] {
 fn sum(films: impl Iterator<Item = Option<Vec<[f32; 3]>>>) -> Option<Vec<[f32; 3]>> {
     let add = |[a, b]: [[f32; 3]; 2]| std::array::from_fn(|c| a[c] + b[c]);
     films.reduce(|a, b| Some(a?.into_iter().zip(b?).map(|(a, b)| add([a, b])).collect())).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings(kind: BakeKind) -> BakeSettings {
+        BakeSettings {
+            object_name: "Tile".into(),
+            kind,
+            from_camera: false,
+            direct: true,
+            indirect: true,
+            color: true,
+            diffuse: true,
+            glossy: true,
+            transmission: true,
+            emission: true,
+        }
+    }
+
+    #[test]
+    fn light_is_divided_by_its_colour_where_that_is_not_wanted() {
+        let [near, far] = [true, false].map(|near| LightPass::Light(LobeKind::Glossy, near));
+        let bake = settings(BakeKind::Glossy);
+        assert_eq!(bake.result(), BakeResult::Light(vec![near, far]));
+        let bake = BakeSettings { color: false, indirect: false, ..bake };
+        assert_eq!(bake.result(), BakeResult::Relative(vec![near]));
+        let bake = BakeSettings { color: true, direct: false, ..bake };
+        assert_eq!(bake.result(), BakeResult::Relative(vec![LightPass::Colour(LobeKind::Glossy)]));
+    }
+
+    #[test]
+    fn all_light_is_the_picture_and_some_of_it_a_sum() {
+        let bake = settings(BakeKind::Combined);
+        assert_eq!(bake.result(), BakeResult::Picture);
+        let bake = BakeSettings { indirect: false, diffuse: false, transmission: false, ..bake };
+        let parts = vec![LightPass::Light(LobeKind::Glossy, true), LightPass::Volume(true), LightPass::Emission];
+        assert_eq!(bake.result(), BakeResult::Light(parts));
+        // Light that comes straight from emitters needs no bounces.
+        assert_eq!(bake.applied(Settings::default()).max_bounces, 0);
+    }
+
+    #[test]
+    fn points_that_are_not_the_meshes_are_refused() {
+        let table = BakeTable {
+            primitives: vec![-1, 3],
+            weights: vec![[0.0; 2]; 2],
+            differentials: vec![[0.0; 4]; 2],
+            seeds: Vec::new(),
+        };
+        assert!(matches!(table.clone().points("Tile", [2, 2], 4), Err(BakeError::Lengths(_))));
+        let refused = table.clone().points("Tile", [2, 1], 3);
+        assert!(matches!(refused, Err(BakeError::NoTriangle { triangle: 3, count: 3, .. })));
+        let points = table.points("Tile", [2, 1], 4).unwrap();
+        assert!(points[0].is_none() && points[1].is_some_and(|point| point.numbers_of == [1, 0]));
+    }
 }

@@ -1,6 +1,6 @@
 //! A render as it is asked for: descriptions, settings, a plan and outputs become the arguments of a [`Job`].
 
-use super::bake::BakeRequest;
+use super::bake::{BakeRequest, Prepared};
 use super::checkpoint::Checkpoints;
 pub use super::error::RequestError;
 use super::forecast::{self, Forecast};
@@ -107,6 +107,19 @@ impl Job {
         let stray_light = asked.plan.map(|plan| (plan, asked.camera));
         let mut job = Self::start_with(stage, cameras, settings, output)?;
         job.stray_light = stray_light;
+        Ok(job)
+    }
+}
+
+impl Job {
+    /// Starts a bake in threads of its own.
+    fn bake(stage: Arc<PreparedScene>, bake: BakeRequest, asked: JobRequest) -> Result<Self, RequestError> {
+        let JobRequest { camera, settings, parts, occlusion_distance, .. } = asked;
+        let Prepared { settings, output, baked } =
+            bake.prepared(&stage, &camera, settings, parts, occlusion_distance)?;
+        let camera = Camera::new(&camera, settings.width, settings.height)?;
+        let mut job = Self::start_with(stage, vec![camera], settings, output)?;
+        job.baked = Some(baked);
         Ok(job)
     }
 }

@@ -190,3 +190,98 @@ impl CameraSampler for Bake<'_> {
         light.add(request.pixel[0], request.pixel[1], radiance);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneBuilder;
+    use crate::scene::mesh::MeshDescription;
+    use glam::{DMat4, DVec3};
+
+    /// A triangle in the plane z = 0 that faces up, 1000 units beside the world's origin, which render space's is as well.
+    fn scene() -> Scene {
+        let mut builder = SceneBuilder::new();
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        let mesh =
+            MeshDescription { name: "triangle".into(), positions, triangles: vec![[0, 1, 2]], ..Default::default() };
+        let mesh = builder.add_mesh(mesh).unwrap();
+        let place = DVec3::new(1000.0, 0.0, 0.0);
+        builder.add_instance("triangle", mesh, DMat4::from_translation(place), &[], true, true).unwrap();
+        builder.build(place)
+    }
+
+    fn baked(view: ViewFrom, point: BakePoint) -> BakePoints {
+        BakePoints { width: 1, instance: 0, points: vec![Some(point)], view }
+    }
+
+    const MIDDLE_OF_IT: BakePoint =
+        BakePoint { triangle: 0, weights: [0.25, 0.25], steps: [[0.0, 0.1], [0.2, 0.0]], numbers_of: [0, 0] };
+
+    #[test]
+    fn the_ray_comes_from_above() {
+        let (scene, points) = (scene(), baked(ViewFrom::Above, MIDDLE_OF_IT));
+        let lead = points.start(&scene, &MIDDLE_OF_IT, [0.5; 2]);
+        assert_eq!(lead.ray.direction, Vec3A::NEG_Z);
+        let hit = lead.start.hit.unwrap();
+        // Weights of the second and the third corner.
+        assert_eq!([hit.u, hit.v], [0.25, 0.5]);
+        assert!((lead.ray.origin - Vec3A::new(0.25, 0.5, 0.0)).length() < 1e-4);
+        // Along a row the second corner's weight grows at the cost of the third: by 0.2 sqrt(2); up a column the first's: by 0.1.
+        assert!((lead.start.footprint - 0.5 * (0.2 * 2.0_f32.sqrt() + 0.1)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_slanting_view_stays_above_the_surface() {
+        let scene = scene();
+        let flat = SurfacePoint::new(
+            &scene,
+            &baked(ViewFrom::Above, MIDDLE_OF_IT).start(&scene, &MIDDLE_OF_IT, [0.5; 2]).start.hit.unwrap(),
+            Vec3A::ZERO,
+        );
+        for (from, least) in
+            [(Vec3A::new(0.0, 0.0, 5.0), 0.999), (Vec3A::new(50.0, 0.0, 1.0), 0.19), (Vec3A::new(1.0, 0.0, -5.0), 0.19)]
+        {
+            let d = baked(ViewFrom::Place(from), MIDDLE_OF_IT).towards_view(&flat);
+            assert!(d.is_normalized() && d.z > least, "{from} {d}");
+        }
+        assert_eq!(baked(ViewFrom::Far(Vec3A::Z), MIDDLE_OF_IT).towards_view(&flat), Vec3A::Z);
+    }
+
+    #[test]
+    fn the_sky_is_looked_at_from_the_worlds_origin() {
+        let scene = scene();
+        let points = baked(ViewFrom::Sky((-scene.origin).as_vec3a()), MIDDLE_OF_IT);
+        let lead = points.start(&scene, &MIDDLE_OF_IT, [0.5; 2]);
+        assert!(lead.start.hit.is_none());
+        assert!((lead.ray.direction - Vec3A::new(1000.25, 0.5, 0.0).normalize()).length() < 1e-6);
+    }
+
+    #[test]
+    fn places_lie_in_the_pixel_and_in_the_triangle() {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let at_border = BakePoint { weights: [0.02, 0.5], steps: [[0.3, 0.0], [0.0, 0.3]], ..MIDDLE_OF_IT };
+        for i in 0..100 {
+            let u = [(i % 10) as f32 / 10.0, (i / 10) as f32 / 10.0];
+            let [first, second] = at_border.place(&corners, u);
+            assert!(first > 0.0 && second > 0.0 && first + second < 1.0);
+            assert!((first - 0.02).abs() <= 0.15 && (second - 0.5).abs() <= 0.15);
+        }
+        // Outside, with no room for any other place: the middle stays.
+        let outside = BakePoint { weights: [-0.5, 0.2], steps: [[0.1, 0.0], [0.0, 0.1]], ..MIDDLE_OF_IT };
+        assert_eq!(outside.place(&corners, [0.1, 0.9]), [-0.5, 0.2]);
+    }
+
+    #[test]
+    fn points_on_a_vertex_move_off_it() {
+        let corners = [Vec3::splat(100.0), Vec3::new(101.0, 100.0, 100.0), Vec3::new(100.0, 101.0, 100.0)];
+        for weights in [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]] {
+            let vertex = BakePoint { weights, steps: [[0.0; 2]; 2], ..MIDDLE_OF_IT };
+            let [first, second] = vertex.place(&corners, [0.5; 2]);
+            let third = 1.0 - first - second;
+            assert!(first > 0.0 && second > 0.0 && third > 0.0);
+            let moved = (Vec2::new(first, second) - Vec2::from(weights)).length();
+            // A ten thousandth of the coordinates.
+            assert!((1e-3..0.03).contains(&moved), "{moved}");
+        }
+    }
+}
