@@ -117,9 +117,7 @@ def both(take: Callable[[str, int], np.ndarray]) -> tuple[np.ndarray, np.ndarray
     return 0.5 * (ours[0] + ours[1]), 0.5 * (theirs[0] + theirs[1]), error
 
 
-def same(
-    ours: np.ndarray, theirs: np.ndarray, error: np.ndarray, limit: float = 0.01, noise: float = 0.04
-) -> None:
+def same(ours: np.ndarray, theirs: np.ndarray, error: np.ndarray, limit: float = 0.01, noise: float = 0.04) -> None:
     """Asserts that blocks agree: to the limit, of the block or of the mean of all, whichever is more, beyond four standard errors. One block
     of some dozens is off by three by chance. These may be no more than the part `noise` of the same."""
     scale = np.maximum(np.abs(theirs), np.abs(theirs).mean((0, 1)))
