@@ -12,7 +12,7 @@ import numpy as np
 from petzval.description import BakeDescription, CameraDescription, DenoisingDescription, SettingsDescription
 
 from ..data import denoiser, passes
-from ..export import baking, denoising, memory
+from ..export import baking, denoising, memory, world
 from ..export import camera as camera_export
 from ..export import settings as render_settings
 from ..export.report import Report
@@ -79,12 +79,11 @@ class Bake:
         is_shadow = only_catchers or described.kind == "SHADOW"
         scene = self._stage(settings, is_shadow=is_shadow, only_catchers=only_catchers)
         how = self._denoising(described.kind)
-        lit_by = getattr(self._scene.world, "light_settings", None)
         job = engine().Job(
             scene,
             self._camera,
             dataclasses.replace(settings, denoising=None),
-            occlusion_distance=None if lit_by is None else lit_by.distance,
+            occlusion_distance=world.occlusion_distance(self._scene.world),
             bake=(described, *points),
             parts=[] if how is None else denoising.guides(how),
         )
