@@ -254,7 +254,11 @@ def test_a_copy_elsewhere_is_not_what_is_baked(baking, blender, tile, image):
     collection.objects.link(tile)
     shows = blender.data.objects.new("Shows", None)
     shows.instance_type, shows.instance_collection, shows.location = "COLLECTION", collection, (0.0, 0.0, 50.0)
-    blender.context.scene.collection.objects.link(shows)
+    # The copy stands before the tile itself in Blender's list.
+    objects = blender.context.scene.collection.objects
+    objects.unlink(tile)
+    objects.link(shows)
+    objects.link(tile)
     assert np.array_equal(baking.bake(tile, image, "POSITION", "PETZVAL", 1), before)
 
 
