@@ -31,14 +31,15 @@ def _is_multires(render: bpy.types.RenderSettings) -> bool:
     return getattr(*_multires(render, "use_multires"))
 
 
+def _rows(panel) -> object:
+    """The panel's layout: bakes are not animated."""
+    layout = columns(panel)
+    layout.use_property_decorate = False
+    return layout
+
+
 class _BakePanel(PetzvalPanel):
     bl_context = "render"
-
-    def rows(self):
-        """The panel's layout: bakes are not animated."""
-        layout = columns(self)
-        layout.use_property_decorate = False
-        return layout
 
 
 class PETZVAL_RENDER_PT_bake(_BakePanel, bpy.types.Panel):
@@ -46,7 +47,7 @@ class PETZVAL_RENDER_PT_bake(_BakePanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, scene = self.rows(), context.scene
+        layout, scene = _rows(self), context.scene
         if _is_multires(scene.render):
             layout.operator("object.bake_image", icon="RENDER_STILL")
             layout.prop(*_multires(scene.render, "use_multires"))
@@ -76,7 +77,7 @@ class PETZVAL_RENDER_PT_bake_influence(_BakePanel, bpy.types.Panel):
         )
 
     def draw(self, context):
-        layout = self.rows()
+        layout = _rows(self)
         bake, kind = context.scene.render.bake, context.scene.petzval.bake_type
         if kind == "NORMAL":
             layout.prop(bake, "normal_space", text="Space")
@@ -109,7 +110,7 @@ class PETZVAL_RENDER_PT_bake_selected_to_active(_BakePanel, bpy.types.Panel):
         self.layout.prop(context.scene.render.bake, "use_selected_to_active", text="")
 
     def draw(self, context):
-        layout, bake = self.rows(), context.scene.render.bake
+        layout, bake = _rows(self), context.scene.render.bake
         layout.active = bake.use_selected_to_active
         layout.prop(bake, "use_cage", text="Cage")
         column = layout.column()
@@ -126,7 +127,7 @@ class PETZVAL_RENDER_PT_bake_output(_BakePanel, bpy.types.Panel):
     bl_parent_id = "PETZVAL_RENDER_PT_bake"
 
     def draw(self, context):
-        layout, render = self.rows(), context.scene.render
+        layout, render = _rows(self), context.scene.render
         if not _is_multires(render):
             layout.prop(render.bake, "target")
             if render.bake.target == "IMAGE_TEXTURES":
@@ -149,7 +150,7 @@ class PETZVAL_RENDER_PT_bake_output_margin(_BakePanel, bpy.types.Panel):
         return super().poll(context) and context.scene.render.bake.target == "IMAGE_TEXTURES"
 
     def draw(self, context):
-        layout, render = self.rows(), context.scene.render
+        layout, render = _rows(self), context.scene.render
         kind, is_multires = context.scene.petzval.bake_type, _is_multires(render)
         # Blender extends tangents and texture coordinates by one rule alone.
         has_type = is_multires or not (kind == "UV" or (kind == "NORMAL" and render.bake.normal_space == "TANGENT"))

@@ -482,7 +482,7 @@ def effects_json() -> str:
 
 #: Settings; of each pixel, rows from below, its triangle (below 0: none), the weights of the first and second corner there (pixels, 2), how these
 #: change from column to column and from row to row, first the first (pixels, 4), and a number that chooses its random numbers (None: its own).
-Bake = tuple[
+_Bake = tuple[
     BakeDescription,
     npt.NDArray[np.int32],
     npt.NDArray[np.float32],
@@ -512,7 +512,7 @@ class Job:
         checkpoint: tuple[str, str, float] | None = None,  # file, fingerprint of the picture, seconds between two
         shutter: ShutterDescription | None = None,  # where anything but the lens moves
         occlusion_distance: float | None = None,  # length of the rays of AMBIENT_OCCLUSION; None: without end
-        bake: Bake | None = None,  # instead of a picture; of what else is asked only camera and settings count then
+        bake: _Bake | None = None,  # instead of a picture; of what else is asked only camera and settings count then
     ) -> Job:
         """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
 
