@@ -59,7 +59,7 @@ def points(layer: bpy.types.RenderLayer, pixels: int) -> Points:
     """The points in a result that Blender has begun for a bake."""
     primitives = _read(layer, "BakePrimitive", pixels)
     if primitives.shape[1] == 4:
-        # Before Blender 5.1: the number for random numbers, the triangle, and two weights.
+        # In older Blenders: the number for random numbers, the triangle, and two weights.
         triangles, weights = primitives.view(np.int32)[:, 1], primitives[:, 2:]
     else:
         triangles, weights = primitives.view(np.int32)[:, 2], primitives[:, :2]

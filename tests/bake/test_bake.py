@@ -65,6 +65,7 @@ def test_shadows(baking, tile, image):
     baking.same(ours, theirs, error)
 
 
+@pytest.mark.first_only("kind", "wanted")
 @pytest.mark.parametrize(
     ("kind", "wanted"),
     [
@@ -162,6 +163,7 @@ def low(baking, tile):
     return made, image
 
 
+@pytest.mark.first_only("has_cage")
 @pytest.mark.parametrize("has_cage", [False, True])
 @pytest.mark.parametrize(("kind", "samples"), [("NORMAL", 64), ("COMBINED", 1024), ("DIFFUSE", 1024)])
 def test_from_selected_to_active(baking, blender, low, kind, samples, has_cage):
@@ -181,6 +183,7 @@ def test_from_selected_to_active(baking, blender, low, kind, samples, has_cage):
     baking.same(*baking.both(take))
 
 
+@pytest.mark.first_only("domain")
 @pytest.mark.parametrize("domain", ["POINT", "CORNER"])
 @pytest.mark.parametrize(("kind", "samples"), [("NORMAL", 16), ("COMBINED", 1024), ("AO", 1024)])
 def test_into_vertex_colours(baking, tile, domain, kind, samples):
