@@ -11,6 +11,7 @@ from .data import passes
 from .export.errors import ExportError
 from .native import EngineMissing, engine
 from .render import loop, persistent, planning, preview, statistics
+from .render.bake import Bake
 from .render.photograph import Photograph
 from .render.results import deliver_black
 from .viewport import RenderedView
@@ -44,6 +45,23 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         for one in (passes.COMBINED, *passes.wanted(renderlayer), *parts, *mattes, *groups, *merging):
             self.register_pass(scene, renderlayer, one.name, one.channels, one.channel_names, one.kind)
 
+    def update(self, data=None, depsgraph=None):
+        """Called before a render, and before the images of an object are baked."""
+        self._bake = None
+
+    def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
+        """One image of an object's surface; where that fails or is stopped the image keeps what it has."""
+        try:
+            if getattr(self, "_bake", None) is None or self._bake.holder != obj:
+                self._bake = Bake(self, depsgraph, obj)
+            self._bake.image(pass_type, pass_filter, width, height)
+        except loop.Stopped:
+            pass
+        except KeyboardInterrupt:
+            loop.WATCH.stop.set()
+        except Exception as error:
+            self.report({"ERROR"}, _complaint(error))
+
     def view_update(self, context, depsgraph):
         """The scene was changed, in a 3D view in rendered shading."""
         self._rendered_view().update(context, depsgraph)
@@ -67,15 +85,20 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
                 Photograph(self, depsgraph).take()
         except loop.Stopped:
             deliver_black(self, depsgraph)
-        except (ExportError, EngineMissing) as error:
-            _fail(self, depsgraph, str(error))
         except KeyboardInterrupt:
             loop.WATCH.stop.set()
             deliver_black(self, depsgraph)
         except Exception as error:
-            if not _is_engine_error(error):
-                traceback.print_exc()
-            _fail(self, depsgraph, " ".join(str(error).split()) or type(error).__name__)
+            _fail(self, depsgraph, _complaint(error))
+
+
+def _complaint(error: Exception) -> str:
+    """What is said of an error, in a line; of one that nobody expects the traceback is printed."""
+    if isinstance(error, ExportError | EngineMissing):
+        return str(error)
+    if not _is_engine_error(error):
+        traceback.print_exc()
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _is_engine_error(error: Exception) -> bool:

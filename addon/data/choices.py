@@ -138,3 +138,18 @@ PIXEL_SIZES = (
     ("4", "4x", "A sixteenth as many", "", 2),
     ("8", "8x", "A sixty-fourth as many", "", 3),
 )
+#: What can be baked of a surface, as Blender names it. The numbers are those in saved files, and Cycles'.
+BAKE_TYPES = (
+    ("COMBINED", "Combined", "All light that the surface sends out", "", 0),
+    ("AO", "Ambient Occlusion", "How much of the surroundings is open, nothing near in the way", "", 1),
+    ("SHADOW", "Shadow", "The part of the light that other objects leave", "", 2),
+    ("POSITION", "Position", "Place in the world", "", 11),
+    ("NORMAL", "Normal", "Normals, those of bump and normal maps too", "", 3),
+    ("UV", "UV", "Texture coordinates of the UV map that is rendered", "", 4),
+    ("ROUGHNESS", "Roughness", "Roughness of the material", "", 5),
+    ("EMIT", "Emission", "Light that the material sends out by itself", "", 6),
+    ("ENVIRONMENT", "Environment", "The world, in the direction of the surface from the world's origin", "", 7),
+    ("DIFFUSE", "Diffuse", "Light or colour of diffuse shaders", "", 8),
+    ("GLOSSY", "Glossy", "Light or colour of shaders that reflect", "", 9),
+    ("TRANSMISSION", "Transmission", "Light or colour of shaders that let light through", "", 10),
+)

@@ -70,6 +70,7 @@ LIGHT = tuple(_of_light())
 SURFACE = (
     Light("Mist", "Mist", "Z", "VALUE", "use_pass_mist", "MIST"),
     Light("UV", "UV", "UVA", "VECTOR", "use_pass_uv", "UV"),
+    Light("Ambient Occlusion", "AO", "RGB", "COLOR", "use_pass_ambient_occlusion", "AMBIENT_OCCLUSION"),
 )
 
 #: What the Denoise node of the compositor wants, all by one switch.

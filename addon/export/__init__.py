@@ -16,6 +16,7 @@ from petzval.description import WorldDescription
 from ..data import passes
 from . import curves, dicing, world
 from .aovs import Aovs
+from .baking import Baked
 from .image import Images
 from .instances import Stage
 from .kept import Kept
@@ -37,10 +38,11 @@ def send_scene(
     only_catchers: bool = False,
     kept: Kept | None = None,
     seen_in: bpy.types.SpaceView3D | None = None,
+    baked: Baked | None = None,
 ) -> bool:
     """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise. With `only_catchers` what
     does not catch shadows holds out, and is not there for anything but the camera. `kept`: what the builder holds already; `seen_in`:
-    the view whose own choice of objects counts. True where something is to catch shadows."""
+    the view whose own choice of objects counts. `baked`: the object whose surface is wanted, its triangles as Blender has them. True where something is to catch shadows."""
     kept = Kept(builder) if kept is None else kept
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     images = Images(kept, report, scene.frame_current)
@@ -48,9 +50,12 @@ def send_scene(
     groups = LightGroups(layer)
     own = sky_of(depsgraph)
     builder.set_world(_sky(depsgraph, images, groups, report))
-    stage = Stage(kept, materials, images, groups, report, check_stop, motion, blur, only_catchers=only_catchers)
+    stage = Stage(
+        kept, materials, images, groups, report, check_stop, motion, blur, only_catchers=only_catchers, baked=baked
+    )
     stage.send(depsgraph, seen_in)
-    is_bidirectional = scene.petzval.integrator == "BIDIRECTIONAL"
+    # Bakes follow paths, whatever takes the pictures.
+    is_bidirectional = scene.petzval.integrator == "BIDIRECTIONAL" and baked is None
     if is_bidirectional:
         unknown = {
             "passes of light, of mist, UV and shaders' outputs: these are black": passes.wanted_parts(

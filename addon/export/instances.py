@@ -14,6 +14,7 @@ import numpy as np
 from petzval.description import RAYS, Matrix4
 
 from . import curves, dicing, grids, hair, mesh, object_info, points
+from .baking import Baked
 from .camera import rows
 from .image import Images
 from .kept import Kept, uid
@@ -116,7 +117,9 @@ class Stage:
         blur: Blur | None = None,
         *,
         only_catchers: bool = False,
+        baked: Baked | None = None,
     ) -> None:
+        self._baked = baked
         self._builder = kept.builder
         self._kept = kept
         self._motion = motion
@@ -250,7 +253,8 @@ class Stage:
         index: int,
         materials: list[int],
     ) -> None:
-        is_catcher = holder.is_shadow_catcher
+        is_baked = self._baked is not None and self._baked.is_at(place)
+        is_catcher = holder.is_shadow_catcher or (is_baked and self._baked.catches_shadows)
         self.catches_shadows |= is_catcher
         if self._only_catchers and not is_catcher:
             # In the way of the camera, and of nothing else.
@@ -271,6 +275,7 @@ class Stage:
             "shadow_terminator": _shadow_terminator(holder),
             "is_holdout": is_holdout,
             "is_catcher": is_catcher,
+            "is_baked": is_baked,
             "occlusion_distance": _occlusion_distance(holder, place),
         }
         if self._instance_group is None:
@@ -305,7 +310,9 @@ class Stage:
                 return self._strands(data, place, wanted)
             if isinstance(data, bpy.types.PointCloud):
                 return self._cloud(data, place, wanted)
-            diced = dicing.of(holder, self._scene, self._is_render, self._room, self._report)
+            # A bake is laid out over the triangles that Blender has.
+            is_diced = self._baked is None
+            diced = dicing.of(holder, self._scene, self._is_render, self._room, self._report) if is_diced else None
             # Shapes at other times are those of the whole modifier; of an instance the modifier may be its instancer's.
             has_cage = self._motion is None and self._blur is None and not place.is_instance and not data.is_editmode
             with dicing.cage(holder, self._depsgraph) if diced and has_cage else mesh.shape(holder, data) as shape:

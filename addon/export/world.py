@@ -26,6 +26,11 @@ def describe(world: bpy.types.World | None, images: Images) -> WorldDescription:
     return description
 
 
+def occlusion_distance(world: bpy.types.World | None) -> float | None:
+    """Length of the rays of ambient occlusion, Blender units; None: without end."""
+    return None if world is None else world.light_settings.distance
+
+
 def mist(world: bpy.types.World | None) -> tuple[float, float, float]:
     """Where mist begins, how deep it is until nothing is seen, and the power by which it grows."""
     if world is None:

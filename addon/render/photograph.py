@@ -132,6 +132,7 @@ class Photograph:
             "catches": catches,
             "shutter": opened,
             "mist": world_export.mist(self.scene.world),
+            "occlusion_distance": world_export.occlusion_distance(self.scene.world),
         }
         picture_of: dict[str, str] = {}
         if checkpoint:

@@ -16,6 +16,7 @@ from .. import export
 from ..data import lens_words
 from ..export import aperture_mask, viewport
 from ..export import camera as camera_export
+from ..export.baking import Baked
 from ..export.kept import Kept
 from ..export.motion import Motion
 from ..export.report import Report
@@ -66,11 +67,22 @@ def fill(
     only_catchers: bool = False,
     kept: Kept | None = None,
     seen_in: bpy.types.SpaceView3D | None = None,
+    baked: Baked | None = None,
 ) -> bool:
     """Tells the engine's `SceneBuilder` all that the camera may see; whether something catches shadows. `only_catchers`: what
-    does not is a hole for the camera, and nothing to all else. `kept` and `seen_in` as `export.send_scene` has them."""
+    does not is a hole for the camera, and nothing to all else. `kept`, `seen_in` and `baked` as `export.send_scene` has
+    them."""
     catches = export.send_scene(
-        depsgraph, builder, report, check_stop, motion, blur, only_catchers=only_catchers, kept=kept, seen_in=seen_in
+        depsgraph,
+        builder,
+        report,
+        check_stop,
+        motion,
+        blur,
+        only_catchers=only_catchers,
+        kept=kept,
+        seen_in=seen_in,
+        baked=baked,
     )
     viewport.send(builder, seen_by, *size)
     return catches

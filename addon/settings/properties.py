@@ -8,7 +8,7 @@ from __future__ import annotations
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
-from ..data.choices import INTEGRATORS, PIPELINES, PIXEL_SIZES
+from ..data.choices import BAKE_TYPES, INTEGRATORS, PIPELINES, PIXEL_SIZES
 from ..data.effects import EFFECTS, REFLECTIONS, WORDS
 from .camera import PetzvalCamera
 
@@ -173,6 +173,9 @@ class PetzvalScene(bpy.types.PropertyGroup):
         default=True,
     )
     pipeline: EnumProperty(name="Pipeline", description="Which way light is followed", items=PIPELINES)
+    bake_type: EnumProperty(
+        name="Bake Type", description="What is baked of the surface", items=BAKE_TYPES, default="COMBINED"
+    )
     filter_width: FloatProperty(
         name="Filter Width",
         description="Width of the Blackman-Harris pixel filter; zero is a box of one pixel. Where it was never set, Cycles's pixel filter counts",

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from . import (
+    bake,
     builtin,
     camera,
     effects,
@@ -28,6 +29,7 @@ PARTS = (
     effects,
     render_shapes,
     render_film,
+    bake,
     render_results,
     lens_gallery,
     camera,

@@ -54,6 +54,7 @@ fn bench(c: &mut Criterion) {
                 exposure: None,
                 parts: &Default::default(),
                 aimed: None,
+                bake: None,
             };
             let film = Film::new(SIZE[0], SIZE[1], pipeline != Pipeline::FilmFirst, false);
             // Tiles from all over the picture, near its centre first.

@@ -108,6 +108,47 @@ def test_the_other_tabs(blender, parts, layout):
     layout.draw("render", layout.context())
 
 
+def test_every_setting_of_a_bake_can_be_seen(blender, parts, layout):
+    """All that Blender keeps of bakes, each with the types that it is of; the operator bakes the type that is chosen."""
+    scene = parts.set_up()
+    bake, own = scene.render.bake, scene.petzval
+    kinds = [item.identifier for item in own.bl_rna.properties["bake_type"].enum_items]
+    if hasattr(scene, "cycles"):
+        theirs = scene.cycles.bl_rna.properties["bake_type"].enum_items
+        ours = own.bl_rna.properties["bake_type"].enum_items
+        assert {(one.identifier, one.value) for one in ours} == {(one.identifier, one.value) for one in theirs}
+    bake.use_selected_to_active = bake.use_cage = True
+    seen = {}
+    for kind in kinds:
+        own.bake_type = kind
+        drawn = layout.draw("render", layout.context())
+        assert "object.bake" in drawn.operators and "object.bake_image" not in drawn.operators
+        seen[kind] = {name for owner, name in drawn.shown if owner == "BakeSettings"}
+    assert "normal_space" in seen["NORMAL"] and "normal_space" not in seen["COMBINED"]
+    assert "use_pass_emit" in seen["COMBINED"] and "use_pass_emit" not in seen["DIFFUSE"]
+    assert "use_pass_color" in seen["DIFFUSE"] and "view_from" in seen["EMIT"] and "view_from" not in seen["AO"]
+    # Tangents and texture coordinates are extended by one rule.
+    assert "margin_type" in seen["AO"] and "margin_type" not in seen["UV"] | seen["NORMAL"]
+    holder = bake if hasattr(bake, "use_multires") else scene.render
+    setattr(holder, "use_multires" if holder is bake else "use_bake_multires", True)
+    drawn = layout.draw("render", layout.context())
+    assert "object.bake_image" in drawn.operators and "object.bake" not in drawn.operators
+    seen["multires"] = {name for owner, name in drawn.shown if owner == "BakeSettings"}
+    if holder is bake:
+        bake.type = "VECTOR_DISPLACEMENT"
+        drawn = layout.draw("render", layout.context())
+        seen["vector"] = {name for owner, name in drawn.shown if owner == "BakeSettings"}
+        # Of files that Blender's operator writes by itself, and of its script alone.
+        apart = {"rna_type", "image_settings", "filepath", "width", "height", "save_mode", "use_split_materials"}
+        apart |= {"use_automatic_name", "pass_filter"}
+        wanted = {one.identifier for one in bake.bl_rna.properties} - apart
+        assert wanted <= set().union(*seen.values()), wanted - set().union(*seen.values())
+    # Without a camera nothing can be seen from it.
+    setattr(holder, "use_multires" if holder is bake else "use_bake_multires", False)
+    own.bake_type, scene.camera = "COMBINED", None
+    assert "view_from" in layout.draw("render", layout.context()).active_parts
+
+
 def test_the_gallery_and_the_menus(blender, parts, layout):
     from types import SimpleNamespace
 

@@ -16,6 +16,7 @@ def room(blender):
     scene = render_passes.room()
     layer = scene.view_layers[0]
     layer.use_pass_mist = layer.use_pass_uv = layer.use_pass_object_index = layer.use_pass_material_index = True
+    layer.use_pass_ambient_occlusion = True
     layer.cycles.denoising_store_passes = True
     mist = scene.world.mist_settings
     mist.start, mist.depth = 1.5, 6.0
@@ -69,7 +70,7 @@ def test_mist_places_and_indices(room, tmp_path, falloff):
     theirs = room.photograph(tmp_path / "cycles.exr", "CYCLES", samples=64)
     # Blender 5.2's Denoise node does not ask for these two.
     assert ours.keys() == theirs.keys() - {"Denoising Specular Albedo", "Denoising Roughness"}
-    for name in ("Mist", "UV", "Tint", "Height", "Nobody's"):
+    for name in ("Mist", "UV", "Tint", "Height", "Nobody's", "Ambient Occlusion"):
         # 64 samples a pixel at edges, 256 pixels a block.
         close(room, ours, theirs, name, 0.01)
     for name in ("Denoising Albedo", "Denoising Normal"):

@@ -36,6 +36,7 @@ READERS = {
     "KindLimits": ("KindLimits", "render/src/integrator/path.rs"),
     "Approximations": ("Approximations", "render/src/integrator/path/approximations.rs"),
     "SettingsDescription": ("Settings", "render/src/job/settings.rs"),
+    "BakeDescription": ("BakeSettings", "render/src/job/bake.rs"),
     "DenoisingDescription": ("Denoising", "render/src/job/denoise.rs"),
     "ShutterDescription": ("Shutter", "render/src/camera/shutter.rs"),
     "MaterialDescription": ("PyMaterial", "python/src/material.rs"),

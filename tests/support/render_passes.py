@@ -20,7 +20,7 @@ OLD = {
     "GlossDir": "Glossy Direct", "GlossInd": "Glossy Indirect", "GlossCol": "Glossy Color",
     "TransDir": "Transmission Direct", "TransInd": "Transmission Indirect", "TransCol": "Transmission Color",
     "VolumeDir": "Volume Direct", "VolumeInd": "Volume Indirect", "Emit": "Emission", "Env": "Environment",
-    "IndexOB": "Object Index", "IndexMA": "Material Index",
+    "AO": "Ambient Occlusion", "IndexOB": "Object Index", "IndexMA": "Material Index",
 }  # fmt: skip
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .description import (
+    BakeDescription,
     CameraDescription,
     DenoisingDescription,
     LensReportSettings,
@@ -391,6 +392,7 @@ class SceneBuilder:
         shadow_terminator: tuple[float, float] = ...,  # Blender's geometry and shading offsets of shadow terminators
         is_holdout: bool = False,  # the camera sees a hole instead
         is_catcher: bool = False,  # its shadows alone are wanted: for `Job.shadow`
+        is_baked: bool = False,  # its surface is what `Job` bakes
         occlusion_distance: float = 0.0,  # of rays that leave it, instead of the settings' `fast_gi_distance`; 0: none
         others: tuple[npt.NDArray[np.float64], npt.NDArray[np.float32]] | None = None,  # (n, 4, 4) and (n,)
     ) -> None:
@@ -483,6 +485,16 @@ class Plan:
 def effects_json() -> str:
     """The closed list: name, unit, is_available, tolerance at quality 1, in the order of reports."""
 
+#: Settings; of each pixel, rows from below, its triangle (below 0: none), the weights of the first and second corner there (pixels, 2), how these
+#: change from column to column and from row to row, first the first (pixels, 4), and a number that chooses its random numbers (None: its own).
+_Bake = tuple[
+    BakeDescription,
+    npt.NDArray[np.int32],
+    npt.NDArray[np.float32],
+    npt.NDArray[np.float32],
+    npt.NDArray[np.uint32] | None,
+]
+
 @final
 class Job:
     """One render. Starts at once in threads of its own; every method returns without waiting unless it says so."""
@@ -504,11 +516,16 @@ class Job:
         catches: bool = False,  # keeps what `shadow` and `over_photograph` need
         checkpoint: tuple[str, str, float] | None = None,  # file, fingerprint of the picture, seconds between two
         shutter: ShutterDescription | None = None,  # where anything but the lens moves
+        occlusion_distance: float | None = None,  # length of the rays of AMBIENT_OCCLUSION; None: without end
+        bake: _Bake | None = None,  # instead of a picture; of what else is asked only camera and settings count then
     ) -> Job:
         """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
 
         `mattes` are kept for `matte`, so many names a pixel; `neighbours`, the camera a frame before and a frame after, for
         `data("VECTOR")`."""
+    def baked(self, alone: Job | None = None) -> npt.NDArray[np.float32]:
+        """What is baked, (height, width, 4), first row at the bottom. `alone`: for shadows, the finished COMBINED bake of the same
+        object in a scene without anything that throws shadows on it."""
     def data(self, name: str) -> npt.NDArray[np.float32]:
         """DEPTH (one channel, along the camera's axis, 1e10 for the background), POSITION or NORMAL (world space), VECTOR
         (pixels: to where it was a frame before; from where it will be a frame after), (height, width, channels), first row
@@ -524,7 +541,7 @@ class Job:
         bottom."""
     def part(self, name: str) -> npt.NDArray[np.float32]:
         """DIFFUSE_DIRECT, _INDIRECT, _COLOR, the same of GLOSSY and TRANSMISSION, VOLUME_DIRECT, VOLUME_INDIRECT, EMISSION,
-        ENVIRONMENT, DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST, AOV_0 and so on: (height, width, 3), first
+        ENVIRONMENT, AMBIENT_OCCLUSION, DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST, AOV_0 and so on: (height, width, 3), first
         row at the bottom. Light of a kind of lobe is divided by its colour."""
     def shadow(self, alone: Job) -> npt.NDArray[np.float32]:
         """What is left of the light on what catches shadows, (height, width, 3), 1 where nothing is seen, by the finished render

@@ -241,6 +241,23 @@ class ShutterDescription:
 
 
 @dataclass(frozen=True)
+class BakeDescription:
+    """What is baked of an object's surface, as Blender names it. What light counts is for COMBINED, and for DIFFUSE, GLOSSY and TRANSMISSION."""
+
+    object_name: str
+    # COMBINED | AO | SHADOW | POSITION | NORMAL | UV | ROUGHNESS | EMIT | ENVIRONMENT | DIFFUSE | GLOSSY | TRANSMISSION
+    kind: str
+    from_camera: bool = False  # the surface is seen from the camera, not from straight above
+    direct: bool = True  # light that comes straight from emitters
+    indirect: bool = True  # light that was scattered before
+    color: bool = True  # light is as it is; else it is divided by the colour of its lobes
+    diffuse: bool = True  # COMBINED: light of diffuse lobes
+    glossy: bool = True  # of lobes of reflection
+    transmission: bool = True  # of lobes of transmission
+    emission: bool = True  # and of the surface itself
+
+
+@dataclass(frozen=True)
 class DenoisingDescription:
     """How a finished picture is denoised."""
 

@@ -7,6 +7,7 @@ use petzval_optics::system::SystemError;
 use petzval_pictures::error::MergeError;
 use petzval_render::camera::CameraError;
 use petzval_render::job::SettingsError;
+use petzval_render::job::bake::BakeError;
 use petzval_render::job::denoise::DenoiseError;
 use petzval_render::job::request::RequestError;
 use petzval_render::plan::PlanError;
@@ -67,6 +68,7 @@ maps! {
     CameraError => CameraError_,
     SettingsError => PetzvalError,
     DenoiseError => PetzvalError,
+    BakeError => PetzvalError,
     PlanError => PetzvalError,
 }
 
@@ -101,6 +103,7 @@ impl From<RequestError> for Error {
         match e {
             RequestError::Camera(e) => e.into(),
             RequestError::Settings(e) => e.into(),
+            RequestError::Bake(e) => e.into(),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Renders, watched from Python.
 
+use crate::bake::{PyBake, request};
 use crate::described::Described;
 use crate::error::{Error, invalid, json};
 use crate::files::Checkpoint;
@@ -51,7 +52,7 @@ impl Job {
     #[pyo3(signature = (
         scene, camera, settings, over_the_shutter=Vec::new(), *, plan=None, mattes=Vec::new(), matte_levels=6,
         neighbours=None, light_groups=0, parts=Vec::new(), mist=[0.0, 1.0, 1.0], catches=false, checkpoint=None,
-        shutter=None
+        shutter=None, occlusion_distance=None, bake=None
     ))]
     #[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
     fn new(
@@ -70,6 +71,8 @@ impl Job {
         catches: bool,
         checkpoint: Option<(PathBuf, String, f64)>,
         shutter: Option<Described<Shutter>>,
+        occlusion_distance: Option<f32>,
+        bake: Option<PyBake<'_>>,
     ) -> Result<Self, Error> {
         let checkpoints = match checkpoint {
             Some((file, fingerprint, every_s)) => {
@@ -93,6 +96,8 @@ impl Job {
             mist,
             catches,
             checkpoints,
+            occlusion_distance,
+            bake: bake.map(request).transpose()?,
         };
         let stage = scene.stage.clone();
         let job = without_gil(py, || engine::Job::request(stage, asked))??;
@@ -129,6 +134,14 @@ impl Job {
         let (width, height) = self.job.film().size();
         let pixels = without_gil(py, || self.job.picture())?;
         array(py, pixels, width, height)
+    }
+
+    #[pyo3(signature = (alone=None))]
+    fn baked<'py>(&self, py: Python<'py>, alone: Option<&Self>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
+        let (width, height) = self.job.film().size();
+        let pixels = without_gil(py, || self.job.baked(alone.map(|alone| &alone.job)))?;
+        let nothing = || invalid("the job bakes nothing, or shadows, for which it needs the bake of the object alone");
+        array(py, pixels.ok_or_else(nothing)?, width, height)
     }
 
     fn data<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {

@@ -1,6 +1,7 @@
 //! The wall between Python and the engine: arrays in, tiles out, errors mapped, the interpreter's lock freed for
 //! every long call. Nothing is computed here. `petzval/_native.pyi` is the shape as Python sees it.
 
+mod bake;
 mod camera;
 mod compiled;
 mod curves;

@@ -6,7 +6,7 @@ use petzval_render::integrator::path::parts::{LightPass, LobeKind};
 const LOBES: [(&str, LobeKind); 3] =
     [("DIFFUSE", LobeKind::Diffuse), ("GLOSSY", LobeKind::Glossy), ("TRANSMISSION", LobeKind::Transmission)];
 
-/// The part of that name: a kind of lobe or VOLUME with _DIRECT or _INDIRECT, a kind of lobe with _COLOR, EMISSION, ENVIRONMENT,
+/// The part of that name: a kind of lobe or VOLUME with _DIRECT or _INDIRECT, a kind of lobe with _COLOR, EMISSION, ENVIRONMENT, AMBIENT_OCCLUSION,
 /// DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST, or AOV_ and AOV_ALPHA_ with a number.
 pub(crate) fn part(name: &str) -> Result<LightPass, Error> {
     if let Some(number) = name.strip_prefix("AOV_").and_then(|number| number.parse().ok()) {
@@ -28,6 +28,7 @@ pub(crate) fn part(name: &str) -> Result<LightPass, Error> {
         "VOLUME_INDIRECT" => LightPass::Volume(false),
         "EMISSION" => LightPass::Emission,
         "ENVIRONMENT" => LightPass::Environment,
+        "AMBIENT_OCCLUSION" => LightPass::Occlusion,
         "DENOISING_ALBEDO" => LightPass::DenoisingAlbedo,
         "DENOISING_NORMAL" => LightPass::DenoisingNormal,
         "DENOISING_DEPTH" => LightPass::DenoisingDepth,

@@ -201,7 +201,7 @@ impl SceneBuilder {
     #[pyo3(signature = (
         object_name, mesh, matrix_world, materials, *, hidden_from = Vec::new(), links = None, asset_name = None,
         moved = None, keys = None, info = None, light_group = 0, shadow_terminator = (0.0, 0.0), is_holdout = false,
-        is_catcher = false, occlusion_distance = 0.0, others = None
+        is_catcher = false, is_baked = false, occlusion_distance = 0.0, others = None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_instance(
@@ -220,6 +220,7 @@ impl SceneBuilder {
         shadow_terminator: (f32, f32),
         is_holdout: bool,
         is_catcher: bool,
+        is_baked: bool,
         occlusion_distance: f32,
         others: Option<PyPlaces<'_>>,
     ) -> Result<(), Error> {
@@ -253,6 +254,9 @@ impl SceneBuilder {
             self.builder.set_occlusion_distance(instance, occlusion_distance);
             if is_catcher {
                 self.builder.catch_shadows(instance);
+            }
+            if is_baked {
+                self.builder.bake(instance);
             }
             if is_holdout {
                 self.builder.hold_out(instance);

@@ -5,6 +5,7 @@
 
 mod adaptive;
 mod aimed;
+pub mod bake;
 pub mod catcher;
 pub mod checkpoint;
 pub mod denoise;
@@ -29,6 +30,7 @@ use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits};
 use crate::integrator::{Integrator, PreparedScene, bidirectional::Techniques};
 use crate::pipeline::aiming::AimedReport;
+use crate::pipeline::bake::BakePoints;
 use crate::pipeline::motion::Motion;
 use crate::pipeline::{Counts, Pipeline, RenderContext, render_pixels, render_tile};
 use crate::plan::Plan;
@@ -69,6 +71,8 @@ pub struct OutputOptions {
     pub checkpoints: Option<Checkpoints>,
     /// Times of the samples, and places of the camera; `None`: all in the middle of the exposure, but for changes of the lens.
     pub exposure: Option<Exposure>,
+    /// The points of a surface that are baked instead of a photograph; no other output is about the camera then.
+    pub bake: Option<BakePoints>,
 }
 
 /// Statistics of a render.
@@ -102,6 +106,7 @@ struct Shared {
     clip: Option<Clip>,
     motion: Option<Motion>,
     exposure: Option<Exposure>,
+    bake: Option<BakePoints>,
     parts: Parts,
     /// Limits of light transport, found by the first thread that asks.
     limits: OnceLock<Limits>,
@@ -142,6 +147,8 @@ pub struct Job {
     keeping: Mutex<Option<JoinHandle<()>>>,
     /// The plan that decides on stray light, and the camera before it.
     stray_light: Option<(Plan, CameraDescription)>,
+    /// The bake that the film keeps.
+    baked: Option<bake::Baked>,
 }
 
 impl Job {
@@ -184,7 +191,7 @@ impl Job {
         };
         let threads = (0..threads).map(|_| start(Shared::work)).collect();
         let keeping = Mutex::new(shared.keeper.is_some().then(|| start(Shared::keep)));
-        Ok(Self { shared, threads, keeping, stray_light: None })
+        Ok(Self { shared, threads, keeping, stray_light: None, baked: None })
     }
 
     /// Waits, after the end, until the last checkpoint is written. The checkpoint that this render has written or taken up; `None`
@@ -356,6 +363,7 @@ impl Shared {
             film,
             motion: beside.motion,
             exposure: beside.exposure,
+            bake: beside.bake,
             parts: beside.parts,
             clip: beside.clip,
             limits: OnceLock::new(),
@@ -420,7 +428,10 @@ impl Shared {
             let sent = ray(i)?;
             Some(self.exposure.as_ref().map_or(sent, |exposure| exposure.sent(sent, sent.moment)))
         };
-        let rays: Vec<_> = (0..SIDE * SIDE).filter_map(ray).collect();
+        let rays: Vec<_> = match &self.bake {
+            Some(points) => points.some_rays(&self.stage.scene, (SIDE * SIDE) as usize),
+            None => (0..SIDE * SIDE).filter_map(ray).collect(),
+        };
         let limits = Limits {
             max_bounces: s.max_bounces,
             kinds: s.kinds,
@@ -453,6 +464,7 @@ impl Shared {
             exposure: self.exposure.as_ref(),
             parts: &self.parts,
             aimed: self.aimed.get_or_init(|| self.find_aimed()).0.clone(),
+            bake: self.bake.as_ref(),
         }
     }
 

@@ -15,7 +15,7 @@ mod wave;
 pub use approximations::{Approximations, FastGi};
 pub use notes::{AovBuffers, AovSink, NoAovs};
 pub use pilot::{openness, roulette};
-pub use wave::Wavefront;
+pub use wave::{SurfaceStart, Wavefront};
 
 use super::PreparedScene;
 use crate::Rgb;

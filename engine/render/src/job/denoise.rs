@@ -64,10 +64,12 @@ impl Job {
         let (began, shared) = (Instant::now(), &self.shared);
         let caught = self.part(catcher::PARTS[0]);
         let share = if caught.is_some() { 0.5 } else { 1.0 };
-        let noisy = shared.colour();
+        let of_bake = self.some_light();
+        let is_whole = caught.is_none() && of_bake.is_none();
+        let noisy = of_bake.unwrap_or_else(|| shared.colour());
         let mut picture = self.shared.cleaned(how, &noisy, &|part| self.may_go_on(part * share))?;
-        // The shadow on a catcher is a ratio of two pictures: both are denoised alike.
-        if caught.is_none() {
+        // The shadow on a catcher is a ratio of two pictures: both are denoised alike. The variance is that of all light.
+        if is_whole {
             petzval_denoise::combine(&mut picture, &noisy, &shared.film.variances(), self.columns());
         }
         let caught = caught

@@ -1,6 +1,7 @@
 //! What keeps a render from starting.
 
 use super::SettingsError;
+use super::bake::BakeError;
 use crate::camera::CameraError;
 
 /// An error by which a render does not start.
@@ -12,4 +13,7 @@ pub enum RequestError {
     /// A setting is out of range.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// Points are not of what is baked.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
 }

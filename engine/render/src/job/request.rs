@@ -1,5 +1,6 @@
 //! A render as it is asked for: descriptions, settings, a plan and outputs become the arguments of a [`Job`].
 
+use super::bake::{BakeRequest, Prepared};
 use super::checkpoint::Checkpoints;
 pub use super::error::RequestError;
 use super::forecast::{self, Forecast};
@@ -48,6 +49,10 @@ pub struct JobRequest {
     pub catches: bool,
     /// The file in which the render is kept while it goes on.
     pub checkpoints: Option<Checkpoints>,
+    /// Length of the rays of the ambient occlusion pass, Blender units; `None`: without end.
+    pub occlusion_distance: Option<f32>,
+    /// The surface that is baked instead of a photograph: plan, shutter, mattes and groups then count nothing, and parts only guide a denoiser.
+    pub bake: Option<BakeRequest>,
 }
 
 impl Job {
@@ -55,7 +60,10 @@ impl Job {
     ///
     /// # Errors
     /// [`RequestError`].
-    pub fn request(stage: Arc<PreparedScene>, asked: JobRequest) -> Result<Self, RequestError> {
+    pub fn request(stage: Arc<PreparedScene>, mut asked: JobRequest) -> Result<Self, RequestError> {
+        if let Some(bake) = asked.bake.take() {
+            return Self::bake(stage, bake, asked);
+        }
         let origin = stage.scene.origin;
         // All read one lens file, once.
         let beside = |d: CameraDescription| d.reading_with(&asked.camera);
@@ -91,13 +99,27 @@ impl Job {
             clip: Clip::new(&now, &cameras[0]),
             gains: shade::gains(&now, &cameras[cameras.len() / 2], size[0], size[1])?,
             light_groups: asked.light_groups,
-            parts: Parts::new(&passes, seen),
+            parts: Parts::new(&passes, seen).occluded_within(asked.occlusion_distance),
             checkpoints: asked.checkpoints,
             exposure: exposure(asked.shutter.as_ref().filter(|_| is_moving), &now, origin),
+            bake: None,
         };
         let stray_light = asked.plan.map(|plan| (plan, asked.camera));
         let mut job = Self::start_with(stage, cameras, settings, output)?;
         job.stray_light = stray_light;
+        Ok(job)
+    }
+}
+
+impl Job {
+    /// Starts a bake in threads of its own.
+    fn bake(stage: Arc<PreparedScene>, bake: BakeRequest, asked: JobRequest) -> Result<Self, RequestError> {
+        let JobRequest { camera, settings, parts, occlusion_distance, .. } = asked;
+        let Prepared { settings, output, baked } =
+            bake.prepared(&stage, &camera, settings, parts, occlusion_distance)?;
+        let camera = Camera::new(&camera, settings.width, settings.height)?;
+        let mut job = Self::start_with(stage, vec![camera], settings, output)?;
+        job.baked = Some(baked);
         Ok(job)
     }
 }

@@ -1,6 +1,7 @@
 //! Ways from the film to the scene and back: which rays are followed, and where what they find is added up.
 
 pub mod aiming;
+pub mod bake;
 pub mod bidirectional;
 pub mod film_first;
 pub mod hero;
@@ -23,6 +24,7 @@ use crate::integrator::path::parts::Parts;
 use crate::integrator::path::{self, Limits, PathResult};
 use crate::sampler::{PathSampler, pattern::Pattern, raster::Raster};
 use crate::scene::motion::moment;
+use bake::{Bake, BakePoints};
 use film_first::FilmFirst;
 use hero::Hero;
 use motion::Motion;
@@ -105,6 +107,8 @@ pub struct RenderContext<'a> {
     pub parts: &'a Parts,
     /// The lights that send rays to the lens: in [`Pipeline::Hero`] and with light paths alone.
     pub aimed: Option<Arc<AimedLights>>,
+    /// The points of a surface on which paths start instead of in the camera.
+    pub bake: Option<&'a BakePoints>,
 }
 
 impl RenderContext<'_> {
@@ -112,6 +116,12 @@ impl RenderContext<'_> {
     #[inline]
     fn seen(&self, ray: Ray) -> Ray {
         self.clip.map_or(ray, |clip| clip.cut(ray))
+    }
+
+    /// The pixel whose random numbers a pixel has: its own but where points of a bake say otherwise.
+    fn numbers_of(&self, pixel: [u32; 2]) -> [u32; 2] {
+        let of_bake = self.bake.and_then(|points| points.point(pixel));
+        of_bake.map_or(pixel, |point| point.numbers_of)
     }
 
     /// The number of a sample among all of the picture.
@@ -196,6 +206,9 @@ pub fn render_pixels(
     stopped: &dyn Fn() -> bool,
 ) -> Option<Counts> {
     let samples = pixels.flat_map(|pixel| (first..first + count).map(move |index| (pixel, index)));
+    if let Some(points) = shot.bake {
+        return stretch::render(Bake::new(shot, points), shot, samples, light, stopped);
+    }
     match (shot.light_paths, shot.pipeline) {
         (Some(techniques), _) => render_light_paths(shot, techniques, samples, light, stopped),
         (None, Pipeline::Hero) => stretch::render(Hero::new(shot), shot, samples, light, stopped),

@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::camera::lens::real_lens::packet::Request;
 use crate::film::TileAccumulator;
 use crate::integrator::aimed::{AimedLights, AimedRay};
-use crate::integrator::path::{AovBuffers, AovSink, NoAovs, Wavefront};
+use crate::integrator::path::{AovBuffers, AovSink, NoAovs, SurfaceStart, Wavefront};
 use crate::sampler::{KeptScramble, PathSampler};
 use crate::scene::motion::{MIDDLE, moment};
 use std::time::Instant;
@@ -27,6 +27,11 @@ pub(super) trait CameraSampler {
 
     /// The ray into the scene.
     fn ray(lead: &Self::Lead) -> Ray;
+
+    /// The surface where the ray ends; `None` where it is to be traced.
+    fn start(_: &Self::Lead) -> Option<SurfaceStart> {
+        None
+    }
 
     /// The density of the ray's choice per unit of etendue; `None` where that is not known.
     fn density(&self, _camera: usize, _: &Self::Lead) -> Option<f32> {
@@ -110,8 +115,10 @@ fn follow<L: CameraSampler, N: AovSink, const VOLUMES: bool>(
             }
         } else {
             for (lead, sampler) in leads.iter().zip(&stretch.samplers) {
-                if let Some(lead) = lead {
-                    wave.start(shot.seen(L::ray(lead)), sampler.clone());
+                let Some(lead) = lead else { continue };
+                match L::start(lead) {
+                    Some(start) => wave.start_at(start, L::ray(lead), sampler.clone()),
+                    None => wave.start(shot.seen(L::ray(lead)), sampler.clone()),
                 }
             }
         }
@@ -192,15 +199,23 @@ impl SampleBatch {
         self.times.clear();
         self.aimed.clear();
         let mut at = [0; 2];
-        let mut points = shot.pattern.pixel(0, 0);
+        let pattern = |pixel: [u32; 2]| {
+            let [x, y] = shot.numbers_of(pixel);
+            shot.pattern.pixel(x, y)
+        };
+        let mut points = pattern(at);
         let mut scrambles = [KeptScramble::default(); 2];
         let has_wavelengths = shot.cameras.iter().any(Camera::has_wavelengths);
         for (pixel, index) in samples {
             if pixel != at {
-                (at, points) = (pixel, shot.pattern.pixel(pixel[0], pixel[1]));
+                (at, points) = (pixel, pattern(pixel));
             }
             let mut sampler = points.sampler(index);
-            let [u0, u1, u2, u3] = sampler.next_4d_kept(&mut scrambles[0]);
+            let [mut u0, mut u1, u2, u3] = sampler.next_4d_kept(&mut scrambles[0]);
+            if shot.bake.is_some() && index == 0 {
+                // As in Cycles: bakes of one sample show the middles of pixels.
+                [u0, u1] = [0.5; 2];
+            }
             let [u_wavelength, u_column, u_row, u_beyond] =
                 if has_wavelengths { sampler.next_4d_kept(&mut scrambles[1]) } else { sampler.skipped_4d() };
             let place = shot.raster.place(pixel[0], pixel[1], [u0, u1]);

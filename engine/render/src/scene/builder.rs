@@ -33,6 +33,7 @@ struct RawInstance {
     shadow_terminator: ShadowTerminator,
     occlusion_distance: f32,
     is_catcher: bool,
+    is_baked: bool,
 }
 
 /// Collects a scene's pieces in any order in which each piece comes after those that it names.
@@ -173,6 +174,7 @@ impl SceneBuilder {
             shadow_terminator: ShadowTerminator::default(),
             occlusion_distance: 0.0,
             is_catcher: false,
+            is_baked: false,
         });
         Ok(Some(self.instances.len() - 1))
     }
@@ -200,6 +202,11 @@ impl SceneBuilder {
     /// Makes an instance a shadow catcher: the shadows on it alone are wanted.
     pub fn catch_shadows(&mut self, instance: usize) {
         self.instances[instance].is_catcher = true;
+    }
+
+    /// Makes an instance the one whose surface is baked.
+    pub fn bake(&mut self, instance: usize) {
+        self.instances[instance].is_baked = true;
     }
 
     /// Lets the camera see a hole instead of an instance; all else sees it as it is.
@@ -368,6 +375,7 @@ impl SceneBuilder {
                     shadow_terminator,
                     occlusion_distance: raw.occlusion_distance,
                     is_catcher: raw.is_catcher,
+                    is_baked: raw.is_baked,
                 };
                 instance.stand(&DAffine3::from_mat4(raw.matrix), origin);
                 instance.is_stretched = users[raw.mesh] == 1 && instance.changes_angles();

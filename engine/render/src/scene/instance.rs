@@ -49,6 +49,8 @@ pub struct Instance {
     pub pose: Pose,
     /// True if the instance stands for an object in the photograph that the picture is laid over: only its shadows are wanted.
     pub is_catcher: bool,
+    /// True if the instance's surface is what a bake shows.
+    pub is_baked: bool,
 }
 
 /// The values of Blender's Object Info node.

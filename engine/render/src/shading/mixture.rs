@@ -5,9 +5,10 @@ use super::albedo::give_back;
 use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::lobe::{Fresnel, Lobe, Slopes};
+use super::parted::MeanSums;
 use super::subsurface::{Body, Entry};
 use super::thin_film::RelativeFilm;
-use super::{BsdfSample, Caustics, Features, LobeDecomposition, LobeShares, Past, Scattering};
+use super::{BsdfSample, Caustics, Features, LobeDecomposition, LobeShares, Past, Scattering, SurfaceMeans};
 use crate::Rgb;
 use crate::scene::closure::{Closure, Distribution, MetalKind, ThinFilm};
 use crate::scene::visibility::Rays;
@@ -460,6 +461,16 @@ impl LobeDecomposition for Mixture {
             all += lobe.chance;
         }
         found.finished(broad, all)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn means(&self) -> SurfaceMeans {
+        let mut sums = MeanSums::default();
+        for lobe in &self.lobes {
+            sums.add(crate::average(lobe.weight).abs(), lobe.normal(), lobe.roughness());
+        }
+        sums.means(self.here.smooth_normal)
     }
 
     #[cold]

@@ -22,7 +22,7 @@ mod thin_film;
 use crate::Rgb;
 use crate::scene::visibility::Rays;
 use glam::Vec3A;
-pub use parted::{Features, LobeDecomposition, LobeShares};
+pub use parted::{Features, LobeDecomposition, LobeShares, SurfaceMeans};
 use serde::Deserialize;
 
 /// A direction to go on in.

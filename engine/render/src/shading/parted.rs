@@ -76,6 +76,40 @@ impl Features {
     }
 }
 
+/// Means of a surface's closures, each as much as it weighs.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceMeans {
+    /// Shading normal, unit.
+    pub normal: Vec3A,
+    /// Roughness as materials give it, 0 to 1; 1 where no closure has one, as in Cycles.
+    pub roughness: f32,
+}
+
+/// Sums for [`SurfaceMeans`], closure by closure.
+#[derive(Default)]
+pub(super) struct MeanSums {
+    normal: Vec3A,
+    roughness: f32,
+    rough: f32,
+}
+
+impl MeanSums {
+    /// Adds a closure by its weight, with the roughness that it has; `None` of closures without.
+    pub(super) fn add(&mut self, weight: f32, normal: Vec3A, roughness: Option<f32>) {
+        self.normal += normal * weight;
+        if let Some(roughness) = roughness {
+            self.roughness += roughness * weight;
+            self.rough += weight;
+        }
+    }
+
+    /// The means; the surface's own normal stands in where there is none.
+    pub(super) fn means(&self, own_normal: Vec3A) -> SurfaceMeans {
+        let roughness = if self.rough > 0.0 { self.roughness / self.rough } else { 1.0 };
+        SurfaceMeans { normal: self.normal.try_normalize().unwrap_or(own_normal), roughness }
+    }
+}
+
 /// A BSDF that can tell its lobes apart.
 pub trait LobeDecomposition {
     /// Light of the lobes from `wi`, as [`super::Scattering::evaluate_some`] does, or if it `is_beyond` the triangle's horizon
@@ -91,6 +125,9 @@ pub trait LobeDecomposition {
 
     /// The features for a denoiser.
     fn features(&self) -> Features;
+
+    /// The means of the closures.
+    fn means(&self) -> SurfaceMeans;
 
     /// The colours of the diffuse lobes that scatter here and not elsewhere, together, and the mean of their normals by these.
     fn diffuse(&self) -> (Rgb, Vec3A);

@@ -5,7 +5,8 @@ use super::albedo::{AlbedoTable, give_back};
 use super::energy;
 use super::fresnel::{self, F82Tint};
 use super::microfacet::{Ggx, reflect, refract};
-use super::{BsdfSample, Caustics, Features, LobeDecomposition, LobeShares, Scattering, normal};
+use super::parted::MeanSums;
+use super::{BsdfSample, Caustics, Features, LobeDecomposition, LobeShares, Scattering, SurfaceMeans, normal};
 use crate::sampler::warp;
 use crate::scene::plain::{Plain, PlainValues};
 use crate::scene::visibility::Rays;
@@ -415,6 +416,21 @@ impl LobeDecomposition for Bsdf {
             found.add(albedo, chance, self.frame[2], width_squared, &mut broad);
         }
         found.finished(broad, self.chance.iter().sum())
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn means(&self) -> SurfaceMeans {
+        let mut sums = MeanSums::default();
+        let base = warp::to_world(&self.frame, self.base_normal);
+        sums.add(average(self.diffuse), base, None);
+        if let Some(f) = &self.facets {
+            let roughness = f.ggx.width().sqrt();
+            for weight in [average(f.metal_weight), average(f.glass_weight), f.coat_weight] {
+                sums.add(weight, self.frame[2], Some(roughness));
+            }
+        }
+        sums.means(base)
     }
 
     fn diffuse(&self) -> (Rgb, Vec3A) {

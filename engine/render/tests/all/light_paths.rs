@@ -103,6 +103,7 @@ fn light_alone(
         exposure: None,
         parts: &Default::default(),
         aimed: None,
+        bake: None,
     };
     let film = Film::new(WIDTH, HEIGHT, true, false);
     for tile in 0..film.tile_count() {

@@ -23,6 +23,8 @@ enum First {
     Volume,
     /// Nothing that counts: the light is in no part.
     Nowhere,
+    /// No light, but what ambient occlusion leaves.
+    Occlusion,
 }
 
 /// The parts that light belongs to.
@@ -39,6 +41,16 @@ impl LightOrigin {
     /// Light that is in no part.
     pub(super) fn nowhere() -> Self {
         Self { first: First::Nowhere, is_near: false, is_met: false }
+    }
+
+    /// The share that ambient occlusion leaves, which is no light.
+    pub(super) fn occlusion() -> Self {
+        Self { first: First::Occlusion, is_near: false, is_met: false }
+    }
+
+    /// True if it counts for the picture.
+    pub(super) fn is_light(self) -> bool {
+        !matches!(self.first, First::Occlusion)
     }
 }
 
@@ -57,6 +69,8 @@ pub(super) struct ByPart {
     has_colours: bool,
     has_features: bool,
     has_aovs: bool,
+    has_occlusion: bool,
+    has_means: bool,
     paths: Vec<PathPart>,
 }
 
@@ -68,7 +82,9 @@ impl ByPart {
             matches!(part, LightPass::DenoisingAlbedo | LightPass::DenoisingNormal | LightPass::DenoisingDepth)
         });
         let has_aovs = parts.any(|part| matches!(part, LightPass::Aov(_)));
-        Self { parts, has_colours, has_features, has_aovs, paths: Vec::new() }
+        let has_occlusion = parts.any(|part| *part == LightPass::Occlusion);
+        let has_means = parts.any(|part| matches!(part, LightPass::ShadingNormal | LightPass::Roughness));
+        Self { parts, has_colours, has_features, has_aovs, has_occlusion, has_means, paths: Vec::new() }
     }
 
     /// Number of colours that a path has.
@@ -150,6 +166,9 @@ impl ByPart {
             return;
         }
         let LightOrigin { first, is_near, is_met } = of;
+        if !of.is_light() {
+            return self.add_to(sums, LightPass::Occlusion, light);
+        }
         if self.paths[path as usize].is_caught {
             self.add_to(sums, LightPass::Caught, light);
         }
@@ -159,7 +178,7 @@ impl ByPart {
         match first {
             First::None => self.add_to(sums, if is_near { LightPass::Environment } else { LightPass::Emission }, light),
             First::Volume => self.add_to(sums, LightPass::Volume(is_near), light),
-            First::Nowhere => {}
+            First::Nowhere | First::Occlusion => {}
             First::Surface([diffuse, glossy]) => {
                 let [d, g] = [light * diffuse, light * glossy];
                 self.add_to(sums, LightPass::Light(LobeKind::Diffuse, is_near), d);
@@ -173,9 +192,25 @@ impl ByPart {
         }
     }
 
-    /// True if features for denoisers are noted.
-    pub(super) fn has_features(&self) -> bool {
-        self.has_features
+    /// True if something is noted of surfaces that scatter nothing.
+    pub(super) fn looks(&self) -> bool {
+        self.has_features || self.has_occlusion || self.has_means
+    }
+
+    /// Length of the ambient occlusion ray of a path's surface, Blender units; `None`: there is none.
+    pub(super) fn occlusion_distance(&self, way: PathState) -> Option<f32> {
+        (self.has_occlusion && way.depth == 0).then(|| self.parts.occlusion_distance())
+    }
+
+    /// The surface that the path's first ray comes to, whether it is passed or not.
+    pub(super) fn evaluates(&self, sums: &mut [Rgb], way: PathState, bsdf: &impl LobeDecomposition) {
+        if !self.has_means || way.depth > 0 || way.transparent > 0 {
+            return;
+        }
+        let means = bsdf.means();
+        self.add_to(sums, LightPass::ShadingNormal, means.normal.into());
+        self.add_to(sums, LightPass::Roughness, Rgb::splat(means.roughness));
+        self.add_to(sums, LightPass::Evaluated, Rgb::ONE);
     }
 
     /// A surface that scatters the path and what comes to it by `throughput`.

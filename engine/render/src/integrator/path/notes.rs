@@ -33,6 +33,13 @@ pub trait AovSink {
     /// Light that counts for the picture and in no group or part.
     fn outside_of_passes(&self) -> Self::Of;
 
+    /// Length of the ambient occlusion ray that a path's surface sends, Blender units, and the origin of what it finds; `None`: it sends
+    /// none.
+    fn occlusion(&self, way: PathState) -> Option<(f32, Self::Of)>;
+
+    /// True if it counts for the picture.
+    fn is_light(&self, of: Self::Of) -> bool;
+
     /// Forgets the notes on all paths.
     fn clear(&mut self);
 
@@ -48,7 +55,10 @@ pub trait AovSink {
     /// A surface that is to scatter a path, with the path's throughput up to it and its distance from the ray's origin.
     fn looks_at(&mut self, path: u32, way: PathState, throughput: Rgb, bsdf: &impl LobeDecomposition, distance: f32);
 
-    /// True if [`Self::looks_at`] notes something of a surface that scatters nothing.
+    /// A surface that a path comes to and may be scattered by.
+    fn evaluates(&mut self, path: u32, way: PathState, bsdf: &impl LobeDecomposition);
+
+    /// True if something is noted of surfaces that scatter nothing.
     fn looks(&self) -> bool;
 
     /// A path was scattered by a surface, with the shares of its lobes.
@@ -81,6 +91,16 @@ impl AovSink for NoAovs {
     fn outside_of_passes(&self) {}
 
     #[inline(always)]
+    fn occlusion(&self, _: PathState) -> Option<(f32, ())> {
+        None
+    }
+
+    #[inline(always)]
+    fn is_light(&self, (): ()) -> bool {
+        true
+    }
+
+    #[inline(always)]
     fn clear(&mut self) {}
 
     #[inline(always)]
@@ -94,6 +114,9 @@ impl AovSink for NoAovs {
 
     #[inline(always)]
     fn looks_at(&mut self, _: u32, _: PathState, _: Rgb, _: &impl LobeDecomposition, _: f32) {}
+
+    #[inline(always)]
+    fn evaluates(&mut self, _: u32, _: PathState, _: &impl LobeDecomposition) {}
 
     #[inline(always)]
     fn looks(&self) -> bool {
@@ -166,6 +189,14 @@ impl AovSink for AovBuffers {
         (0, LightOrigin::nowhere())
     }
 
+    fn occlusion(&self, way: PathState) -> Option<(f32, Self::Of)> {
+        Some((self.parts.occlusion_distance(way)?, (0, LightOrigin::occlusion())))
+    }
+
+    fn is_light(&self, (_, belongs): Self::Of) -> bool {
+        belongs.is_light()
+    }
+
     fn clear(&mut self) {
         self.sums.clear();
         self.parts.clear();
@@ -196,8 +227,13 @@ impl AovSink for AovBuffers {
         self.parts.looks_at(sums, path, way, throughput, bsdf, distance);
     }
 
+    fn evaluates(&mut self, path: u32, way: PathState, bsdf: &impl LobeDecomposition) {
+        let (count, groups) = (self.count(), usize::from(self.groups));
+        self.parts.evaluates(of_parts(&mut self.sums, path as usize, groups, count), way, bsdf);
+    }
+
     fn looks(&self) -> bool {
-        self.parts.has_features()
+        self.parts.looks()
     }
 
     fn turned(&mut self, path: u32, way: PathState, shares: impl FnOnce() -> LobeShares) {

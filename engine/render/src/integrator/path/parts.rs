@@ -38,6 +38,14 @@ pub enum LightPass {
     Mist,
     /// 1 for every path that counts as data: what these are relative to.
     Ray,
+    /// Ambient occlusion: the part of rays, spread by the cosine about the first surface's diffuse normal, that nothing near stops.
+    Occlusion,
+    /// Shading normal of the first surface, world space: the mean of its closures'.
+    ShadingNormal,
+    /// Roughness of the first surface, three times: the mean of its closures'.
+    Roughness,
+    /// 1 for every path whose first surface has closures that were evaluated: the divisor of normal and roughness.
+    Evaluated,
 }
 
 /// A kind of lobe.
@@ -69,25 +77,32 @@ impl LightPass {
             Self::Uv => 19,
             Self::Mist => 20,
             Self::Ray => 21,
-            Self::Aov(output) => 22 + 2 * usize::from(output),
-            Self::AovAlpha(output) => 23 + 2 * usize::from(output),
+            Self::Occlusion => 22,
+            Self::ShadingNormal => 23,
+            Self::Roughness => 24,
+            Self::Evaluated => 25,
+            Self::Aov(output) => 26 + 2 * usize::from(output),
+            Self::AovAlpha(output) => 27 + 2 * usize::from(output),
         }
     }
 
     /// True if the part counts as data do: each ray alike, for the pixel that it was started for. Else it counts as light, where it lands.
     pub fn is_data(self) -> bool {
         use LightPass::{Aov, AovAlpha, Catches, DenoisingAlbedo, DenoisingDepth, DenoisingNormal, Mist, Ray, Uv};
+        use LightPass::{Evaluated, Roughness, ShadingNormal};
         matches!(
             self,
             DenoisingAlbedo | DenoisingNormal | DenoisingDepth | Aov(_) | AovAlpha(_) | Catches | Uv | Mist | Ray
-        )
+        ) || matches!(self, ShadingNormal | Roughness | Evaluated)
     }
 
     /// The divisor of a part: the colour for the light that it scattered, the number of rays for a mean.
     pub fn relative_to(self) -> Option<Self> {
         match self {
             Self::Light(lobe, _) => Some(Self::Colour(lobe)),
-            Self::Colour(_) => Some(Self::White),
+            Self::Colour(_) | Self::Occlusion => Some(Self::White),
+            Self::ShadingNormal | Self::Roughness => Some(Self::Evaluated),
+            Self::Evaluated => None,
             part if part.is_data() && part != Self::Ray => Some(Self::Ray),
             _ => None,
         }
@@ -141,6 +156,8 @@ pub struct Parts {
     /// Places in the list, by [`LightPass::number`].
     places: Vec<Option<u16>>,
     seen: Seen,
+    /// Length of the rays of [`LightPass::Occlusion`], Blender units; `None`: without end.
+    occlusion_distance: Option<f32>,
 }
 
 impl Parts {
@@ -162,7 +179,18 @@ impl Parts {
             places.resize(places.len().max(number + 1), None);
             places[number] = Some(place as u16);
         }
-        Self { list, places, seen }
+        Self { list, places, seen, occlusion_distance: None }
+    }
+
+    /// These parts with ambient occlusion by rays of this length, Blender units; `None`: without end.
+    #[must_use]
+    pub fn occluded_within(self, occlusion_distance: Option<f32>) -> Self {
+        Self { occlusion_distance, ..self }
+    }
+
+    /// Length of the rays of ambient occlusion, Blender units.
+    pub fn occlusion_distance(&self) -> f32 {
+        self.occlusion_distance.unwrap_or(f32::INFINITY)
     }
 
     /// All that is kept.
@@ -229,9 +257,10 @@ mod tests {
             LightPass::Uv,
             LightPass::Mist,
         ]);
+        wanted.extend([LightPass::Occlusion, LightPass::ShadingNormal, LightPass::Roughness]);
         wanted.extend((0..40).flat_map(|output| [LightPass::Aov(output), LightPass::AovAlpha(output)]));
         let parts = Parts::new(&wanted, Seen::default());
-        assert_eq!(parts.list().len(), wanted.len() + 5, "three colours, white and ray");
+        assert_eq!(parts.list().len(), wanted.len() + 6, "three colours, white, ray and evaluated");
         for (place, &part) in parts.list().iter().enumerate() {
             assert_eq!(parts.place(part), Some(place), "{part:?}");
         }

@@ -57,8 +57,7 @@ impl Grazing {
     #[cold]
     pub(super) fn ray(self, scene: &Scene, point: &SurfacePoint, light: &LightSample) -> Ray {
         let LightSample { wi: d, distance, .. } = *light;
-        let start = offset_origin(point.position, point.geometric_normal * self.side, point.position_error);
-        let lift = height(scene, point, self.side) * self.amount;
+        let (start, lift) = self.start(scene, point);
         let plain = Ray { t_max: distance, ..point.leaving(start + lift, d) };
         if distance == f32::INFINITY {
             return plain;
@@ -66,6 +65,19 @@ impl Grazing {
         let way = d * distance - lift;
         let (length, gap) = (way.length(), light.gap(point.position_error));
         if length > 0.0 { Ray { direction: way / length, t_max: (length - gap).max(0.0), ..plain } } else { plain }
+    }
+
+    /// A ray along `d` without end, from above the triangle.
+    #[cold]
+    pub(super) fn along(self, scene: &Scene, point: &SurfacePoint, d: Vec3A) -> Ray {
+        let (start, lift) = self.start(scene, point);
+        point.leaving(start + lift, d)
+    }
+
+    /// A start just off the triangle, and the vector from there to where rays start.
+    fn start(self, scene: &Scene, point: &SurfacePoint) -> (Vec3A, Vec3A) {
+        let start = offset_origin(point.position, point.geometric_normal * self.side, point.position_error);
+        (start, height(scene, point, self.side) * self.amount)
     }
 }
 

@@ -60,6 +60,17 @@ pub struct Wavefront<N: AovSink = NoAovs, const VOLUMES: bool = false> {
     kept_scramble: KeptScramble,
     /// The lights that send rays to the lens, too.
     aimed: Option<Arc<AimedLights>>,
+    /// The starts of paths on surfaces; empty where all paths begin with rays that are traced.
+    starts: Vec<SurfaceStart>,
+}
+
+/// The start of a path at a point of a surface, as if a ray from outside had hit it: nothing stands before it.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceStart {
+    /// The hit of the ray; `None`: it goes to the sky, past everything.
+    pub hit: Option<Hit>,
+    /// Width of the pixel on the surface, Blender units: bumps are asked that far apart.
+    pub footprint: f32,
 }
 
 /// One path under way.
@@ -167,6 +178,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             veils: Vec::new(),
             kept_scramble: KeptScramble::default(),
             aimed: None,
+            starts: Vec::new(),
         }
     }
 
@@ -183,11 +195,18 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         self.notes.clear();
         self.live.clear();
         self.is_alive.clear();
+        self.starts.clear();
     }
 
     /// Adds a path that begins with a ray from the camera; its number is the count of those before it.
     pub fn start(&mut self, ray: Ray, sampler: PathSampler) {
         self.start_by(LensStrategy::CameraAlone, ray, sampler);
+    }
+
+    /// Adds a path like [`Self::start`], whose ray has a known end. Either all paths begin so, or none.
+    pub fn start_at(&mut self, start: SurfaceStart, ray: Ray, sampler: PathSampler) {
+        self.starts.push(start);
+        self.start(ray, sampler);
     }
 
     /// Adds a path like [`Self::start`], whose ray the camera leads to with this density per unit of etendue.
@@ -239,15 +258,24 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             self.inside.extend(self.paths.iter().map(|path| MediumState::new(stage, path)));
         }
         if stage.needs_cones {
-            for path in &mut self.paths {
-                path.cone = RayCone::camera(&stage.scene.viewport, &path.ray);
+            for (i, path) in self.paths.iter_mut().enumerate() {
+                path.cone = match self.starts.get(i) {
+                    // The ray before it is none of the scene's.
+                    Some(start) => RayCone { width: start.footprint, spread: 0.0 },
+                    None => RayCone::camera(&stage.scene.viewport, &path.ray),
+                };
             }
         }
         for step in 0..MOST_STEPS {
             if self.live.is_empty() {
                 return;
             }
-            self.trace(stage);
+            if step == 0 && !self.starts.is_empty() {
+                self.hits.clear();
+                self.hits.extend(self.starts.iter().map(|start| start.hit));
+            } else {
+                self.trace(stage);
+            }
             self.meet(stage, limits, step);
             self.sort(stage);
             self.scatter(stage, limits);
@@ -276,12 +304,14 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         if VOLUMES {
             self.veils.clear();
         }
+        // Nothing lies before a surface that a path starts on.
+        let starts = step == 0 && !self.starts.is_empty();
         for (&i, hit) in self.live.iter().zip(&self.hits) {
             let path = &mut self.paths[i as usize];
             let aimed = self.aimed.as_deref();
             let mut found = Found { path: i, result: &mut self.results[i as usize], notes: &mut self.notes };
             self.is_alive[i as usize] = false;
-            if VOLUMES {
+            if VOLUMES && !starts {
                 path.sampler.jump_to(CAMERA_SETS + step * Self::SETS);
                 let inside = &mut self.inside[i as usize];
                 let shades = (&mut self.shadows, &mut self.veils);
@@ -295,7 +325,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
                 }
             }
             let Some(hit) = hit else {
-                if !VOLUMES {
+                if !VOLUMES && !starts {
                     path.lamps_before(stage, limits, aimed, path.travelled + path.ray.t_max, &mut found);
                 }
                 path.sky(stage, limits, &mut found);
@@ -306,15 +336,20 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             let [u0, u1, u_light, u_alpha] = path.sampler.next_4d_kept(&mut self.kept_scramble);
             let view = path.view(path.travelled + hit.t);
             let opening = opening(stage.around(), &point, &view);
+            if starts {
+                // What lies behind a surface is no part of it: as in Cycles, the path does not go on, and the surface has a hole.
+                found.result.hit = true;
+                found.result.hole += opening.light.element_sum() / 3.0;
+            }
             // The film is opaque where a surface that glows alone stops a path.
             let is_film = limits.hide_sky && path.way.is_camera();
             let share = if is_film { 1.0 - opening.chance } else { opening.share };
             let is_scattered = u_alpha < share;
             // What is seen goes by the weights alone, however dark.
-            let is_seen = u_alpha < share.max(1.0 - opening.chance);
+            let is_seen = starts || u_alpha < share.max(1.0 - opening.chance);
             let is_border = VOLUMES && share < 1.0 && is_only_volume(stage, &point);
             let is_split = share >= LEAST_SHARE && !is_border;
-            if is_scattered && !VOLUMES {
+            if is_scattered && !VOLUMES && !starts {
                 path.lamps_before(stage, limits, aimed, path.travelled + hit.t, &mut found);
             }
             found.result.hit |= is_seen;
@@ -327,7 +362,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             }
             let next = if is_scattered {
                 Next::Scatter
-            } else if is_border || limits.goes_on(path.way) {
+            } else if (is_border || limits.goes_on(path.way)) && !starts {
                 Next::Pass(TransparentPassage {
                     weight: opening.light / (1.0 - share),
                     t: hit.t,
@@ -445,7 +480,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         bent: Option<Vec3A>,
         bsdf: &(impl Scattering + LobeDecomposition),
     ) {
-        let SurfaceInteraction { path: i, point, view, u_light, share, next, .. } = &self.meetings[meeting];
+        let SurfaceInteraction { path: i, point, kept, view, u_light, share, next } = &self.meetings[meeting];
         let path = &mut self.paths[*i as usize];
         let mut found = Found { path: *i, result: &mut self.results[*i as usize], notes: &mut self.notes };
         let at = ScatterPlace {
@@ -456,6 +491,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             share: *share,
             distance: view.distance,
         };
+        found.notes.evaluates(*i, path.way, bsdf);
         if let Next::Scatter = next {
             found.notes.looks_at(*i, path.way, path.throughput, bsdf, view.distance);
         }
@@ -478,6 +514,13 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         }
         // The first two choose the lobe and the direction in it.
         let [u2, u3, u_split, u_end] = path.sampler.next_4d_kept(&mut self.kept_scramble);
+        if let Some(asked) = found.notes.occlusion(path.way) {
+            at.occlusion((*i, path), asked, &mut self.shadows, bsdf, (*kept, view), [u2, u3]);
+            if VOLUMES {
+                let inside = &self.inside[*i as usize];
+                inside.veil(&stage.scene, point, &self.shadows, &mut self.veils, [u3, u2, u_light[0]]);
+            }
+        }
         let is_ambient = matches!(limits.approximations.fast_gi, FastGi::Add { .. });
         if is_ambient {
             at.ambient(path, &found, &mut self.shadows, bsdf, [u2, u3]);

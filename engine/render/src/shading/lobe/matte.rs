@@ -18,6 +18,11 @@ pub(super) struct OrenNayar {
 }
 
 impl OrenNayar {
+    /// The roughness that it was made of.
+    pub(super) fn roughness(&self) -> f32 {
+        self.b / self.a
+    }
+
     /// `cos_o` is that of the viewing direction.
     pub(super) fn new(albedo: Rgb, roughness: f32, cos_o: f32) -> Self {
         let sigma = roughness.clamp(0.0, 1.0);

@@ -230,6 +230,18 @@ impl Lobe {
         if let LobeModel::Facets(facets) = &self.kind { facets.width_squared() } else { 1.0 }
     }
 
+    /// Roughness as materials give it, by which Cycles's roughness pass counts the lobe; `None`: it does not count.
+    pub(super) fn roughness(&self) -> Option<f32> {
+        use LobeModel::{Body, Lambert, Microfiber, Translucent};
+        match &self.kind {
+            Lambert | Translucent | Microfiber(_) | Body(_) => None,
+            LobeModel::Toon(toon) if !toon.is_glossy() => None,
+            LobeModel::OrenNayar(lobe) => Some(lobe.roughness()),
+            LobeModel::Facets(facets) => Some(facets.width_squared().sqrt().sqrt()),
+            _ => Some(1.0),
+        }
+    }
+
     /// Makes the lobe at least so wide, of those that Cycles blurs (`bsdf_blur` in bsdf.h): facets and Principled Hair.
     pub(super) fn widen(&mut self, alpha: f32) {
         match &mut self.kind {

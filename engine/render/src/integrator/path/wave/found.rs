@@ -26,7 +26,9 @@ impl<N: AovSink> Found<'_, N> {
     /// Adds light of an emitter of that group.
     #[inline(always)]
     pub(super) fn add(&mut self, of: N::Of, light: Rgb) {
-        self.result.radiance += light;
+        if self.notes.is_light(of) {
+            self.result.radiance += light;
+        }
         self.notes.add(self.path, of, light);
     }
 }

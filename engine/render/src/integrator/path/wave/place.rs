@@ -2,7 +2,7 @@
 
 use super::super::choice::MisContext;
 use super::super::notes::AovSink;
-use super::super::{FastGi, Limits, leave, terminator};
+use super::super::{FastGi, Limits, leave, opening, terminator};
 use super::Path;
 use super::found::Found;
 use crate::Rgb;
@@ -10,7 +10,7 @@ use crate::accel::Ray;
 use crate::integrator::PreparedScene;
 use crate::integrator::mis::power_heuristic;
 use crate::lights::{LightSample, receiver::LightSampleContext};
-use crate::nodes::PathState;
+use crate::nodes::{PathState, View};
 use crate::sampler::warp;
 use crate::scene::visibility::{LightSets, Rays};
 use crate::shading::{LobeDecomposition, LobeShares, Scattering};
@@ -141,6 +141,33 @@ impl ScatterPlace<'_> {
         path.start = path.ray.origin;
         path.from = self.point.instance;
         true
+    }
+
+    /// A ray of the ambient occlusion pass, as `integrate_surface_ao` in shade_surface.h of Cycles: spread by the cosine about the mean normal
+    /// of the diffuse lobes. `kept` is the weight of the path where it is scattered.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn occlusion<Of>(
+        &self,
+        path: (u32, &Path),
+        (distance, of): (f32, Of),
+        shadows: &mut Vec<Shadow<Of>>,
+        bsdf: &impl LobeDecomposition,
+        (kept, view): (f32, &View),
+        u: [f32; 2],
+    ) {
+        let (number, path) = path;
+        let alpha = Rgb::ONE - opening(self.stage.around(), self.point, view).light;
+        let (_, normal) = bsdf.diffuse();
+        let d = warp::to_world(&warp::frame(normal), warp::sample_cosine_hemisphere(u)).normalize();
+        let scene = &self.stage.scene;
+        let ray = match terminator::grazing(scene, self.point, self.normal, d) {
+            None => self.point.leaving(leave(self.point, d), d),
+            Some(grazing) => grazing.along(scene, self.point, d),
+        };
+        let ray = Ray { t_max: distance, ..ray };
+        let (light, way, sets) = (path.throughput * alpha * kept, path.way, LightSets::EVERYTHING);
+        shadows.push(Shadow { path: number, ray, light, way, sets, of });
     }
 
     /// Light that [`FastGi::Add`] puts in where nothing is near, as `integrate_surface_ao` in shade_surface.h of Cycles: about the
