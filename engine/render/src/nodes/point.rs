@@ -96,8 +96,8 @@ impl<'a> Point<'a> {
         let (mut footprint, mut along) = ([Vec3A::ZERO; 2], [Vec2::ZERO; 2]);
         if has_footprint {
             let [x, y] = perpendicular(surface.geometric_normal);
-            // Heights are asked that far apart for a bump.
-            let least = 1e-6 * scene.viewport.pixel_angle_rad() * surface.position.length();
+            // Heights are asked that far apart for a bump; a cone without width sees none.
+            let least = 1e-6 * view.cone.spread * surface.position.length();
             let size = view.cone.at(view.distance).max(least);
             footprint = [x * size, y * size];
             along = if !mesh.is_special {
