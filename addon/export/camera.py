@@ -77,7 +77,10 @@ def describe(
         alike,
         model=model,
         perspective=Perspective(
-            camera.lens, picture_width_mm, (camera.shift_x * side / larger, camera.shift_y * side / larger)
+            camera.lens,
+            picture_width_mm,
+            (camera.shift_x * side / larger, camera.shift_y * side / larger),
+            camera.dof.aperture_ratio,
         ),
         pixel_aspect=aspect,
         lens=_lens(camera, of_lens),
@@ -204,7 +207,7 @@ def _lens(camera: bpy.types.Camera, of_lens: bool) -> LensSettings:
         return LensSettings(
             f_number=camera.dof.aperture_fstop if f_number is None else f_number,
             blades=_blades(settings.blades or camera.dof.aperture_blades),
-            blade_rotation_rad=settings.blade_rotation,
+            blade_rotation_rad=settings.blade_rotation or camera.dof.aperture_rotation,
             blade_curvature=settings.blade_curvature,
         )
     return replace(

@@ -22,14 +22,18 @@ from .walk import LOOKS, rows, walked
 from .worker import Worker
 
 TOP = Path(__file__).resolve().parents[2]
-SAMPLES = 64
+SAMPLES = 32
 
 
 def main() -> int:
     asked = argparse.ArgumentParser(prog="settings_walk", description="Changes every setting in Petzval and in Cycles.")
-    asked.add_argument("--only", nargs="+", metavar="PATTERN", help="settings like 'scene.cycles.max_*'; the page stays as it is")
+    asked.add_argument(
+        "--only", nargs="+", metavar="PATTERN", help="settings like 'scene.cycles.max_*'; the page stays as it is"
+    )
     asked.add_argument("--samples", type=int, default=SAMPLES, help="of a pixel in the first look")
-    asked.add_argument("--looks", type=int, default=LOOKS, help="each with four times the samples, at what is left open")
+    asked.add_argument(
+        "--looks", type=int, default=LOOKS, help="each with four times the samples, at what is left open"
+    )
     options = asked.parse_args()
     began, made, known = time.monotonic(), pages.made("docs/settings.md"), Known()
     first = Worker(1)
@@ -39,7 +43,9 @@ def main() -> int:
         raise SystemExit(f"settings: {settings['failed']}")
     if options.only:
         settings = [
-            one for one in settings if any(fnmatch.fnmatchcase(f"{one[0]}.{one[1]}", pattern) for pattern in options.only)
+            one
+            for one in settings
+            if any(fnmatch.fnmatchcase(f"{one[0]}.{one[1]}", pattern) for pattern in options.only)
         ]
     found = rows(settings, known)
     walked(found, known, options.samples, lambda line: print(line, flush=True), options.looks)

@@ -64,11 +64,15 @@ class Found:
     apart: Change
     #: Pictures of different sizes: width and height by Petzval and by Cycles.
     sizes: str = ""
+    #: The setting changes the size of Cycles' picture.
+    is_resized: bool = False
 
     @property
     def verdict(self) -> str:
         if self.sizes:
             return "apart"
+        if self.is_resized and not self.apart.shows:
+            return "alike"
         if not self.cycles.shows:
             return "here alone" if self.here.shows and self.apart.shows else "nothing"
         return "apart" if self.apart.shows and self.apart.size > ALIKE * self.cycles.size else "alike"
@@ -92,9 +96,12 @@ def found(here: tuple[Pictures, Pictures], cycles: tuple[Pictures, Pictures]) ->
     mean = float(np.mean([one[..., :3].mean() for one in cycles[0]]))
     scale = np.array([mean, mean, mean, 1.0])
     changes = [
-        [(blocks(after) - blocks(before)) / scale for before, after in zip(*pair, strict=True)] for pair in (here, cycles)
+        [(blocks(after) - blocks(before)) / scale for before, after in zip(*pair, strict=True)]
+        for pair in (here, cycles)
     ]
     shapes = [pair[1][0].shape[1::-1] for pair in (here, cycles)]
     sizes = "" if shapes[0] == shapes[1] else " / ".join(f"{width} x {height}" for width, height in shapes)
     ours, theirs = changes
-    return Found(Change.of(*ours), Change.of(*theirs), Change.of(*(a - b for a, b in zip(ours, theirs, strict=True))), sizes)
+    is_resized = cycles[0][0].shape != cycles[1][0].shape
+    apart = Change.of(*(a - b for a, b in zip(ours, theirs, strict=True)))
+    return Found(Change.of(*ours), Change.of(*theirs), apart, sizes, is_resized)

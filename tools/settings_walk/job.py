@@ -26,7 +26,7 @@ from . import compare, owners, stage, worker
 #: Before what answers, among all that Blender prints.
 MARK = worker.MARK
 #: Samples of the first look; each further one has four times those of the one before.
-SAMPLES = 64
+SAMPLES = 32
 Values = list[list[Any]]
 
 

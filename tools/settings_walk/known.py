@@ -47,6 +47,10 @@ class Known:
         """The contexts in which a setting acts."""
         return next((contexts for rule, contexts in self._acts if rule.is_of(owner, name)), [PLAIN])
 
+    def context(self, name: str, owner: str) -> list[list[Any]]:
+        """What is set in a context; `self` is the owner of the setting."""
+        return [[owner if one == "self" else one, *rest] for one, *rest in self.contexts[name]]
+
     def reason(self, owner: str, name: str) -> Rule | None:
         """Why it changes no picture."""
         return next((rule for rule in self.reasons if rule.is_of(owner, name)), None)

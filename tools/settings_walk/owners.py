@@ -63,7 +63,12 @@ def settings(given: list[dict[str, Any]] | None = None) -> list[Setting]:
         for one in holder.bl_rna.properties:
             name = one.identifier
             values = next(
-                (row["values"] for row in given or [] if fnmatch.fnmatchcase(owner, row["owner"]) and name == row["name"]), None
+                (
+                    row["values"]
+                    for row in given or []
+                    if fnmatch.fnmatchcase(owner, row["owner"]) and name == row["name"]
+                ),
+                None,
             )
             is_plain = one.type in {"BOOLEAN", "INT", "FLOAT", "ENUM"} and not one.is_readonly
             if name in own_of_every_id or (values is None and not is_plain) or name == "name":

@@ -25,6 +25,18 @@ def summary(found: list[Row]) -> str:
     )
 
 
+def cells_of(page: str) -> dict[tuple[str, str], list[str]]:
+    """By owner and name the cells of the page's row: of all settings that show."""
+    found, owner = {}, ""
+    for line in page.splitlines():
+        if line.startswith("## "):
+            owner = line.removeprefix("## ")
+        elif line.startswith("| ") and not line.startswith(("| setting", "| ---")):
+            cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+            found[owner, cells[0]] = cells
+    return found
+
+
 def value_in_words(value: Any) -> str:
     if isinstance(value, list):
         return " ".join(value_in_words(one) for one in value) if len(value) <= 4 else "others"
@@ -42,7 +54,9 @@ def _line(row: Row) -> str:
         return f"| {row.name} | {values} | | | {worst['failed']} |"
     told = worst["verdict"]
     if told == "alike":
-        largest = max((one for one in row.found if one.get("verdict") == "alike"), key=lambda one: one["cycles"]["size"])
+        largest = max(
+            (one for one in row.found if one.get("verdict") == "alike"), key=lambda one: one["cycles"]["size"]
+        )
         return f"| {row.name} | {values} | {_percent(largest['cycles']['size'])} | {_percent(largest['apart']['size'])} | alike |"
     sizes = f" ({worst['sizes']})" if worst["sizes"] else ""
     why = f": {row.cause.why}" if row.cause else ""
@@ -69,7 +83,12 @@ def text(found: list[Row]) -> str:
     for owner in dict.fromkeys(row.owner for row in shown(found)):
         lines += [f"## {owner}", "", "| setting | values | change | apart | |", "| --- | --- | ---: | ---: | --- |"]
         lines += [*(_line(row) for row in shown(found) if row.owner == owner), ""]
-    lines += ["## What changes no picture", "", "All of an owner that have one reason were set at once, and neither picture changed.", ""]
+    lines += [
+        "## What changes no picture",
+        "",
+        "All of an owner that have one reason were set at once, and neither picture changed.",
+        "",
+    ]
     reasons = dict.fromkeys(row.reason.why for row in found if row.reason and row.verdict in ("nothing", "not set"))
     for why in reasons:
         lines.append(f"- {why[:1].upper()}{why[1:]}:")

@@ -29,8 +29,6 @@ from parity_scenes.studio import (
 from support import scenes
 
 WIDTH, HEIGHT = 48, 32
-#: Columns of the table by which Cycles chooses directions of the sky: it is made anew for each picture.
-SKY_TABLE = 64
 
 
 def build() -> bpy.types.Scene:
@@ -69,16 +67,18 @@ def _settings(scene: bpy.types.Scene) -> None:
 
 
 def _sky() -> None:
-    """Brighter above, blue below."""
+    """Even: both programs make a table of one that is not, for each picture anew. That is for settings which need it."""
 
-    def nodes(t: Tree) -> None:
+    def uneven(t: Tree) -> None:
         up = t.node("SeparateXYZ", Vector=t.coordinates("Generated")).outputs["Z"]
-        colour = t.ramp(up, (0.3, (0.25, 0.3, 0.5, 1.0)), (0.8, (0.55, 0.55, 0.5, 1.0)))
-        t.shows(t.node("Background", Color=colour, Strength=0.5).outputs[0])
+        colour = t.ramp(up, (0.6, (0.02, 0.03, 0.05, 1.0)), (0.7, (1.5, 1.4, 1.2, 1.0)))
+        t.shows(t.node("Background", Color=colour, Strength=1.0).outputs[0])
 
-    world(nodes)
-    own = bpy.context.scene.world.cycles
-    own.sampling_method, own.sample_map_resolution = "MANUAL", SKY_TABLE
+    world(uneven)
+    uneven_one = bpy.context.scene.world
+    uneven_one.name, uneven_one.use_fake_user = "Uneven", True
+    uneven_one.cycles.sampling_method, uneven_one.cycles.sample_map_resolution = "MANUAL", 64
+    world(lambda t: t.shows(t.node("Background", Color=(0.4, 0.42, 0.5, 1.0), Strength=0.5).outputs[0]))
 
 
 def _lamps() -> None:
@@ -122,13 +122,13 @@ def _shapes() -> None:
     plane(glow, (-3.2, 1.6, 0.8), 1.0, (90, 0, 40)).name = "Glow"
 
     def relief(t: Tree) -> None:
-        wave = t.node("TexNoise", Vector=t.coordinates("Object"), Scale=2.0).outputs[0]
+        wave = t.node("TexNoise", Vector=t.coordinates("Object"), Scale=2.5).outputs[0]
         t.shows(t.diffuse(CREAM))
-        t.lifts(t.node("Displacement", Height=wave, Midlevel=0.5, Scale=0.9).outputs[0])
+        t.lifts(t.node("Displacement", Height=wave, Midlevel=0.5, Scale=1.6).outputs[0])
 
     raised = material(relief, "Relief")
     raised.displacement_method = "BOTH"
-    hill = plane(raised, (-0.7, 2.6, 0.5), 2.2, (55, 0, 0))
+    hill = plane(raised, (-0.4, 3.0, 0.9), 3.4, (50, 0, 0))
     hill.name = "Relief"
     modifier = hill.modifiers.new("Adaptive", "SUBSURF")
     modifier.subdivision_type = "SIMPLE"
@@ -141,7 +141,7 @@ def _shapes() -> None:
 
 
 def _strands() -> None:
-    hair = grown(120, 5, 0.6, 0.03, plain(CREAM, Roughness=0.5), bend=0.8)
+    hair = grown(50, 4, 0.9, 0.12, plain(CREAM, Roughness=0.5), bend=1.6)
     hair.name, hair.location, hair.scale = "Hair", (-1.2, -1.2, 0.35), (0.55,) * 3
     head = ball(plain(RED), (0.2, -1.5, 0.3), 0.25)
     head.name = "Head"
@@ -199,6 +199,10 @@ def _collection(scene: bpy.types.Scene) -> None:
 def _camera(scene: bpy.types.Scene) -> None:
     holder = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     scene.camera = put(holder, (0.0, -6.6, 2.6), (72.0, 0.0, 0.0))
+    dolly = holder.parent = put(bpy.data.objects.new("Dolly", None))
+    for frame, share in ((0, -1.0), (2, 1.0)):
+        dolly.location.x = 0.15 * share
+        dolly.keyframe_insert("location", frame=frame)
     camera = holder.data
     camera.lens, camera.dof.focus_distance, camera.dof.aperture_fstop = 36.0, 5.5, 0.05
     camera.petzval.model, camera.petzval.wide_open = "PINHOLE", True

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from . import compare
-from .known import Known, Rule
+from .known import PLAIN, Known, Rule
 from .worker import all_asked
 
 #: Looks with four times the samples each, of what few samples leave open.
@@ -71,7 +71,13 @@ def walked(all_rows: list[Row], known: Known, samples: int, said: Callable[[str]
     quiet = _together(all_rows, known, samples, said)
     alone = [row for row in all_rows if row.reason is None or (not row.reason.never and id(row) not in quiet)]
     asked = [
-        {"row": index, "set": [[row.owner, row.name, value]], "in": context, "context": known.contexts[context], "look": 0}
+        {
+            "row": index,
+            "set": [[row.owner, row.name, value]],
+            "in": context,
+            "context": known.context(context, row.owner),
+            "look": 0,
+        }
         for index, row in enumerate(alone)
         for context in known.acts_in(row.owner, row.name)
         for value in row.values
@@ -92,9 +98,7 @@ def walked(all_rows: list[Row], known: Known, samples: int, said: Callable[[str]
             question["look"] = look
         all_asked(open_now, samples, told)
     for question, answer in answers.values():
-        alone[question["row"]].found.append(
-            {**answer, "value": question["set"][0][2], "in": question["in"]}
-        )
+        alone[question["row"]].found.append({**answer, "value": question["set"][0][2], "in": question["in"]})
 
 
 def _is_open(told: dict[str, Any], look: int) -> bool:
@@ -109,32 +113,44 @@ def _is_open(told: dict[str, Any], look: int) -> bool:
 
 
 def _together(all_rows: list[Row], known: Known, samples: int, said: Callable[[str], None]) -> set[int]:
-    """Sets all of an owner that have one reason at once; the ids of the rows that change nothing so."""
-    groups: dict[tuple[str, str], list[Row]] = {}
-    for row in all_rows:
-        if row.reason is not None and not row.reason.never and row.values:
-            groups.setdefault((row.owner, row.reason.why), []).append(row)
+    """Sets all that have one reason at once, and where that shows, those of each owner; the ids of the rows that change nothing so."""
+    waiting = [row for row in all_rows if row.reason is not None and not row.reason.never and row.values]
     quiet: set[int] = set()
-    questions = [
-        {"group": key, "set": [[row.owner, row.name, row.values[0]] for row in group], "context": [], "look": 0}
-        for key, group in groups.items()
-    ]
+    for of in (lambda row: ("all", row.reason.why), lambda row: (row.owner, row.reason.why)):
+        groups: dict[tuple[str, str], list[Row]] = {}
+        for row in waiting:
+            groups.setdefault(of(row), []).append(row)
+        questions = [
+            {"group": key, "set": [[row.owner, row.name, row.values[0]] for row in group], "context": [], "look": 0}
+            for key, group in groups.items()
+        ]
 
-    def told(question: dict[str, Any], answer: dict[str, Any]) -> None:
-        said(f"together, {' '.join(question['group'])}: {_in_words(answer)}")
-        if answer.get("verdict") != "nothing":
-            return
-        for row in groups[question["group"]]:
-            quiet.add(id(row))
-            row.found.append({**answer, "value": row.values[0], "in": "stage"})
+        def told(question: dict[str, Any], answer: dict[str, Any]) -> None:
+            said(f"together, {': '.join(question['group'])}: {_in_words(answer)}")
+            question["answer"] = answer
 
-    said(f"{len(questions)} groups that have a reason")
-    all_asked(questions, samples, told)
+        said(f"{len(questions)} groups that have a reason")
+        all_asked(questions, samples, told)
+        noisy = [
+            one for one in questions if one["answer"].get("verdict") == "nothing" and not one["answer"]["is_clear"]
+        ]
+        for question in noisy:
+            question["look"] = 1
+        all_asked(noisy, samples, told)
+        for question in questions:
+            if question["answer"].get("verdict") != "nothing":
+                continue
+            for row in groups[question["group"]]:
+                quiet.add(id(row))
+                row.found.append({**question["answer"], "value": row.values[0], "in": PLAIN})
+        waiting = [row for row in waiting if id(row) not in quiet]
     return quiet
 
 
 def _in_words(answer: dict[str, Any]) -> str:
     if "failed" in answer:
         return f"failed: {answer['failed']}"
-    sizes = " ".join(f"{name} {answer[name]['size']:.4f} ({answer[name]['least']:.4f})" for name in ("here", "cycles", "apart"))
+    sizes = " ".join(
+        f"{name} {answer[name]['size']:.4f} ({answer[name]['least']:.4f})" for name in ("here", "cycles", "apart")
+    )
     return f"{answer['verdict']} {sizes} {answer['sizes']}"

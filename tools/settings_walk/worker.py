@@ -27,7 +27,12 @@ class Worker:
         self.process: subprocess.Popen[str] | None = None
 
     def _begin(self) -> subprocess.Popen[str]:
-        folders = [TOP / "tools", TOP / "tests", TOP / "tests" / "scenes", *filter(None, [os.environ.get("PYTHONPATH")])]
+        folders = [
+            TOP / "tools",
+            TOP / "tests",
+            TOP / "tests" / "scenes",
+            *filter(None, [os.environ.get("PYTHONPATH")]),
+        ]
         return subprocess.Popen(
             [sys.executable, "-m", "settings_walk.job", str(self.samples)],
             stdin=subprocess.PIPE,
@@ -51,7 +56,8 @@ class Worker:
         late = threading.Timer(LONGEST_S, end)
         late.start()
         try:
-            process.stdin.write(json.dumps(question) + "\n")
+            asked = {key: value for key, value in question.items() if key in {"walk", "set", "context", "look"}}
+            process.stdin.write(json.dumps(asked) + "\n")
             process.stdin.flush()
             for line in process.stdout:
                 if line.startswith(MARK):
