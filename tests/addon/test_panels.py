@@ -141,7 +141,7 @@ READ = {
             "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces",
             "transparent_max_bounces", "caustics_reflective", "caustics_refractive", "blur_glossy",
             "film_exposure", "use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render",
-            "pixel_filter_type", "filter_width", "sample_clamp_direct", "blur_glossy", "use_fast_gi",
+            "pixel_filter_type", "filter_width", "sample_clamp_direct", "sample_clamp_indirect", "seed", "use_animated_seed", "blur_glossy", "use_fast_gi",
             "rolling_shutter_type", "rolling_shutter_duration", "dicing_rate", "preview_dicing_rate",
             "offscreen_dicing_scale", "max_subdivisions", "use_camera_cull", "camera_cull_margin", "use_distance_cull",
             "distance_cull_margin",
@@ -213,7 +213,12 @@ def test_every_setting_of_our_own_can_be_seen(blender, parts, layout):
         for one in rna.properties:
             if one.identifier in ("rna_type", "name", "effects") or one.is_hidden:
                 continue
-            if rna.identifier == "PetzvalScene" and one.identifier in ("max_bounces", "filter_width"):
+            if rna.identifier == "PetzvalScene" and one.identifier in (
+                "max_bounces",
+                "filter_width",
+                "seed",
+                "clamp_indirect",
+            ):
                 continue  # Cycles's own is shown until this one was set
             assert (rna.identifier, one.identifier) in seen, f"{rna.identifier}.{one.identifier}"
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-SIDE, SAMPLES = 48, 1024
+SIDE, SAMPLES = 48, 2048
 
 #: Of the blur of a small lamp: the diaphragm's blades, their turn, and its height over its width.
 SHAPES = {
@@ -27,12 +27,12 @@ def lamps(blender, monkeypatch):
 
     scene = parts.set_up(SIDE, SIDE, SAMPLES, model="THIN")
     scene.world = parts.grey_world(0.02)
-    for x, z in ((-0.9, 0.5), (0.8, -0.6)):
-        parts.square("Lamp", (x, 6.0, z), 0.15, parts.emitter((1.0, 0.8, 0.6), 40.0))
+    for x, z in ((-0.9, 0.7), (0.8, -0.8)):
+        parts.square("Lamp", (x, 6.0, z), 0.4, parts.emitter((1.0, 0.8, 0.6), 10.0))
     dof = scene.camera.data.dof
 
     def focus() -> None:
-        dof.use_dof, dof.focus_distance, dof.aperture_fstop = True, 2.0, 0.12
+        dof.use_dof, dof.focus_distance, dof.aperture_fstop = True, 2.0, 0.08
 
     # The comparison is without depth of field else.
     plain = beside_cycles.without_tricks
@@ -49,11 +49,11 @@ def test_the_shape_of_blur(lamps, tmp_path, name):
 
     for setting, value in SHAPES[name].items():
         setattr(lamps.dof, setting, value)
-    # Blocks at the edges of the blur have few samples that meet a lamp: seeds of either program differ by 3 % there.
-    ours = beside_cycles.alike(tmp_path, SAMPLES, side=6, mean=0.01, block=0.06)
+    # One sample in ten meets a lamp, fewer at the edge of the blur: seeds of either program differ by 2 % in the worst block.
+    ours = beside_cycles.alike(tmp_path, SAMPLES, side=6, mean=0.015, block=0.06)
     if name != "round":
         for setting in SHAPES[name]:
-            lamps.dof.property_unset(setting)
+            setattr(lamps.dof, setting, lamps.dof.bl_rna.properties[setting].default)
         plain = lamps.render(tmp_path, "round.exr")[..., :3]
         # No test passes because nothing happened.
         assert np.abs(ours - plain).mean() > 0.1 * plain.mean()
@@ -61,9 +61,9 @@ def test_the_shape_of_blur(lamps, tmp_path, name):
 
 @pytest.mark.once
 def test_blades_of_the_panel_have_a_turn_of_their_own(lamps):
-    """Blender's turn counts where Petzval's own is zero."""
+    """Blender's turn is of Blender's blades."""
     own = lamps.bpy.context.scene.camera.data.petzval
     lamps.dof.aperture_blades, lamps.dof.aperture_rotation = 5, 0.7
-    assert lamps.sent()[2].lens.blade_rotation_rad == pytest.approx(0.7)
-    own.blade_rotation = 0.2
+    assert lamps.sent()[2].lens.blade_rotation_rad == pytest.approx(0.7 + np.pi / 5)
+    own.blades, own.blade_rotation = 5, 0.2
     assert lamps.sent()[2].lens.blade_rotation_rad == pytest.approx(0.2)

@@ -87,6 +87,9 @@ def others(one: bpy.types.Property, now: Any) -> list[Any]:
         flat = [number for row in now for number in (row if hasattr(row, "__len__") else [row])]
         if one.type == "BOOLEAN":
             return [[not number for number in flat]]
+        if len(flat) == 16:
+            # A place alone: programs make different things of cameras that are sheared.
+            return [[number + 0.3 * (index in (3, 7, 11)) for index, number in enumerate(flat)]]
         moved = [number + (0.2 + 0.2 * abs(number)) * (-1) ** index for index, number in enumerate(flat)]
         if one.type == "INT":
             moved = [number + 1 for number in flat]

@@ -124,10 +124,10 @@ def _shapes() -> None:
     def relief(t: Tree) -> None:
         wave = t.node("TexNoise", Vector=t.coordinates("Object"), Scale=2.5).outputs[0]
         t.shows(t.diffuse(CREAM))
-        t.lifts(t.node("Displacement", Height=wave, Midlevel=0.5, Scale=1.6).outputs[0])
+        t.lifts(t.node("Displacement", Height=wave, Midlevel=0.5, Scale=1.1).outputs[0])
 
     raised = material(relief, "Relief")
-    raised.displacement_method = "BOTH"
+    raised.displacement_method = "DISPLACEMENT"
     hill = plane(raised, (-0.4, 3.0, 0.9), 3.4, (50, 0, 0))
     hill.name = "Relief"
     modifier = hill.modifiers.new("Adaptive", "SUBSURF")
