@@ -124,6 +124,8 @@ def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, re
     own = sky_of(depsgraph)
     if own is not None and not getattr(getattr(own, "cycles", None), "use_shadows", True):
         report.warn(f"World '{own.name}': a sky without shadows is not supported yet, it throws them")
+    if getattr(getattr(own, "cycles", None), "max_bounces", 1024) < 1024:
+        report.warn(f"World '{own.name}': a limit of the bounces that a sky lights is not supported yet, it lights all")
     sky = world.describe(own, images)
     sky.light_group = groups.number(own)
     return sky
