@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from settings_walk import compare, page
 from settings_walk.known import Known
@@ -15,8 +17,8 @@ pytestmark = pytest.mark.once
 PAGE = (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
 #: Of a small picture with few samples, settings that change it by less say little.
 LEAST = 0.05
-#: Samples of a pixel.
-SAMPLES = 8
+#: Samples of a pixel, and of one where those leave a doubt.
+SAMPLES = (8, 64, 256)
 
 
 def all_of(known: Known) -> list[Row]:
@@ -60,16 +62,21 @@ def test_what_shows_still_shows_alike(blender):
         cells = shown.get((row.owner, row.name))
         return cells is not None and cells[-1] == "alike" and float(cells[2].removesuffix(" %")) > 100.0 * LEAST
 
-    alike = [row for row in all_of(known) if is_large(row)]
-    assert len(alike) > 50
-    for row in alike:
+    left = [row for row in all_of(known) if is_large(row)]
+    assert len(left) > 50
+    for row in left:
         del row.values[1:]
-    walked(alike, known, SAMPLES, lambda line: None, looks=1)
-    wrong = []
-    for row in alike:
-        for one in row.found:
-            assert "failed" not in one, (row.owner, row.name, one)
-            told = compare.Change(**one["apart"])
-            if told.shows and told.size > 0.5 * max(one["cycles"]["size"], one["here"]["size"]):
-                wrong.append((row.owner, row.name, one["value"], one["here"]["size"], one["cycles"]["size"], told.size))
-    assert not wrong
+    # What few rare bright paths have parted is parted otherwise by more.
+    for samples in SAMPLES:
+        for row in left:
+            row.found.clear()
+        walked(left, known, samples, lambda line: None, looks=1)
+        left = [row for row in left if any(is_grossly_apart(one) for one in row.found)]
+    assert not left, [(row.owner, row.name, row.worst) for row in left]
+
+
+def is_grossly_apart(one: dict[str, Any]) -> bool:
+    """Whether a setting does something else than in Cycles, or nothing in one of both."""
+    assert "failed" not in one, one
+    apart = compare.Change(**one["apart"])
+    return apart.shows and apart.size > 0.5 * max(one["cycles"]["size"], one["here"]["size"])

@@ -45,6 +45,10 @@ NOT_WALKED = {
 }
 
 
+#: A name is none, and with nodes is all that newer Blenders know: to ask is deprecated.
+NAMES_LEFT_OUT = {"name", "use_nodes"}
+
+
 class Setting(NamedTuple):
     """A property and its values beside the one that the stage has."""
 
@@ -71,7 +75,7 @@ def settings(given: list[dict[str, Any]] | None = None) -> list[Setting]:
                 None,
             )
             is_plain = one.type in {"BOOLEAN", "INT", "FLOAT", "ENUM"} and not one.is_readonly
-            if name in own_of_every_id or (values is None and not is_plain) or name == "name":
+            if name in own_of_every_id or (values is None and not is_plain) or name in NAMES_LEFT_OUT:
                 continue
             found.append(Setting(owner, name, others(one, getattr(holder, name)) if values is None else values))
     return found
