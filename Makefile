@@ -17,6 +17,7 @@ PARITY_OPTIONS =
 # Scenes by others are found by the tests in the same way.
 SCENES = $(PETZVAL_SCENES)
 OTHER_SCENES_OPTIONS =
+SETTINGS_OPTIONS =
 DENOISING_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 GPU_OPTIONS =
@@ -25,7 +26,7 @@ UI_SAMPLES = 16
 GHOSTS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes growth denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -90,6 +91,9 @@ other-scenes: $(ENGINE) ## Petzval beside Cycles on the .blend files under SCENE
 
 growth: $(ENGINE) ## what rendering costs as a scene grows, beside Cycles, into docs/growth.md
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m growth $(GROWTH_OPTIONS)
+
+settings: $(ENGINE) ## every setting changed in Petzval and in Cycles, into docs/settings.md; SETTINGS_OPTIONS="--only 'camera.*'" to try
+	@PYTHONPATH=tools $(dir $(PETZVAL))python -m settings_walk $(SETTINGS_OPTIONS)
 
 denoising: $(ENGINE) ## denoised pictures beside converged ones, and beside Cycles on the .blend files under SCENES=FOLDER, into docs/denoising.md
 	@tools/setup-python.sh bench

@@ -70,11 +70,28 @@ def send_scene(
         for what, is_there in unknown.items():
             if is_there:
                 report.warn(f"Scene '{scene.name}': bidirectional paths know of no {what}")
-    if getattr(getattr(scene, "cycles", None), "use_pixel_jitter", False):
-        report.warn(f"Scene '{scene.name}': Pixel Jitter is not supported yet, samples are spread by the pixel filter")
-    if scene.render.use_freestyle:
-        report.warn(f"Scene '{scene.name}': Freestyle lines are not supported yet, they are left out")
+    _name_what_is_missing(scene, report)
     return stage.catches_shadows and not is_bidirectional
+
+
+def _name_what_is_missing(scene: bpy.types.Scene, report: Report) -> None:
+    """Warns of settings of the scene that would show and are not done."""
+    own, render = getattr(scene, "cycles", None), scene.render
+    limits_textures = render.use_simplify and (
+        getattr(own, "texture_limit_render", "OFF") != "OFF" or getattr(own, "texture_resolution_render", 1.0) < 1.0
+    )
+    missing = {
+        "Pixel Jitter is not supported yet, samples are spread by the pixel filter": getattr(
+            own, "use_pixel_jitter", False
+        ),
+        "Freestyle lines are not supported yet, they are left out": render.use_freestyle,
+        "Simplify's limit of textures is not supported yet, images are as large as they are": limits_textures,
+        "Transparent Glass is not supported yet, the sky is seen through glass": render.film_transparent
+        and getattr(own, "film_transparent_glass", False),
+    }
+    for what, is_asked in missing.items():
+        if is_asked:
+            report.warn(f"Scene '{scene.name}': {what}")
 
 
 def shared_settings(depsgraph: bpy.types.Depsgraph, *, is_render: bool) -> tuple:
@@ -111,6 +128,10 @@ def send_sky(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report) -> No
 
 def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:
     own = sky_of(depsgraph)
+    if own is not None and not getattr(getattr(own, "cycles", None), "use_shadows", True):
+        report.warn(f"World '{own.name}': a sky without shadows is not supported yet, it throws them")
+    if getattr(getattr(own, "cycles", None), "max_bounces", 1024) < 1024:
+        report.warn(f"World '{own.name}': a limit of the bounces that a sky lights is not supported yet, it lights all")
     sky = world.describe(own, images)
     sky.light_group = groups.number(own)
     return sky

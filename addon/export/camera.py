@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields, replace
 from typing import Any
 
@@ -77,7 +78,10 @@ def describe(
         alike,
         model=model,
         perspective=Perspective(
-            camera.lens, picture_width_mm, (camera.shift_x * side / larger, camera.shift_y * side / larger)
+            camera.lens,
+            picture_width_mm,
+            (camera.shift_x * side / larger, camera.shift_y * side / larger),
+            camera.dof.aperture_ratio,
         ),
         pixel_aspect=aspect,
         lens=_lens(camera, of_lens),
@@ -201,10 +205,15 @@ def _lens(camera: bpy.types.Camera, of_lens: bool) -> LensSettings:
     settings = camera.petzval
     f_number = None if settings.wide_open else settings.f_number
     if not of_lens:
+        blades, turn_rad = _blades(settings.blades), settings.blade_rotation
+        if blades == 0:
+            blades, turn_rad = _blades(camera.dof.aperture_blades), turn_rad or camera.dof.aperture_rotation
+            # The middle of an edge lies where a lens's own blades have a corner.
+            turn_rad += math.pi / max(blades, 1)
         return LensSettings(
             f_number=camera.dof.aperture_fstop if f_number is None else f_number,
-            blades=_blades(settings.blades or camera.dof.aperture_blades),
-            blade_rotation_rad=settings.blade_rotation,
+            blades=blades,
+            blade_rotation_rad=turn_rad,
             blade_curvature=settings.blade_curvature,
         )
     return replace(

@@ -16,6 +16,7 @@ from petzval.description import RAYS, Matrix4
 from . import curves, dicing, grids, hair, mesh, object_info, points
 from .baking import Baked
 from .camera import rows
+from .culling import Culling
 from .image import Images
 from .kept import Kept, uid
 from .light import Lights, is_portal
@@ -35,10 +36,7 @@ SMALL = {"CURVES", "POINTCLOUD"}
 #: What a surface sends on: rays that only some paths know of.
 BOUNCES = {"DIFFUSE", "GLOSSY", "TRANSMISSION"}
 #: Objects that are seen in a Blender render, but not here yet.
-NOT_YET = {
-    "GPENCIL": "grease pencil",
-    "GREASEPENCIL": "grease pencil",
-}
+NOT_YET = {"GPENCIL": "grease pencil", "GREASEPENCIL": "grease pencil"}
 
 
 def _asset(holder: bpy.types.Object) -> str:
@@ -157,8 +155,11 @@ class Stage:
         layer = depsgraph.view_layer_eval
         shows_hair = layer.use_strand
         groups: dict[Hashable, InstanceGroup] = {}
+        culling = Culling(depsgraph)
         for place in depsgraph.object_instances:
             self._check_stop()
+            if culling.leaves_out(place):
+                continue
             key = self._group_key(place)
             self._instance_group = known = groups.get(key) if key is not None else None
             if key is not None and known is None:

@@ -11,6 +11,9 @@ from petzval.description import Approximations, SettingsDescription
 
 from . import visibility
 
+#: Of two frames: a prime.
+_SEEDS_APART = 15_485_863
+
 
 def describe(
     scene: bpy.types.Scene, width: int, height: int, with_data: bool = False, is_viewport: bool = False
@@ -23,7 +26,7 @@ def describe(
         samples=own.samples,
         noise_threshold=own.noise_threshold if own.use_noise_threshold else 0.0,
         min_samples=own.min_samples,
-        seed=own.seed,
+        seed=seed(scene),
         blue_noise=own.use_blue_noise,
         # Cycles keeps the film's exposure; a picture must not change with the engine.
         film_exposure=getattr(getattr(scene, "cycles", None), "film_exposure", 1.0),
@@ -32,7 +35,7 @@ def describe(
         max_bounces=visibility.most_bounces(scene),
         kinds=visibility.bounces(scene),
         clamp_direct=getattr(getattr(scene, "cycles", None), "sample_clamp_direct", 0.0),
-        clamp_indirect=own.clamp_indirect,
+        clamp_indirect=own.clamp_indirect if overrules(scene, "clamp_indirect") else scene.cycles.sample_clamp_indirect,
         filter=_filter(scene),
         approximations=Approximations(
             # Cycles keeps the filter of glossy light, as it keeps the kinds of bounces.
@@ -48,14 +51,23 @@ def describe(
     )
 
 
-def overrules_filter(scene: bpy.types.Scene) -> bool:
-    """Whether Petzval's own filter width counts, and not Cycles's pixel filter: where it was set, or Cycles is absent."""
-    return scene.petzval.is_property_set("filter_width") or not hasattr(scene, "cycles")
+def overrules(scene: bpy.types.Scene, name: str) -> bool:
+    """Whether a setting of Petzval's own counts, and not Cycles's in its place: where it was set, or Cycles is absent."""
+    return scene.petzval.is_property_set(name) or not hasattr(scene, "cycles")
+
+
+def seed(scene: bpy.types.Scene) -> int:
+    """Petzval's own seed, or Cycles's where Petzval's was never set: another one in each frame if that is asked for."""
+    if overrules(scene, "seed"):
+        return scene.petzval.seed
+    of_frame = scene.frame_current if scene.cycles.use_animated_seed else 0
+    # Neighbouring seeds of an artist's own choice are not those of neighbouring frames.
+    return (scene.cycles.seed + _SEEDS_APART * of_frame) % 2**31
 
 
 def _filter(scene: bpy.types.Scene) -> str | dict[str, float]:
     """The pixel filter, as the engine takes it."""
-    if overrules_filter(scene):
+    if overrules(scene, "filter_width"):
         width = scene.petzval.filter_width
         return {"BLACKMAN_HARRIS": width} if width > 0.0 else "BOX"
     kind = scene.cycles.pixel_filter_type

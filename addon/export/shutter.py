@@ -44,10 +44,11 @@ def split(time: float) -> tuple[int, float]:
     return frame, time - frame
 
 
-def of(scene: bpy.types.Scene) -> Shutter | None:
-    """That of a scene in its frame; None where it asks for no motion blur, or it is taken out."""
+def of(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Shutter | None:
+    """That of a scene in its frame; None where it or the view layer asks for no motion blur, or it is taken out."""
     render = scene.render
-    is_off = scene.petzval.effects.motion_blur == "OFF"
+    # Older layers have no say.
+    is_off = scene.petzval.effects.motion_blur == "OFF" or not getattr(layer, "use_motion_blur", True)
     if is_off or not render.use_motion_blur or render.motion_blur_shutter <= 0.0:
         return None
     now = scene.frame_current + scene.frame_subframe

@@ -55,7 +55,7 @@ class Photograph:
 
     def take(self) -> None:
         """Takes it; `loop.Stopped` if the user stops it first."""
-        shutter = shutters.of(self.scene)
+        shutter = shutters.of(self.scene, self.depsgraph.view_layer_eval)
         now = self.scene.frame_current + self.scene.frame_subframe
         if shutter is None or shutter.middle == now:
             return self._take(shutter)

@@ -110,7 +110,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
     )
     seed: IntProperty(
         name="Seed",
-        description="Of all random choices: the same seed gives the same picture to the last bit",
+        description="Of all random choices: the same seed gives the same picture to the last bit. Where it was never set, Cycles's seed counts",
         default=0,
         min=0,
     )
@@ -158,7 +158,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
     clamp_indirect: FloatProperty(
         name="Clamp Indirect",
         description="Most radiance that light which is scattered more than once may add to a sample: fewer bright specks, but light is lost. "
-        "Zero keeps all of it, and the picture true",
+        "Zero keeps all of it, and the picture true. Where it was never set, Cycles's counts",
         default=0.0,
         min=0.0,
         soft_max=100.0,

@@ -182,6 +182,8 @@ class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
             row.active = matters
             row.prop(settings, name)
         column.template_ID(settings, "aperture_mask", open="image.open", text="Mask")
+        if settings.model == "THIN":
+            layout.prop(camera.dof, "aperture_ratio")
         if settings.model in OF_LENS_FILE:
             column = layout.column(align=True)
             column.prop(settings, "coating")

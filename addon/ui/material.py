@@ -60,6 +60,8 @@ class PETZVAL_MATERIAL_PT_settings(_MaterialPanel, bpy.types.Panel):
         layout.use_property_decorate = False
         layout.prop(context.material, "pass_index")
         layout.prop(context.material, "displacement_method", text="Displacement")
+        if hasattr(context.material, "use_transparent_shadow"):
+            layout.prop(context.material, "use_transparent_shadow", text="Transparent Shadows")
 
 
 CLASSES = (

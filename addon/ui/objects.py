@@ -86,6 +86,24 @@ class PETZVAL_OBJECT_PT_ray_visibility(_ObjectPanel, bpy.types.Panel):
             column.prop(one, "visible_shadow", text="Shadow")
 
 
+class PETZVAL_OBJECT_PT_culling(_ObjectPanel, bpy.types.Panel):
+    bl_label = "Culling"
+    bl_parent_id = "PETZVAL_OBJECT_PT_visibility"
+
+    @classmethod
+    def poll(cls, context):
+        # Cycles keeps it.
+        return super().poll(context) and _is_seen(context.object, _SHAPES) and hasattr(context.object, "cycles")
+
+    def draw(self, context):
+        layout, scene = columns(self), context.scene
+        layout.use_property_decorate = False
+        for name in ("use_camera_cull", "use_distance_cull"):
+            row = layout.row()
+            row.active = scene.render.use_simplify and getattr(scene.cycles, name)
+            row.prop(context.object.cycles, name)
+
+
 class PETZVAL_OBJECT_PT_shadow_terminator(_ObjectPanel, bpy.types.Panel):
     """Where Blender has no panel of every engine for it: there Cycles keeps it"""
 
@@ -124,6 +142,7 @@ CLASSES = (
     PETZVAL_OBJECT_PT_motion_blur,
     PETZVAL_OBJECT_PT_visibility,
     PETZVAL_OBJECT_PT_ray_visibility,
+    PETZVAL_OBJECT_PT_culling,
     PETZVAL_OBJECT_PT_fast_gi,
 )
 

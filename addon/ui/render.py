@@ -8,6 +8,7 @@ import bpy
 from .. import native
 from ..data import denoiser
 from ..export import denoising
+from ..export import settings as render_settings
 from .camera_parts import complain
 from .mixin import PetzvalPanel, columns
 from .preset_panels import PETZVAL_PT_sampling_presets
@@ -118,7 +119,12 @@ class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
     def draw(self, context):
         layout = columns(self)
         settings = context.scene.petzval
-        layout.prop(settings, "seed")
+        if render_settings.overrules(context.scene, "seed"):
+            layout.prop(settings, "seed")
+        else:
+            row, cycles = layout.row(align=True), context.scene.cycles
+            row.prop(cycles, "seed")
+            row.prop(cycles, "use_animated_seed", text="", icon="TIME")
         row = layout.row()
         row.active = not settings.use_noise_threshold and settings.sample_offset == 0 and settings.pipeline != "SCENE"
         row.prop(settings, "use_blue_noise")
@@ -164,7 +170,10 @@ class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):
         column.active = is_path
         if cycles is not None:
             column.prop(cycles, "sample_clamp_direct")
-        column.prop(settings, "clamp_indirect")
+        if render_settings.overrules(context.scene, "clamp_indirect"):
+            column.prop(settings, "clamp_indirect")
+        else:
+            column.prop(cycles, "sample_clamp_indirect")
 
 
 class PETZVAL_RENDER_PT_fast_gi(_RenderPanel, bpy.types.Panel):

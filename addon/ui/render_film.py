@@ -21,7 +21,7 @@ class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):
         layout = columns(self)
         scene = context.scene
         cycles = getattr(scene, "cycles", None)
-        if render_settings.overrules_filter(scene):
+        if render_settings.overrules(scene, "filter_width"):
             layout.prop(scene.petzval, "filter_width")
         else:
             layout.prop(cycles, "pixel_filter_type")

@@ -107,6 +107,29 @@ class PETZVAL_RENDER_PT_simplify_render(_SimplifyPart, bpy.types.Panel):
     )
 
 
+class PETZVAL_RENDER_PT_simplify_culling(_SimplifyPart, bpy.types.Panel):
+    """Of what Blender's own camera does not see, whatever lens stands before it"""
+
+    bl_label = "Culling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        # Cycles keeps it.
+        return super().poll(context) and hasattr(context.scene, "cycles")
+
+    def draw(self, context):
+        layout, own = columns(self), context.scene.cycles
+        layout.use_property_decorate = False
+        layout.active = context.scene.render.use_simplify
+        for which in ("camera", "distance"):
+            row = layout.row(heading=f"{which.title()} Culling")
+            row.prop(own, f"use_{which}_cull", text="")
+            part = row.column()
+            part.active = getattr(own, f"use_{which}_cull")
+            part.prop(own, f"{which}_cull_margin", text="")
+
+
 class PETZVAL_RENDER_PT_motion_blur(_RenderPanel, bpy.types.Panel):
     bl_label = "Motion Blur"
     bl_options = {"DEFAULT_CLOSED"}
@@ -159,6 +182,7 @@ CLASSES = (
     PETZVAL_RENDER_PT_simplify,
     PETZVAL_RENDER_PT_simplify_viewport,
     PETZVAL_RENDER_PT_simplify_render,
+    PETZVAL_RENDER_PT_simplify_culling,
     PETZVAL_RENDER_PT_motion_blur,
     PETZVAL_RENDER_PT_shutter_curve,
 )

@@ -139,9 +139,14 @@ class PETZVAL_VIEW_LAYER_PT_filter(PetzvalPanel, bpy.types.Panel):
         column.prop(layer, "use_solid", text="Surfaces")
         column.prop(layer, "use_strand", text="Curves")
         column.prop(layer, "use_volumes", text="Volumes")
+        column = layout.column(heading="Use")
+        if hasattr(layer, "use_motion_blur"):
+            row = column.row()
+            row.active = context.scene.render.use_motion_blur
+            row.prop(layer, "use_motion_blur", text="Motion Blur")
         cycles, of_layer = getattr(context.scene, "cycles", None), getattr(layer, "cycles", None)
         if cycles is not None and hasattr(of_layer, "use_denoising"):
-            row = layout.row(heading="Use")
+            row = column.row()
             row.active = cycles.use_denoising
             row.prop(of_layer, "use_denoising", text="Denoising")
 

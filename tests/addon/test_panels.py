@@ -182,9 +182,10 @@ READ = {
             "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces",
             "transparent_max_bounces", "caustics_reflective", "caustics_refractive", "blur_glossy",
             "film_exposure", "use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render",
-            "pixel_filter_type", "filter_width", "sample_clamp_direct", "blur_glossy", "use_fast_gi",
+            "pixel_filter_type", "filter_width", "sample_clamp_direct", "sample_clamp_indirect", "seed", "use_animated_seed", "blur_glossy", "use_fast_gi",
             "rolling_shutter_type", "rolling_shutter_duration", "dicing_rate", "preview_dicing_rate",
-            "offscreen_dicing_scale", "max_subdivisions",
+            "offscreen_dicing_scale", "max_subdivisions", "use_camera_cull", "camera_cull_margin", "use_distance_cull",
+            "distance_cull_margin",
         )
     ]
     + [("WorldLighting", name) for name in ("ao_factor", "distance")]
@@ -203,15 +204,15 @@ READ = {
             "visible_shadow", "is_shadow_catcher", "is_holdout", "hide_render", "lightgroup",
         )
     ]
-    + [("CyclesObjectSettings", name) for name in ("use_motion_blur", "motion_steps", "use_deform_motion", "ao_distance")],
-    "material": [("Material", "displacement_method"), ("Material", "pass_index"), ("ShaderNodeTree", "Volume")]
+    + [("CyclesObjectSettings", name) for name in ("use_motion_blur", "motion_steps", "use_deform_motion", "ao_distance", "use_camera_cull", "use_distance_cull")],
+    "material": [("Material", "displacement_method"), ("Material", "pass_index"), ("Material", "use_transparent_shadow"), ("ShaderNodeTree", "Volume")]
     + [("ShaderNodeTree", "Surface"), ("ShaderNodeTree", "Displacement")],
     "world": [("CyclesVisibilitySettings", name) for name in ("camera", "diffuse", "glossy", "transmission", "scatter")]
     + [("WorldMistSettings", name) for name in ("start", "depth", "falloff")]
     + [("ShaderNodeTree", "Surface"), ("ShaderNodeTree", "Volume"), ("World", "lightgroup")],
     "view_layer": [
         ("ViewLayer", name)
-        for name in ("use_sky", "use_solid", "use_strand", "use_volumes", "material_override", "samples")
+        for name in ("use_sky", "use_solid", "use_strand", "use_volumes", "use_motion_blur", "material_override", "samples")
     ]
     + [("CyclesRenderSettings", "use_layer_samples")],
 }  # fmt: skip
@@ -253,7 +254,12 @@ def test_every_setting_of_our_own_can_be_seen(blender, parts, layout):
         for one in rna.properties:
             if one.identifier in ("rna_type", "name", "effects") or one.is_hidden:
                 continue
-            if rna.identifier == "PetzvalScene" and one.identifier in ("max_bounces", "filter_width"):
+            if rna.identifier == "PetzvalScene" and one.identifier in (
+                "max_bounces",
+                "filter_width",
+                "seed",
+                "clamp_indirect",
+            ):
                 continue  # Cycles's own is shown until this one was set
             assert (rna.identifier, one.identifier) in seen, f"{rna.identifier}.{one.identifier}"
 

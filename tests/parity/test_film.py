@@ -90,3 +90,52 @@ def test_pixel_jitter_is_named(edges, blender, tmp_path):
     edges.render(tmp_path)
     (warning,) = edges.part("render.statistics").last("Scene").warnings
     assert "Pixel Jitter" in warning
+
+
+def test_what_is_scattered_twice_is_clamped_as_cycles_says(edges, blender, tmp_path, monkeypatch):
+    """Where Petzval's own clamp was never set. A wall that the lamp does not see is lit by one that it sees."""
+    from support import beside_cycles
+
+    scene = blender.context.scene
+    scene.world = edges.grey_world(0.0, "Dark")
+    wall, tree, surface = edges.material("Wall")
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.7, 0.5, 0.3, 1.0)
+    tree.links.new(diffuse.outputs[0], surface)
+    blender.data.objects["Square"].data.materials[0] = wall
+    edges.square("Behind", (0.0, -0.5, 0.0), 9.0, wall)
+    lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", "SPOT"))
+    # Light of one small lamp, scattered evenly: both programs clamp the same samples.
+    lamp.data.shadow_soft_size, lamp.data.energy, lamp.location = 0.0, 600.0, (0.0, 1.5, 0.0)
+    lamp.data.spot_size, lamp.rotation_euler = 2.6, (-np.pi / 2, 0.0, 0.0)
+    scene.collection.objects.link(lamp)
+    plain = beside_cycles.without_tricks
+
+    def prepare(samples: int) -> None:
+        plain(samples)
+        scene.petzval.property_unset("clamp_indirect")
+
+    monkeypatch.setattr(beside_cycles, "without_tricks", prepare)
+    # Few of the wall's directions find the bright patch: pixels are noisy.
+    clamped = beside_cycles.alike(
+        tmp_path, SAMPLES, side=6, mean=0.01, block=0.04, floor=0.5, sample_clamp_indirect=0.2
+    )
+    scene.petzval.clamp_indirect = 0.0
+    whole = edges.render(tmp_path, "whole.exr")[..., :3]
+    assert clamped.mean() < 0.8 * whole.mean()
+
+
+def test_the_seed_is_that_of_cycles_until_one_is_set(blender, parts):
+    scene = parts.set_up()
+    seed = parts.part("export.settings").seed
+    scene.cycles.seed = 5
+    scene.frame_set(3)
+    assert seed(scene) == 5
+    scene.cycles.use_animated_seed = True
+    found = []
+    for frame in (3, 4, -7):
+        scene.frame_set(frame)
+        found.append(seed(scene))
+    assert len({5, *found}) == 4 and all(0 <= one < 2**31 for one in found)
+    scene.petzval.seed = 7
+    assert seed(scene) == 7

@@ -47,6 +47,7 @@ RECIPES = {
     "parity": ["PARITY_OPTIONS=--only sun --samples 4 --size 32x24"],
     "price": ["PRICE_OPTIONS=--quick"],
     "profile": ["SCENES=tests/scenes", "PROFILE_OPTIONS=--only demo"],
+    "settings": ["SETTINGS_OPTIONS=--only scene.cycles.film_exposure world.color --samples 8 --looks 1"],
     "speed": ["SPEED_OPTIONS=--quick"],
     "ui-pictures": ["UI_SAMPLES=4"],
     "viewport-price": ["VIEWPORT_PRICE_OPTIONS=--divide 16 --repeats 1"],

@@ -171,6 +171,7 @@ _ALL = (
         options=("PARITY_OPTIONS=--again",),
     ),
     _page("growth", "growth", *_TIMED, *_RENDER, "tools/growth"),
+    _page("settings", "settings", *_ENGINE, *_SCENE, "tools/settings_walk", "tests/scenes/parity_scenes/studio.py"),
     _page("other-scenes", "other-scenes", *_TIMED, *_RENDER, "tools/other_scenes"),
     _page(
         "denoising",

@@ -77,6 +77,7 @@ class Perspective:
     focal_length_mm: float = 50.0
     film_width_mm: float = 36.0  # of the whole picture on Blender's sensor
     shift: tuple[float, float] = (0.0, 0.0)  # in units of the picture's larger side
+    aperture_ratio: float = 1.0  # height over width of what a thin lens has out of focus
 
 
 @dataclass(frozen=True)
@@ -280,6 +281,7 @@ class MaterialDescription:
     displacement_method: str = "BUMP"  # BUMP | DISPLACEMENT | BOTH
     # What its nodes give out beside: a graph likewise, whose layers glow with them, and the numbers of these.
     aovs: tuple[str, list[int]] | None = None
+    transparent_shadows: bool = True  # light samples go through what is transparent
 
 
 @dataclass

@@ -36,6 +36,7 @@ pub(crate) struct PyMaterial {
     pass_index: i32,
     displacement_method: String,
     aovs: Option<(String, Vec<u16>)>,
+    transparent_shadows: bool,
 }
 
 impl PyMaterial {
@@ -61,7 +62,8 @@ impl PyMaterial {
                 Some(Aovs { graph, numbers })
             }
         };
-        let material = Material { pass_index: m.pass_index, aovs, ..Material::new(m.name, graph) };
+        let shades_fully = !m.transparent_shadows;
+        let material = Material { pass_index: m.pass_index, aovs, shades_fully, ..Material::new(m.name, graph) };
         Ok((material, reports))
     }
 }

@@ -116,6 +116,8 @@ pub struct Perspective {
     pub film_width_mm: f64,
     /// Shift, in units of the picture's larger side.
     pub shift: [f64; 2],
+    /// Height over width of what is out of focus, as behind an anamorphic lens; 1 is round.
+    pub aperture_ratio: f64,
 }
 
 /// The focus of a lens; a film distance goes before a point, a point before a distance.
@@ -221,7 +223,12 @@ impl Default for CameraDescription {
             object_name: "Camera".into(),
             model: Model::default(),
             matrix_world: DMat4::IDENTITY,
-            perspective: Perspective { focal_length_mm: 50.0, film_width_mm: 36.0, shift: [0.0; 2] },
+            perspective: Perspective {
+                focal_length_mm: 50.0,
+                film_width_mm: 36.0,
+                shift: [0.0; 2],
+                aperture_ratio: 1.0,
+            },
             pixel_aspect: 1.0,
             lens_path: PathBuf::new(),
             read_lens: LensFile::default(),
@@ -331,6 +338,7 @@ impl CameraDescription {
             }
         }
         self.scattering.check().map_err(|what| self.error(what))?;
+        positive(self.perspective.aperture_ratio, "the height of what is out of focus over its width")?;
         positive(self.pixel_aspect, "the height of a pixel over its width")?;
         for value in self.scale_mm_per_unit.to_array() {
             positive(value, "a world-to-lens scale")?;

@@ -239,7 +239,8 @@ pub(super) fn transmittance(scene: &Scene, hit: &Hit, view: &View) -> Rgb {
     let instance = &scene.instances[hit.instance as usize];
     let slot = scene.meshes[instance.mesh as usize].slot(hit.triangle);
     let material = &scene.materials[instance.material(slot) as usize];
-    if !material.may_be_transparent() {
+    let shades_fully = material.shades_fully && !material.graph.is_only_volume();
+    if shades_fully || !material.may_be_transparent() {
         return Rgb::ZERO;
     }
     nodes::transmittance(material, scene.into(), [hit.instance, hit.triangle], [hit.u, hit.v], view)

@@ -345,10 +345,11 @@ impl SceneBuilder {
             .into_iter()
             .enumerate()
             .map(|(number, raw)| {
-                // Strands and points are round: nothing coarse would show.
+                // Strands and points are round: nothing coarse would be lifted.
                 let mesh = &meshes[raw.mesh];
                 let is_coarse = mesh.is_of_triangles();
-                let shadow_terminator = if is_coarse { raw.shadow_terminator } else { ShadowTerminator::default() };
+                let shadow_terminator =
+                    if is_coarse { raw.shadow_terminator } else { raw.shadow_terminator.without_lift() };
                 dims |= shadow_terminator.dims();
                 // 0 is what an empty slot has.
                 let mut of_slots = if raw.materials.is_empty() { vec![0] } else { raw.materials };

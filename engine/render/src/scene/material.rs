@@ -27,6 +27,8 @@ pub struct Material {
     pub is_emissive: bool,
     /// True if its surface may let light through unbent.
     pub is_clear: bool,
+    /// True if its surface lets no light through unbent to what is lit by light samples.
+    pub shades_fully: bool,
 }
 
 /// Values that nodes give out: a graph with a layer of emission for each, and their numbers.
@@ -53,6 +55,7 @@ impl Material {
             scatters: true,
             is_emissive,
             is_clear,
+            shades_fully: false,
         }
     }
 

@@ -1,11 +1,10 @@
 //! The panoramic camera, as Blender's: all rays of its picture through one point or one opening that turns with them.
 
-use super::thin::diaphragm;
+use super::thin::Aperture;
 use crate::accel::Ray;
 use crate::camera::{CameraDescription, CameraError, CameraRay};
 use crate::projection::Panorama;
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec2};
-use petzval_optics::diaphragm::Diaphragm;
 
 /// A camera whose picture is a panoramic projection.
 #[derive(Clone)]
@@ -18,7 +17,7 @@ pub struct Panoramic {
 /// The opening of a camera with depth of field. Everything at the focus distance is sharp, whatever its direction.
 #[derive(Clone)]
 struct Opening {
-    diaphragm: Diaphragm,
+    aperture: Aperture,
     mm_per_unit: f64,
     /// Blender units; infinite for infinity.
     focus: f64,
@@ -30,7 +29,7 @@ impl Panoramic {
         let panorama = d.panorama.ok_or_else(|| d.error("a panoramic camera needs a projection"))?;
         let opening = |f_number: f64| -> Result<Opening, CameraError> {
             Ok(Opening {
-                diaphragm: diaphragm(d, f_number)?,
+                aperture: Aperture::new(d, f_number)?,
                 mm_per_unit: d.scale_mm_per_unit.x,
                 focus: d.focus_depth()?.unwrap_or(f64::INFINITY),
             })
@@ -65,7 +64,7 @@ impl Opening {
     /// Origin and unit direction of the ray through a point of the opening, which lies across `towards`, its first axis turned to the
     /// camera's.
     fn through(&self, towards: DVec3, u: [f32; 2]) -> (DVec3, DVec3) {
-        let [x, y] = self.diaphragm.sample(u.map(f64::from));
+        let [x, y] = self.aperture.sample(u);
         let ahead = DVec3::NEG_Z;
         let first = (ahead - towards * towards.dot(ahead)).try_normalize().unwrap_or(DVec3::X);
         let start = (first * x + towards.cross(first) * y) / self.mm_per_unit;

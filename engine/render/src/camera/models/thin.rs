@@ -14,25 +14,42 @@ const DEFAULT_F_NUMBER: f64 = 2.8;
 #[derive(Clone)]
 pub struct Thin {
     pinhole: Pinhole,
-    diaphragm: Diaphragm,
+    aperture: Aperture,
     mm_per_unit: f64,
     /// Blender units; infinite for infinity.
     focus: f64,
     brightness: f32,
 }
 
-/// The opening of a lens of Blender's focal length and this f-number.
-pub(super) fn diaphragm(d: &CameraDescription, f_number: f64) -> Result<Diaphragm, CameraError> {
-    if !(f_number > 0.0 && f_number.is_finite()) {
-        return Err(d.error(format!("the f-number is {f_number}; set it above zero")));
+/// The opening of a lens of Blender's focal length, narrower across than it is high as Blender's anamorphic bokeh has it.
+#[derive(Clone)]
+pub(super) struct Aperture {
+    diaphragm: Diaphragm,
+    /// Factor of distances to the side.
+    across: f64,
+}
+
+impl Aperture {
+    pub(super) fn new(d: &CameraDescription, f_number: f64) -> Result<Self, CameraError> {
+        if !(f_number > 0.0 && f_number.is_finite()) {
+            return Err(d.error(format!("the f-number is {f_number}; set it above zero")));
+        }
+        let radius_mm = d.perspective.focal_length_mm / (2.0 * f_number);
+        let plain = Diaphragm::checked(radius_mm, d.lens.blades, d.lens.blade_curvature, d.lens.blade_rotation_rad)
+            .map_err(|e| d.error(e.to_string()))?;
+        let diaphragm = match &d.lens.aperture_mask {
+            Some(mask) => Diaphragm::masked(radius_mm, mask.clone(), d.lens.blade_rotation_rad),
+            None => plain,
+        };
+        Ok(Self { diaphragm, across: d.perspective.aperture_ratio.recip() })
     }
-    let radius_mm = d.perspective.focal_length_mm / (2.0 * f_number);
-    let plain = Diaphragm::checked(radius_mm, d.lens.blades, d.lens.blade_curvature, d.lens.blade_rotation_rad)
-        .map_err(|e| d.error(e.to_string()))?;
-    Ok(match &d.lens.aperture_mask {
-        Some(mask) => Diaphragm::masked(radius_mm, mask.clone(), d.lens.blade_rotation_rad),
-        None => plain,
-    })
+
+    /// The point that `u` chooses evenly, mm to the right and up.
+    #[inline]
+    pub(super) fn sample(&self, u: [f32; 2]) -> [f64; 2] {
+        let [x, y] = self.diaphragm.sample(u.map(f64::from));
+        [x * self.across, y]
+    }
 }
 
 impl Thin {
@@ -45,7 +62,7 @@ impl Thin {
         let f_number = d.lens.f_number.unwrap_or(DEFAULT_F_NUMBER);
         Ok(Self {
             pinhole: Pinhole::new(d, axes, width, height),
-            diaphragm: diaphragm(d, f_number)?,
+            aperture: Aperture::new(d, f_number)?,
             mm_per_unit: d.scale_mm_per_unit.x,
             focus: d.focus_depth()?.unwrap_or(f64::INFINITY),
             // The irradiance behind a lens without aberration, focused far away.
@@ -53,9 +70,9 @@ impl Thin {
         })
     }
 
-    /// Radius of the opening, Blender units.
+    /// Radius of the opening, half of its height, Blender units.
     pub(in crate::camera) fn radius(&self) -> f64 {
-        self.diaphragm.radius_mm() / self.mm_per_unit
+        self.aperture.diaphragm.radius_mm() / self.mm_per_unit
     }
 
     /// The picture point of a subject along `d` from the point `start` of the opening, both in camera space; `None` behind the camera.
@@ -71,7 +88,7 @@ impl Thin {
     /// A ray of a picture point through the point of the aperture that `u` chooses.
     #[inline]
     pub fn sample(&self, p: Vec2, u: [f32; 2]) -> CameraRay {
-        let [x, y] = self.diaphragm.sample(u.map(f64::from));
+        let [x, y] = self.aperture.sample(u);
         let start = DVec3::new(x, y, 0.0) / self.mm_per_unit;
         let along = self.pinhole.at_unit_depth(p);
         let d = if self.focus.is_finite() { along * self.focus - start } else { along };

@@ -83,6 +83,14 @@ impl Stack {
         }
     }
 
+    /// The media that dim a shadow ray which starts here: it would never meet the borders of objects that are hidden from shadow rays.
+    pub(crate) fn shadowing(&self, scene: &Scene) -> Self {
+        let shades = |entry: &StackedMedium| {
+            *entry == StackedMedium::WORLD || scene.instances[entry.instance as usize].visible.any_of(Rays::SHADOW)
+        };
+        Self(self.0.iter().copied().filter(shades).collect())
+    }
+
     /// Leaves all objects: a ray that hits nothing more is in none.
     pub(crate) fn leave_objects(&mut self) {
         self.0.retain(|entry| *entry == StackedMedium::WORLD);

@@ -228,7 +228,8 @@ impl MediumState {
             // Where it starts is not on a surface: no rounding moved it off one.
             let ray = Ray { t_max: light.reach(0.0), ..Ray::new(position, light.wi).at(path.ray.moment) };
             shadows.push(Shadow { path: found.path, ray, light: arrives, way: path.way, sets: light.sets, of });
-            veils.push(ShadowMedia { stack: self.stack.clone(), seed: seed([u_seed, u_light, u0]) });
+            let stack = self.stack.shadowing(&stage.scene);
+            veils.push(ShadowMedia { stack, seed: seed([u_seed, u_light, u0]) });
         } else {
             found.add(of, limits.clamp(arrives, u32::from(path.way.depth)));
         }
@@ -337,7 +338,7 @@ impl MediumState {
             if shadow.ray.direction.dot(point.geometric_normal) < 0.0 {
                 stack.cross(scene, point);
             }
-            veils.push(ShadowMedia { stack, seed: seed(u) });
+            veils.push(ShadowMedia { stack: stack.shadowing(scene), seed: seed(u) });
         }
     }
 
