@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What pictures of several seeds say of a program's noise, and of how far two programs are apart."""
 
+import os
+import subprocess
+import sys
+
 import blend_files
 import numpy as np
 import pytest
 from other_scenes import compare
+
+from support.places import ROOT
 
 pytestmark = pytest.mark.once
 
@@ -52,3 +58,30 @@ def test_a_folder_that_is_called_like_a_scene_is_not_one(tmp_path):
     (tmp_path / "planks.blend" / "textures").mkdir(parents=True)
     (tmp_path / "planks.blend" / "planks.blend").write_bytes(b"BLENDER")
     assert blend_files.under(tmp_path) == [tmp_path / "planks.blend" / "planks.blend"]
+
+
+def test_a_first_look_at_scenes(blender, tmp_path):
+    """With a camera and without, and one that is no scene."""
+    from support import scenes as parts
+
+    scene = parts.set_up(64, 36, 4)
+    parts.square("Square", (0.0, 5.0, 0.0), 2.0, parts.material()[0])
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "seen.blend"))
+    blender.data.objects.remove(scene.camera)
+    scene.world = None
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "part.blend"))
+    (tmp_path / "broken.blend").write_bytes(b"BLENDER")
+    done = subprocess.run(
+        [sys.executable, "-m", "other_scenes", tmp_path, "--look", "--size", "64x36", "--samples", "16"],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT / "tools"), os.environ.get("PYTHONPATH", "")])},
+    )
+    assert done.returncode == 0, done.stderr
+    told = {line.split()[-1].rsplit("/")[-1]: line for line in done.stdout.splitlines()[:-1]}
+    assert "beyond noise" in told["seen.blend"] and "APART" not in told["seen.blend"], told
+    assert "beyond noise" in told["part.blend"] and "APART" not in told["part.blend"], told
+    assert "beyond noise" not in told["broken.blend"]
+    assert done.stdout.splitlines()[-1] == "3 scenes, 0 of them apart"

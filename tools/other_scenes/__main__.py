@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python -m other_scenes FOLDER [--samples N] [--size WxH] [--only NAME ...]`, tools/ on the path, by a Python with bpy's environment.
+"""`python -m other_scenes FOLDER [--samples N] [--size WxH] [--only NAME ...] [--look]`, tools/ on the path, by a Python with bpy's
+environment.
 
 Renders every .blend under the folder by both programs, each render in a process of its own, and writes docs/other-scenes.md; with --only
-the page stays as it is. Scripts of the files are never run, and nothing is written beside them.
+the page stays as it is. With --look many scenes are rendered in one process, some seconds each, those without a camera too, and those are
+told that are apart. Scripts of the files are never run, and nothing is written beside them.
 """
 
 from __future__ import annotations
@@ -45,6 +47,9 @@ LEAST_US = 0.05
 NOISE_WITHIN = 0.1
 MOST_SEEDS = 8
 SHORT_S = 8.0
+#: Scenes of a first look that one process renders, and the time that each may take, s.
+LOOKED_AT_TOGETHER = 8
+LONGEST_LOOK_S = 120
 #: Renders of each length that are timed.
 TURNS = 3
 #: A render that takes longer, s, is given up.
@@ -67,12 +72,15 @@ def main() -> int:
     asked.add_argument("--samples", type=int, default=64)
     asked.add_argument("--size", default="240x135")
     asked.add_argument("--only", nargs="+", metavar="NAME", help="files of these names; the page stays as it is")
+    asked.add_argument("--look", action="store_true", help="a first look; the page stays as it is")
     options = asked.parse_args()
     scenes = [path for path in blend_files.under(options.folder) if not options.only or path.stem in options.only]
     if not scenes:
         print(f"petzval: no .blend to compare in {options.folder}", file=sys.stderr)
         return 1
     width, height = map(int, options.size.split("x"))
+    if options.look:
+        return look(scenes, width, height, options.samples)
     began, made, rows = time.monotonic(), pages.made("docs/other-scenes.md"), {}
     seen: dict[str, Path] = {}
     for path in scenes:
@@ -93,6 +101,42 @@ def main() -> int:
     print(summary(rows))
     if not options.only:
         write(rows, options.size, options.samples, made.took(time.monotonic() - began))
+    return 0
+
+
+def look(scenes: list[Path], width: int, height: int, samples: int) -> int:
+    """Tells how far the programs are apart in each scene; those that take Blender down are told, too."""
+    left, apart = list(scenes), 0
+    while left:
+        some = left[:LOOKED_AT_TOGETHER]
+        command = [sys.executable, "-m", "other_scenes.look", width, height, samples, *some]
+        try:
+            done = subprocess.run(
+                [*map(str, command)],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                text=True,
+                timeout=LONGEST_LOOK_S * len(some),
+                env=os.environ
+                | {"PYTHONPATH": os.pathsep.join([str(TOP / "tools"), os.environ.get("PYTHONPATH", "")])},
+                check=False,
+            ).stdout
+        except subprocess.TimeoutExpired as late:
+            done = (late.stdout or b"").decode()
+        found = [json.loads(line) for line in done.splitlines()]
+        if len(found) < len(some):
+            found.append({"scene": str(some[len(found)]), "left_out": "Blender ended, or took too long"})
+        for one in found:
+            # Blocks at 64 samples have noise of their own, a part of which is left.
+            is_apart = one.get("beyond_noise", 0.0) > max(ALIKE, 0.5 * one.get("of_noise", 0.0))
+            apart += is_apart
+            what = one.get("left_out") or (
+                f"{one['beyond_noise']:7.2%} beyond noise of {one['of_noise']:.2%}, mean {one['mean']:.3f}"
+                + " APART" * is_apart
+            )
+            print(f"{what}  {one['scene']}", flush=True)
+        left = left[len(found) :]
+    print(f"{len(scenes)} scenes, {apart} of them apart")
     return 0
 
 

@@ -24,11 +24,17 @@ def opened(path: str) -> bpy.types.Scene:
 
 
 def prepare(path: str, copy: str) -> None:
-    """Both programs are compared without depth of field and motion blur, which Petzval has its own ways for, and without clamps, which
-    make each wrong in its own way."""
+    """Saves a copy of a scene without what differs."""
     scene = opened(path)
     if scene.camera is None:
         raise SystemExit("it has no camera")
+    without_what_differs(scene)
+    bpy.ops.wm.save_as_mainfile(filepath=copy, relative_remap=True, copy=True)
+
+
+def without_what_differs(scene: bpy.types.Scene) -> None:
+    """Both programs are compared without depth of field and motion blur, which Petzval has its own ways for, and without clamps, which
+    make each wrong in its own way."""
     scene.render.use_motion_blur = scene.render.use_border = scene.render.use_freestyle = False
     scene.render.use_compositing = scene.render.use_sequencer = False
     # Colours are compared, whatever the file is saved in.
@@ -47,7 +53,6 @@ def prepare(path: str, copy: str) -> None:
     # Shadow caustics lose light: docs/parity.md.
     for light in bpy.data.lights:
         light.cycles.is_caustics_light = False
-    bpy.ops.wm.save_as_mainfile(filepath=copy, relative_remap=True, copy=True)
 
 
 def cycles(path: str, out: str, width: str, height: str, samples: str, seed: str) -> None:
@@ -67,15 +72,18 @@ def cycles(path: str, out: str, width: str, height: str, samples: str, seed: str
 
 
 def read(out: str, *pictures: str) -> None:
-    pixels = {}
-    for path in pictures:
-        image = bpy.data.images.load(path)
-        image.colorspace_settings.name, image.alpha_mode = "Non-Color", "CHANNEL_PACKED"
-        width, height = image.size
-        flat = np.empty(width * height * image.channels, np.float32)
-        image.pixels.foreach_get(flat)
-        pixels[Path(path).stem] = flat.reshape(height, width, image.channels)[..., :3]
-    np.savez(out, **pixels)
+    np.savez(out, **{Path(path).stem: pixels_of(path) for path in pictures})
+
+
+def pixels_of(path: str) -> np.ndarray:
+    """A picture, (height, width, 3)."""
+    image = bpy.data.images.load(path)
+    image.colorspace_settings.name, image.alpha_mode = "Non-Color", "CHANNEL_PACKED"
+    width, height = image.size
+    flat = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(flat)
+    bpy.data.images.remove(image)
+    return flat.reshape(height, width, -1)[..., :3]
 
 
 def ended(steps: dict[str, Callable[..., None]]) -> NoReturn:
