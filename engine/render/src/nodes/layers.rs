@@ -73,6 +73,9 @@ fn with_slice<T>(
     })
 }
 
+/// How far from a point the displacement's slopes are taken, pixels: the Filter Width of Cycles' bump of a displacement.
+const BESIDE: f32 = 0.1;
+
 /// Bends a point's normal by the displacement.
 fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &mut Registers) {
     let Graph { program, slices, .. } = graph;
@@ -86,8 +89,10 @@ fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &m
         program.run_slice(&slices.displacement, &point.beside(x, y), images, registers);
         point.along_normal(program.value(displacement, registers))
     };
-    let heights = [height_at(0.0, 0.0), height_at(1.0, 0.0), height_at(0.0, 1.0)];
-    point.bend(heights);
+    let here = height_at(0.0, 0.0);
+    let beside = [height_at(BESIDE, 0.0), height_at(0.0, BESIDE)];
+    let [across, up] = beside.map(|height| here + (height - here) / BESIDE);
+    point.bend([here, across, up]);
 }
 
 /// The point of a surface at a place of a triangle that is seen in the view's direction.
