@@ -24,8 +24,8 @@ def test_nothing_is_named_of_a_plain_scene(square, parts):
     [
         ("scene", {"texture_limit_render": "512"}, "Simplify's limit of textures"),
         ("scene", {"film_transparent_glass": True}, "Transparent Glass"),
-        ("world", {"use_shadows": False}, "World 'World': a sky without shadows"),
-        ("world", {"max_bounces": 1}, "World 'World': a limit of the bounces"),
+        ("world", {"use_shadows": False}, "a sky without shadows"),
+        ("world", {"max_bounces": 1}, "a limit of the bounces"),
         ("material", {"use_bump_map_correction": False}, "Material 'Paint': Bump Map Correction"),
     ],
     ids=lambda value: "" if isinstance(value, dict) else value,
