@@ -46,17 +46,17 @@ class Culling:
         self._clip = camera.data.clip_start, camera.data.clip_end
         self._is_parallel = camera.data.type == "ORTHO"
 
-    def leaves_out(self, place: bpy.types.DepsgraphObjectInstance) -> bool:
-        """Whether an instance is left out: where it asks for both kinds, by both."""
+    def keeps(self, place: bpy.types.DepsgraphObjectInstance) -> bool:
+        """Whether an instance is not left out: where it asks for both kinds, both must say so."""
         if not (self._by_camera or self._by_distance):
-            return False
+            return True
         own = place.object.cycles
         by_camera, by_distance = self._by_camera and own.use_camera_cull, self._by_distance and own.use_distance_cull
         if not (by_camera or by_distance):
-            return False
+            return True
         corners = np.array(place.object.bound_box) @ np.array(place.matrix_world)[:3, :3].T
         corners += np.array(place.matrix_world.translation)
-        return not (by_camera and self._is_near_the_frame(corners)) and not (by_distance and self._is_near(corners))
+        return (by_camera and self._is_near_the_frame(corners)) or (by_distance and self._is_near(corners))
 
     def _is_near(self, corners: Points) -> bool:
         """Whether the box about the corners comes within the distance of the camera."""

@@ -156,10 +156,8 @@ class Stage:
         shows_hair = layer.use_strand
         groups: dict[Hashable, InstanceGroup] = {}
         culling = Culling(depsgraph)
-        for place in depsgraph.object_instances:
+        for place in filter(culling.keeps, depsgraph.object_instances):
             self._check_stop()
-            if culling.leaves_out(place):
-                continue
             key = self._group_key(place)
             self._instance_group = known = groups.get(key) if key is not None else None
             if key is not None and known is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings of objects that have no faces to be seen, fog and hair, against Cycles in the same Blender."""
+"""Settings of objects, materials and layers that few scenes change, against Cycles in the same Blender."""
 
 from __future__ import annotations
 
@@ -72,3 +72,18 @@ def test_a_layer_without_motion_blur(room, blender, tmp_path):
     blurred = room.render(tmp_path, "blurred.exr")[..., :3]
     blender.context.view_layer.use_motion_blur = False
     differs(alike(tmp_path), blurred, 0.05)
+
+
+@pytest.mark.once
+def test_the_bump_of_a_steep_displacement_in_a_coarse_picture(room, blender, tmp_path):
+    """Its slopes are of a point, not of a pixel: hills here are four pixels wide."""
+    hills, tree, surface = room.material("Hills")
+    hills.displacement_method = "BUMP"
+    nodes = Tree(tree, surface)
+    height = nodes.node("TexNoise", Vector=nodes.coordinates("Object"), Scale=2.0).outputs[0]
+    nodes.lifts(nodes.node("Displacement", Height=height, Midlevel=0.5, Scale=1.0).outputs[0])
+    nodes.shows(nodes.node("BsdfDiffuse", Color=(0.8, 0.8, 0.8, 1.0)).outputs[0])
+    room.floor.data.materials[0] = hills
+    ours = alike(tmp_path)
+    hills.node_tree.nodes["Displacement"].inputs["Scale"].default_value = 0.0
+    differs(ours, room.render(tmp_path, "flat.exr")[..., :3], 0.05)
