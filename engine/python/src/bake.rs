@@ -1,4 +1,4 @@
-//! What is baked, from Python.
+//! The description of a bake, from Python.
 
 use crate::described::Described;
 use crate::error::{Error, invalid};

@@ -113,7 +113,7 @@ pub enum BakeError {
     NoLight(String),
 }
 
-/// What a job bakes.
+/// The bake of a job: its type, and the picture that is made of the light.
 pub(super) struct Baked {
     kind: BakeKind,
     result: BakeResult,

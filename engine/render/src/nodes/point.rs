@@ -44,8 +44,8 @@ impl View {
     /// (`svm_bevel` in bevel.h).
     const SHARP: f32 = 8.0;
 
-    /// The view along a ray, with a cone about it, of a hit at this distance. Where the densities of the path's directions are not known, a diffuse reflection makes
-    /// it blurry.
+    /// The view along a ray, with a cone about it, of a hit at this distance. Where the densities of the path's directions are not known, a
+    /// diffuse reflection makes it blurry.
     pub fn along(ray: &Ray, cone: RayCone, distance: f32, way: PathState) -> Self {
         Self { direction: ray.direction, distance, way, moment: ray.moment, is_blurry: way.diffuse > 0, cone }
     }

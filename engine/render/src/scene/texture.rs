@@ -44,7 +44,7 @@ pub struct Texture {
     width: usize,
     height: usize,
     pixels: TexturePixels,
-    /// By their numbers, which grow: 1001 + column + 10 row. The pixels are then those of a place without a tile. Empty of an image that
+    /// The tiles by their numbers, which grow: 1001 + column + 10 row. The pixels are then those of a place without a tile. Empty of an image that
     /// has no tiles.
     tiles: Vec<(u32, Arc<Texture>)>,
 }

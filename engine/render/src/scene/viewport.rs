@@ -22,12 +22,12 @@ pub struct ViewportDescription {
 /// The projection of a viewport's picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ViewportProjection {
-    /// By rays through the camera's origin.
+    /// Perspective: rays go through the camera's origin.
     #[default]
     Perspective,
-    /// By parallel rays.
+    /// Orthographic: rays are parallel.
     Orthographic,
-    /// That of a panoramic camera; focal length and centre say nothing of it.
+    /// The projection of a panoramic camera; focal length and centre say nothing of it.
     Panoramic(Panorama),
 }
 

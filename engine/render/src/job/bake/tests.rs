@@ -1,4 +1,4 @@
-//! What types of bakes keep, and points that are refused.
+//! Tests of the light that types of bakes keep, and of points that are refused.
 
 use super::*;
 
