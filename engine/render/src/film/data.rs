@@ -77,7 +77,8 @@ impl VectorSums {
 /// A pass of data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DataPass {
-    /// Distance from the camera along its axis, or of a panoramic camera straight away from it, Blender units; 1e10 for the background, as Cycles has it. One channel.
+    /// Distance from the camera along its axis, or of a panoramic camera straight away from it, Blender units; 1e10 for the background, as
+    /// Cycles has it. One channel.
     Depth,
     /// Position in world space; 0 for the background. Three channels.
     Position,

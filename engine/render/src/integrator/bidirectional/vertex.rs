@@ -6,6 +6,7 @@ use crate::integrator::PreparedScene;
 use crate::integrator::path::{MOST_STEPS, leave, mix, opening};
 use crate::nodes::{self, Layers, PathState, RayCone, View};
 use crate::sampler::PathSampler;
+use crate::scene::Scene;
 use crate::scene::plain::PlainValues;
 use crate::scene::visibility::Rays;
 use crate::shading::mixture::Mixture;
@@ -89,7 +90,7 @@ pub(super) enum VertexSurface {
 }
 
 /// The view of a point along a ray that bounced before, `wo` towards its origin.
-fn bounced(scene: &crate::scene::Scene, point: &SurfacePoint, wo: Vec3A) -> View {
+fn bounced(scene: &Scene, point: &SurfacePoint, wo: Vec3A) -> View {
     let cone = RayCone::pixel(&scene.viewport);
     View { direction: -wo, distance: 1.0, way: PathState::BOUNCE, moment: point.moment, is_blurry: true, cone }
 }
