@@ -126,6 +126,15 @@ pub(crate) enum Operation {
 }
 
 impl Operation {
+    /// The field of the point that the result depends on, beside the operands.
+    pub(crate) fn read_field(self) -> Option<Field> {
+        match self {
+            Self::Read(field, _) => Some(field),
+            Self::Falloff(_) => Some(Field::RayLength),
+            _ => None,
+        }
+    }
+
     /// True if the result depends on the operands alone.
     pub(crate) fn is_pure(self) -> bool {
         !matches!(

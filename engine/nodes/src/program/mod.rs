@@ -83,11 +83,7 @@ impl Program {
 
     /// The fields of the point that it reads.
     pub fn reads(&self) -> impl Iterator<Item = Field> + '_ {
-        self.code.iter().filter_map(|instruction| match instruction.operation {
-            Operation::Read(field, _) => Some(field),
-            Operation::Falloff(_) => Some(Field::RayLength),
-            _ => None,
-        })
+        self.code.iter().filter_map(|instruction| instruction.operation.read_field())
     }
 
     /// The suns that the program's skies show.

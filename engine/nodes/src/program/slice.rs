@@ -37,6 +37,11 @@ impl Slice {
         self.needs_footprint
     }
 
+    /// The fields of the point that the slice reads.
+    pub fn reads(&self) -> impl Iterator<Item = Field> + '_ {
+        self.code.iter().filter_map(|instruction| instruction.operation.read_field())
+    }
+
     /// Number of instructions that the slice runs.
     pub fn len(&self) -> usize {
         self.code.len()

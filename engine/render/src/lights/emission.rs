@@ -108,7 +108,7 @@ impl Emission {
         u_direction: [f32; 2],
     ) -> Option<EmittedRay> {
         let (towards, strength) = if lights.sky.has_image() {
-            let sample = lights.sky.sample_image(scene, u_direction)?;
+            let sample = lights.sky.sample_image(scene, None, u_direction)?;
             (sample.wi, sample.radiance)
         } else {
             let d = warp::sample_sphere(u_direction);

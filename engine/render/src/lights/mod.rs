@@ -179,6 +179,7 @@ impl Lights {
                 sky,
                 sky_chance: 1.0,
                 moment: MIDDLE,
+                is_compensated: false,
             };
         };
         let mut to = LightSampleContext { tree, sky, ..of_tree.receiver(position, normal) };

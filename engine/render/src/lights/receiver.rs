@@ -24,6 +24,9 @@ pub struct LightSampleContext {
     pub(crate) sky_chance: f32,
     /// The moment at which it is lit, as in [`crate::accel::Ray::moment`].
     pub moment: u16,
+    /// True if samples of closures find all light of the sky that comes to the place: light samples may leave them what is even
+    /// ([`super::sky`]).
+    pub(super) is_compensated: bool,
 }
 
 impl LightSampleContext {
@@ -31,5 +34,12 @@ impl LightSampleContext {
     #[inline]
     pub fn at(self, moment: u16) -> Self {
         Self { moment, ..self }
+    }
+
+    /// This place where samples of closures find all light that light samples find, or not: where a normal leans away from the surface,
+    /// each finds some that the other does not.
+    #[inline]
+    pub fn compensated(self, is_compensated: bool) -> Self {
+        Self { is_compensated, ..self }
     }
 }

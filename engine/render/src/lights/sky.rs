@@ -7,12 +7,14 @@ use crate::nodes::PathState;
 use crate::sampler::distribution::Grid2d;
 use crate::scene::{
     Scene,
+    graph::Graph,
     texture::Texture,
-    visibility::LightSets,
+    visibility::{LightSets, Rays},
     world::{direction_to_equirectangular, equirectangular_to_direction},
 };
 use crate::{Rgb, luminance, nodes};
 use glam::{Vec2, Vec3A, Vec4Swizzles};
+use petzval_nodes::Field;
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -22,13 +24,15 @@ const TABLE_WIDTH: usize = 1024;
 /// Columns of the table of a smaller image, whose pixels are split into cells: an image is interpolated, and samples by whole pixels have
 /// the noise of their steps. A table of 1024 columns would not stay in a cache, and a picture took 8 to 18 % more time.
 const SPLIT_WIDTH: usize = 256;
+/// Part of a cell's own weight that the table keeps where the image is darker than its mean.
+const LEAST_KEPT: f32 = 0.01;
 /// Irradiance beyond which suns are chosen alike, so that sums stay finite.
 const BRIGHTEST: f32 = 1e30;
 
 /// The lights at infinity: the world and the suns.
 pub(super) struct Sky {
     // `None` where the world has one colour: a surface's own scattering samples that better.
-    image: Option<Grid2d>,
+    image: Option<ImageTables>,
     /// The image that the table was made of, and its factor.
     made_of: Option<(Arc<Texture>, Rgb)>,
     /// Approximate irradiance by the world's image, by which the world is chosen.
@@ -38,6 +42,27 @@ pub(super) struct Sky {
     discs: Vec<Disc>,
     /// True if the world's nodes ask what kind of bounce sees them.
     tells_bounces_apart: bool,
+}
+
+/// The densities by which the world's image is sampled.
+#[derive(Clone)]
+struct ImageTables {
+    /// By the brightness of the image.
+    whole: Grid2d,
+    /// By the brightness beyond the mean of the image: MIS compensation (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling
+    /// Techniques in Multiple Importance Sampling", section 5.2). Samples of closures find light from all sides, and light samples go to what
+    /// stands out.
+    /// `None` where samples of closures do not find all light that light samples find.
+    compensated: Option<Grid2d>,
+}
+
+impl ImageTables {
+    /// The table for a place; `None`: for light paths.
+    #[inline]
+    fn of(&self, to: Option<&LightSampleContext>) -> &Grid2d {
+        let compensated = self.compensated.as_ref().filter(|_| to.is_some_and(|to| to.is_compensated));
+        compensated.unwrap_or(&self.whole)
+    }
 }
 
 /// A sun as seen from everywhere.
@@ -73,7 +98,11 @@ impl Sky {
     pub(super) fn new(previous: Option<&Self>, scene: &Scene, lamps: &[PreparedLamp]) -> Self {
         let suns: Vec<u32> = (0..lamps.len() as u32).filter(|&i| lamps[i as usize].is_at_infinity()).collect();
         let made_of = scene.world.texture.map(|t| (scene.textures[t as usize].clone(), scene.world.color));
-        let (image, world) = match previous.filter(|previous| is_same_image(&previous.made_of, &made_of)) {
+        let is_kept = |previous: &&Self| {
+            let is_compensated = previous.image.as_ref().is_some_and(|tables| tables.compensated.is_some());
+            is_same_image(&previous.made_of, &made_of) && is_compensated == finds_alike(scene)
+        };
+        let (image, world) = match previous.filter(is_kept) {
             Some(previous) => (previous.image.clone(), previous.world),
             None => {
                 let image = image_table(scene);
@@ -112,7 +141,7 @@ impl Sky {
     ) -> Option<(LightSample, usize)> {
         let (index, chance) = self.choose(to, u_choice)?;
         let mut sample = match index {
-            0 => self.sample_image(scene, u)?,
+            0 => self.sample_image(scene, Some(to), u)?,
             i => lamps[self.suns[i - 1] as usize].light(scene, Vec3A::ZERO, u, way)?,
         };
         sample.pdf *= chance;
@@ -152,7 +181,7 @@ impl Sky {
             let graph = scene.world.graph.as_ref().filter(|_| way.is_camera() || self.tells_bounces_apart);
             let (mut radiance, mut pdf) = (Rgb::ZERO, 0.0);
             if to.is_some() {
-                (radiance, pdf) = self.image_along(scene, d);
+                (radiance, pdf) = self.image_along(scene, to, d);
                 pdf *= self.chance(to, 0);
             } else if graph.is_none() {
                 radiance = scene.world.radiance(d, &scene.textures);
@@ -193,8 +222,14 @@ impl Sky {
         self.image.is_some()
     }
 
-    pub(super) fn sample_image(&self, scene: &Scene, u: [f32; 2]) -> Option<LightSample> {
-        let (p, pdf) = self.image.as_ref()?.sample(u);
+    /// Light of the world's image, for a place or for light paths.
+    pub(super) fn sample_image(
+        &self,
+        scene: &Scene,
+        to: Option<&LightSampleContext>,
+        u: [f32; 2],
+    ) -> Option<LightSample> {
+        let (p, pdf) = self.image.as_ref()?.of(to).sample(u);
         let uv = Vec2::from_array(p);
         let local = equirectangular_to_direction(uv);
         let wi = (scene.world.rotation.transpose() * local).normalize();
@@ -212,13 +247,15 @@ impl Sky {
         })
     }
 
+    /// The density of [`Sky::sample_image`] for light paths.
     pub(super) fn image_pdf(&self, scene: &Scene, d: Vec3A) -> f32 {
-        if self.image.is_none() { 0.0 } else { self.image_along(scene, d).1 }
+        if self.image.is_none() { 0.0 } else { self.image_along(scene, None, d).1 }
     }
 
     /// The world's radiance from a direction, and the density of [`Sky::sample_image`].
-    fn image_along(&self, scene: &Scene, d: Vec3A) -> (Rgb, f32) {
-        let Some(table) = &self.image else { return (scene.world.radiance(d, &scene.textures), 0.0) };
+    fn image_along(&self, scene: &Scene, to: Option<&LightSampleContext>, d: Vec3A) -> (Rgb, f32) {
+        let Some(tables) = &self.image else { return (scene.world.radiance(d, &scene.textures), 0.0) };
+        let table = tables.of(to);
         let local = scene.world.rotation * d;
         let uv = direction_to_equirectangular(local);
         let pdf = table.pdf(uv.clamp(Vec2::ZERO, Vec2::ONE).to_array());
@@ -239,7 +276,7 @@ fn per_steradian(pdf: f32, local: Vec3A) -> Option<f32> {
 
 /// Brightness times solid angle of the image's pixels, blocks of large images taken together. Each cell takes
 /// its neighbours' brightness into account, since the image is interpolated: no lit direction has density 0.
-fn image_table(scene: &Scene) -> Option<Grid2d> {
+fn image_table(scene: &Scene) -> Option<ImageTables> {
     let texture = &scene.textures[scene.world.texture? as usize];
     let (w, h) = texture.size();
     let block = w.div_ceil(TABLE_WIDTH).max(h.div_ceil(TABLE_WIDTH)).max(1);
@@ -253,16 +290,16 @@ fn image_table(scene: &Scene) -> Option<Grid2d> {
 }
 
 /// The table of cells smaller than the pixels of the image.
-fn fine_table_of(scene: &Scene, columns: usize, rows: usize) -> Option<Grid2d> {
+fn fine_table_of(scene: &Scene, columns: usize, rows: usize) -> Option<ImageTables> {
     let brightness = (0..columns * rows).map(|i| {
         let place = Vec2::new((i % columns) as f32 + 0.5, (i / columns) as f32 + 0.5);
         let uv = place / Vec2::new(columns as f32, rows as f32);
         luminance(scene.world.radiance_at(uv, &scene.textures).abs())
     });
-    table_by(brightness.collect(), columns, rows)
+    table_by(scene, brightness.collect(), columns, rows)
 }
 
-fn table_of(scene: &Scene, columns: usize, rows: usize, block: usize) -> Option<Grid2d> {
+fn table_of(scene: &Scene, columns: usize, rows: usize, block: usize) -> Option<ImageTables> {
     let texture = &scene.textures[scene.world.texture? as usize];
     let brightness = (0..columns * rows)
         .map(|i| {
@@ -276,11 +313,12 @@ fn table_of(scene: &Scene, columns: usize, rows: usize, block: usize) -> Option<
             sum / (block * block) as f32
         })
         .collect();
-    table_by(brightness, columns, rows)
+    table_by(scene, brightness, columns, rows)
 }
 
-/// The table of cells of that brightness.
-fn table_by(brightness: Vec<f32>, columns: usize, rows: usize) -> Option<Grid2d> {
+/// The tables of cells of that brightness.
+fn table_by(scene: &Scene, brightness: Vec<f32>, columns: usize, rows: usize) -> Option<ImageTables> {
+    let cosines: Vec<f32> = (0..rows).map(|y| (((y as f32 + 0.5) / rows as f32 - 0.5) * PI).cos()).collect();
     let weights: Vec<f32> = (0..columns * rows)
         .map(|i| {
             let (x, y) = (i % columns, i / columns);
@@ -294,9 +332,29 @@ fn table_by(brightness: Vec<f32>, columns: usize, rows: usize) -> Option<Grid2d>
                     around += at(dx, dy);
                 }
             }
-            let elevation = ((y as f32 + 0.5) / rows as f32 - 0.5) * PI;
-            (0.75 * brightness[i] + 0.25 * around / 9.0) * elevation.cos()
+            (0.75 * brightness[i] + 0.25 * around / 9.0) * cosines[y]
         })
         .collect();
-    Grid2d::new(&weights, columns, rows)
+    let sum = |numbers: &[f32]| numbers.iter().map(|&number| f64::from(number)).sum::<f64>();
+    let mean = (sum(&weights) / (sum(&cosines) * columns as f64)) as f32;
+    let whole = Grid2d::new(&weights, columns, rows)?;
+    let beyond = |(i, &weight): (usize, &f32)| (weight - mean * cosines[i / columns]).max(LEAST_KEPT * weight);
+    let beyond: Vec<f32> = weights.iter().enumerate().map(beyond).collect();
+    let compensated = if finds_alike(scene) { Grid2d::new(&beyond, columns, rows) } else { None };
+    Some(ImageTables { whole, compensated })
 }
+
+/// True if what lets shadow rays through lets rays of closures through, too. Else each kind of sample finds light that the other does not,
+/// and the picture depends on the weights of both: as in Cycles, they are those of the whole image.
+fn finds_alike(scene: &Scene) -> bool {
+    const INDIRECT: Rays = Rays::BOUNCE.and(Rays::SHADOW).and(Rays::VOLUME_SCATTER);
+    let is_alike = |visible: Rays| visible.all_of(INDIRECT) || !visible.any_of(INDIRECT);
+    let depends = |graph: &Graph| {
+        graph.transmittance_reads_any(&nodes::OF_BOUNCES) || graph.transmittance_reads_any(&[Field::IsShadowRay])
+    };
+    scene.instances.iter().all(|instance| is_alike(instance.visible))
+        && !scene.materials.iter().any(|material| depends(&material.graph))
+}
+
+#[cfg(test)]
+mod tests;

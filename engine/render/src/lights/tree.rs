@@ -76,6 +76,7 @@ impl LightTree {
             sky: 0.0,
             sky_chance: 0.0,
             moment: MIDDLE,
+            is_compensated: false,
         }
     }
 

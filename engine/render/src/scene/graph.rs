@@ -182,6 +182,11 @@ impl Graph {
         self.program.reads().any(|field| fields.contains(&field))
     }
 
+    /// True if the light that the surface lets through unbent depends on any of these fields.
+    pub fn transmittance_reads_any(&self, fields: &[Field]) -> bool {
+        self.slices.transmittance.reads().any(|field| fields.contains(&field))
+    }
+
     /// True if any of its surface may emit.
     pub fn emits(&self) -> bool {
         let shines = |color: Source, strength: Source| {

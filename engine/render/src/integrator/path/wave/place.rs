@@ -41,6 +41,11 @@ pub(super) struct ScatterPlace<'a> {
     pub(super) distance: f32,
 }
 
+/// Cosine between a normal and that of the triangle from which on light samples leave what is even of the sky to samples of the closures.
+/// Where normals lean farther the two find different light, and the picture depends on the weights of both: as in Cycles, the sky's are
+/// those of the whole image.
+const LEAST_UPRIGHT: f32 = 0.9;
+
 impl ScatterPlace<'_> {
     /// A sample of the lights. Gives the receiver that it was for; `None` of a surface that no light sample can light.
     #[inline(always)]
@@ -56,8 +61,11 @@ impl ScatterPlace<'_> {
         if bsdf.is_mirror() {
             return None;
         }
-        let to = stage.lights.receiver_on(point.instance, point.position, bsdf.receiving_normal(), limits.openness);
-        let to = to.at(point.moment);
+        let receiving = bsdf.receiving_normal();
+        let to = stage.lights.receiver_on(point.instance, point.position, receiving, limits.openness);
+        let upright = receiving.unwrap_or(normal).dot(point.geometric_normal).abs();
+        let ends_early = matches!(limits.approximations.fast_gi, FastGi::Replace { .. });
+        let to = to.at(point.moment).compensated(upright > LEAST_UPRIGHT && !ends_early);
         if let Some((light, source)) = stage.lights.sample_source(&stage.scene, &to, u_light, [u0, u1], path.way)
             && let Some(light) = self.linked(light)
         {

@@ -2,7 +2,7 @@
 
 use super::super::choice::MisContext;
 use super::super::notes::AovSink;
-use super::super::{Limits, transmittance};
+use super::super::{FastGi, Limits, transmittance};
 use super::Path;
 use super::found::Found;
 use super::place::Shadow;
@@ -274,10 +274,11 @@ impl MediumState {
     }
 
     fn receiver(&self, stage: &PreparedScene, limits: &Limits, position: Vec3A) -> LightSampleContext {
-        match self.stack.innermost() {
+        let to = match self.stack.innermost() {
             Some(instance) => stage.lights.receiver_on(instance, position, None, limits.openness),
             None => stage.lights.receiver(position, None, limits.openness),
-        }
+        };
+        to.compensated(!matches!(limits.approximations.fast_gi, FastGi::Replace { .. }))
     }
 
     /// True if light of an emitter of these sets lights the object whose medium the path is in.
