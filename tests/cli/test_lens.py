@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 
 import pytest
 
@@ -275,12 +276,43 @@ BAD_RAYS = {
     "two coordinates": json.dumps({"rays": [{**RAY, "origin": [0, 0]}]}),
     "no colour": json.dumps({"rays": [{**RAY, "wavelength_nm": -550}]}),
     "words": json.dumps({"rays": [{**RAY, "origin": "here"}]}),
+    "a misspelt key": json.dumps({"rays": [{**RAY, "wavelength": 550}]}),
+    "a misspelt key of all": json.dumps({"rays": [RAY], "form": "film"}),
 }
 
 
 @pytest.mark.parametrize("case", BAD_RAYS)
 def test_bad_rays_are_refused(petzval_cli, good_lens, case):
     assert_complains(petzval_cli("lens", "trace", good_lens, "--rays", "-", "--json", stdin=BAD_RAYS[case]))
+
+
+def test_directions_may_have_any_length(petzval_cli, good_lens):
+    rays = [{**RAY, "direction": [0.0, math.ldexp(1 / 64, by), math.ldexp(1.0, by)]} for by in (0, -996, 664, 1000)]
+    done = petzval_cli("lens", "trace", good_lens, "--rays", "-", "--json", stdin=json.dumps({"rays": rays}))
+    first, *others = answer(done)["rays"]
+    assert first["status"] == "ok"
+    assert all(other == first for other in others)
+
+
+def test_a_thousand_surfaces_are_traced_and_100_000_rows_refused(petzval_cli, tmp_path):
+    def lens(pairs):
+        path = tmp_path / f"{pairs}.lens"
+        path.write_text(STOP + "0 1 1.5 20 0 0\n0 1 air 20 0 0\n" * pairs)
+        return path
+
+    # Plates of glass: each moves the ray aside by the same length, and leaves its direction as it was.
+    question = json.dumps({"rays": [{"origin": [0, 0.0, -1], "direction": [0, 0.001, 1.0]}]})
+    traced = {}
+    for pairs in (1, 499):
+        done = petzval_cli("lens", "trace", lens(pairs), "--rays", "-", "--json", stdin=question)
+        [traced[pairs]] = answer(done)["rays"]
+        assert traced[pairs]["status"] == "ok"
+    assert traced[499]["direction"] == pytest.approx(traced[1]["direction"], abs=1e-12)
+    assert len(traced[499]["hits"]) == 999
+    start = time.monotonic()
+    assert_complains(petzval_cli("lens", "check", lens(50_000)), "50000.lens")
+    # Of it most is the start of Python.
+    assert time.monotonic() - start < 5.0
 
 
 def test_a_missing_file_of_rays_is_named(petzval_cli, good_lens, tmp_path):

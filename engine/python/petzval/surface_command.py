@@ -17,7 +17,9 @@ The file is {"cases": [CASE, ...]}. Numbers may be written as strings of decimal
                and, if wanted, obstruction (semi-diameter, mm), terms ([[power, coefficient], ...], mm), radius_x (mm)
   side         sign of N.D at the crossing that is meant, N towards +z at the vertex: 1 or -1
   n1, n2       index before and after
-  origin, direction   the ray, in mm, the vertex at the origin and the axis along z
+  origin, direction   the ray, in mm, the vertex at the origin and the axis along z; the direction of any length
+
+Other keys are refused, but for category, note, expect and ulp_sensitivity, which are passed over.
 
 The answer is {"cases": [{"id", "status", "t", "point", "normal", "direction"}]}, with null for what there is not.
 """

@@ -3,6 +3,7 @@
 use crate::described::Described;
 use crate::error::{Error, invalid, json};
 use crate::gil::without_gil;
+use crate::questions::{scaled, unknown_key};
 use glam::DVec3;
 use petzval_optics::focus::focused;
 use petzval_optics::formats;
@@ -112,6 +113,9 @@ impl Lens {
         };
         let document: Value =
             serde_json::from_str(rays_json).map_err(|e| invalid(format!("the rays are not JSON: {e}")))?;
+        if let Some(complaint) = unknown_key(&document, &["rays", "from"], &["note"]) {
+            return Err(invalid(format!("the rays' JSON: {complaint}; see `petzval lens trace --help`")));
+        }
         let rays = document["rays"]
             .as_array()
             .ok_or_else(|| invalid("the rays' JSON has no list \"rays\"; see `petzval lens trace --help`"))?
@@ -132,8 +136,11 @@ fn parse_ray(index: usize, ray: &Value) -> Result<(Ray, f64), Error> {
         let v = numbers.ok_or_else(|| bad(&format!("\"{key}\" is not three numbers")))?;
         Ok(DVec3::from_slice(&v))
     };
+    if let Some(complaint) = unknown_key(ray, &["origin", "direction", "wavelength_nm"], &["id", "note"]) {
+        return Err(bad(&complaint));
+    }
     let origin = vector("origin")?;
-    let direction = vector("direction")?.try_normalize().ok_or_else(|| bad("its direction has no length"))?;
+    let direction = scaled(vector("direction")?).ok_or_else(|| bad("its direction has no length"))?.normalize();
     let nm = match &ray["wavelength_nm"] {
         Value::Null => 587.5618,
         value => value.as_f64().ok_or_else(|| bad("\"wavelength_nm\" is not a number"))?,

@@ -23,6 +23,7 @@ mod parts;
 mod pictures;
 mod plan;
 mod points;
+mod questions;
 mod reports;
 mod scene;
 mod surface;

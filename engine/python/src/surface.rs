@@ -2,6 +2,7 @@
 
 use crate::error::{Error, invalid};
 use crate::gil::without_gil;
+use crate::questions::{scaled, unknown_key};
 use glam::DVec3;
 use petzval_optics::single_surface::{Outcome, SingleSurface};
 use petzval_optics::surface::{Conic, LAST_POWER, Shape};
@@ -16,8 +17,12 @@ struct Case {
     direction: DVec3,
 }
 
-/// Directions so long or short that their squares do not fit have no length.
-const LENGTHS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
+/// The keys of a case, and those of its surface.
+const KEYS: [&str; 7] = ["id", "surface", "side", "n1", "n2", "origin", "direction"];
+const SURFACE_KEYS: [&str; 7] = ["radius", "k", "semi_diameter", "mirror", "obstruction", "terms", "radius_x"];
+/// Keys of a case, and of the whole, by which a file of known answers may say more to who keeps it.
+const NOTES: [&str; 4] = ["category", "note", "expect", "ulp_sensitivity"];
+const NOTES_OF_ALL: [&str; 3] = ["note", "count", "status_counts"];
 
 /// The input and output of `petzval surface trace`.
 #[pyfunction]
@@ -31,6 +36,9 @@ pub(crate) fn trace_surfaces_json(py: Python<'_>, cases_json: &str, precision: &
     };
     let document: Value =
         serde_json::from_str(cases_json).map_err(|e| invalid(format!("the cases are not JSON: {e}")))?;
+    if let Some(complaint) = unknown_key(&document, &["cases"], &NOTES_OF_ALL) {
+        return Err(invalid(format!("the cases' JSON: {complaint}; see `petzval surface trace --help`")));
+    }
     let cases = document["cases"]
         .as_array()
         .ok_or_else(|| invalid("the cases' JSON has no list \"cases\"; see `petzval surface trace --help`"))?
@@ -83,12 +91,19 @@ impl<'a> Reader<'a> {
     }
 
     fn case(self) -> Result<Case, Error> {
+        self.check_keys(self.case, "", &KEYS, &NOTES)?;
+        self.check_keys(&self.case["surface"], "surface.", &SURFACE_KEYS, &[])?;
         let surface = self.surface()?;
         let (origin, direction) = (self.vector("origin")?, self.vector("direction")?);
-        if !LENGTHS.contains(&direction.length()) {
-            return Err(self.wrong("direction", "has no length"));
-        }
+        let direction = scaled(direction).ok_or_else(|| self.wrong("direction", "has no length"))?;
         Ok(Case { id: self.id, surface, origin, direction })
+    }
+
+    fn check_keys(&self, value: &Value, within: &str, keys: &[&str], notes: &[&str]) -> Result<(), Error> {
+        unknown_key(value, keys, notes).map_or(Ok(()), |complaint| {
+            let id = words(&self.id);
+            Err(invalid(format!("case {id}: {within}{complaint}; see `petzval surface trace --help`")))
+        })
     }
 
     fn surface(&self) -> Result<SingleSurface, Error> {
