@@ -185,7 +185,9 @@ READ = {
             "pixel_filter_type", "filter_width", "sample_clamp_direct", "sample_clamp_indirect", "seed", "use_animated_seed", "blur_glossy", "use_fast_gi",
             "rolling_shutter_type", "rolling_shutter_duration", "dicing_rate", "preview_dicing_rate",
             "offscreen_dicing_scale", "max_subdivisions", "use_camera_cull", "camera_cull_margin", "use_distance_cull",
-            "distance_cull_margin",
+            "distance_cull_margin", "samples", "use_adaptive_sampling", "adaptive_threshold", "adaptive_min_samples",
+            "time_limit", "use_sample_subset", "sample_offset", "sample_subset_length", "preview_samples",
+            "use_preview_adaptive_sampling", "preview_adaptive_threshold", "preview_adaptive_min_samples",
         )
     ]
     + [("WorldLighting", name) for name in ("ao_factor", "distance")]
@@ -194,7 +196,7 @@ READ = {
         ("RenderSettings", name)
         for name in (
             "film_transparent", "use_simplify", "simplify_subdivision_render", "simplify_child_particles_render", "use_motion_blur", "motion_blur_position", "motion_blur_shutter", "motion_blur_shutter_curve",
-            "threads_mode", "threads", "use_persistent_data",
+            "threads_mode", "threads", "use_persistent_data", "preview_pixel_size",
         )
     ],
     "object": [
@@ -224,6 +226,9 @@ def test_what_is_read_can_be_seen(blender, parts, layout, tab):
     made, *_ = parts.material()
     square = parts.square("Square", (0.0, 5.0, 0.0), 1.0, made)
     blender.context.view_layer.use_pass_mist = True
+    # Cycles' sampling is read until Petzval's own is set.
+    if hasattr(scene, "cycles"):
+        blender.ops.petzval.cycles_sampling(of="RENDER")
     drawn = layout.draw(tab, layout.context(object=square, material=made, world=scene.world))
     wanted = READ[tab]
     if not hasattr(scene, "cycles"):
@@ -236,7 +241,7 @@ def test_every_setting_of_our_own_can_be_seen(blender, parts, layout):
     scene = parts.set_up(model="LENS")
     own = scene.camera.data.petzval
     seen = set()
-    scene.petzval.use_noise_threshold = True
+    scene.petzval.use_noise_threshold, scene.petzval.preview_samples, scene.petzval.preview_pixel_size = True, 64, "2"
     for focus in ("CAMERA", "AUTO", "FILM"):
         for size in ("LENGTH", "SCALE"):
             own.focus_mode, own.focal_mode, own.spectrum, own.wide_open, own.film_mode = (
