@@ -49,7 +49,14 @@ def describe(
         integrator=own.integrator,
         light_tracing=own.use_light_tracing,
         transparent_film=render.film_transparent,
+        transparent_glass=_transparent_glass(scene),
     )
+
+
+def _transparent_glass(scene: bpy.types.Scene) -> float | None:
+    """The most roughness of glass that a transparent film is seen through, as Cycles keeps it; None: of none."""
+    cycles = getattr(scene, "cycles", None)
+    return cycles.film_transparent_roughness if getattr(cycles, "film_transparent_glass", False) else None
 
 
 def overrules(scene: bpy.types.Scene, name: str) -> bool:

@@ -112,6 +112,7 @@ impl Sky {
     ) -> Option<(LightSample, usize)> {
         let (index, chance) = self.choose(to, u_choice)?;
         let mut sample = match index {
+            0 if u32::from(way.depth) > scene.world.max_bounces => return None,
             0 => self.sample_image(scene, u)?,
             i => lamps[self.suns[i - 1] as usize].light(scene, Vec3A::ZERO, u, way)?,
         };
@@ -205,7 +206,7 @@ impl Sky {
             radiance: scene.world.radiance_at(uv, &scene.textures),
             pdf,
             point_like: false,
-            cast_shadow: true,
+            cast_shadow: scene.world.cast_shadow,
             reaches: scene.world.visible,
             sets: LightSets::EVERYTHING,
             leaves: None,
