@@ -42,6 +42,7 @@ class PETZVAL_RENDER_PT_subdivision(_RenderPanel, bpy.types.Panel):
         column = layout.column()
         column.prop(own, "offscreen_dicing_scale", text="Offscreen Scale")
         column.prop(own, "max_subdivisions")
+        column.prop(own, "dicing_camera")
 
 
 class PETZVAL_RENDER_PT_curves(_RenderPanel, bpy.types.Panel):

@@ -184,7 +184,7 @@ READ = {
             "film_exposure", "film_transparent_glass", "film_transparent_roughness", "texture_limit", "texture_limit_render", "use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render",
             "pixel_filter_type", "filter_width", "sample_clamp_direct", "sample_clamp_indirect", "seed", "use_animated_seed", "blur_glossy", "use_fast_gi",
             "rolling_shutter_type", "rolling_shutter_duration", "dicing_rate", "preview_dicing_rate",
-            "offscreen_dicing_scale", "max_subdivisions", "use_camera_cull", "camera_cull_margin", "use_distance_cull",
+            "offscreen_dicing_scale", "max_subdivisions", "dicing_camera", "use_camera_cull", "camera_cull_margin", "use_distance_cull",
             "distance_cull_margin", "samples", "use_adaptive_sampling", "adaptive_threshold", "adaptive_min_samples",
             "time_limit", "use_sample_subset", "sample_offset", "sample_subset_length", "preview_samples",
             "use_preview_adaptive_sampling", "preview_adaptive_threshold", "preview_adaptive_min_samples",

@@ -105,8 +105,10 @@ def room(blender, parts):
 
 
 @pytest.mark.parametrize("bounces", [0, 1])
-def test_a_sky_lights_so_many_bounces(room, tmp_path, bounces):
-    shows_alike(tmp_path, lambda: setattr(room.world.cycles, "max_bounces", bounces), least=0.1, most=0.02)
+def test_a_sky_lights_so_many_bounces(room, blender, tmp_path, bounces):
+    # Cycles before 5 finds the patch with more noise: without a limit pictures are 0.07 apart, too.
+    most = 0.02 if blender.app.version >= (5, 0, 0) else 0.06
+    shows_alike(tmp_path, lambda: setattr(room.world.cycles, "max_bounces", bounces), least=2.0 * most, most=most)
 
 
 def test_a_sky_without_shadows(room, tmp_path):
@@ -213,3 +215,23 @@ def test_images_are_halved_until_they_are_small_enough(blender, parts, tmp_path,
     assert np.abs(ours - before).mean() > 0.1
     scene.render.use_simplify = False
     assert np.array_equal(picture("PETZVAL"), before)
+
+
+# Lamps -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["POINT", "SPOT"])
+def test_a_lamp_that_holds_what_it_lights(blender, parts, tmp_path, kind):
+    """Without soft falloff it is a sphere, which shines inwards, too; a spot then to all sides."""
+    scene = parts.set_up(SIDE, SIDE, SAMPLES)
+    scene.world = parts.grey_world(0.02)
+    parts.square("Wall", (0.0, 6.0, 0.0), 6.0)
+    blender.ops.mesh.primitive_cube_add(size=1.4, location=(0.3, 4.0, -0.3), rotation=(0.3, 0.2, 0.5))
+    lamp = blender.data.objects.new("Lamp", blender.data.lights.new("Lamp", kind))
+    lamp.location, lamp.data.shadow_soft_size, lamp.data.energy = (-0.8, 3.2, 0.8), 2.0, 300.0
+    lamp.rotation_euler = (0.4, -0.6, 0.0)
+    lamp.data.use_soft_falloff = True
+    scene.collection.objects.link(lamp)
+    # What a spot shows away from its middle is in Cycles the weight of its light samples beside a ray's: a half but for grazing light.
+    most = 0.02 if kind == "POINT" else 0.06
+    shows_alike(tmp_path, lambda: setattr(lamp.data, "use_soft_falloff", False), least=0.5, most=most)
