@@ -23,6 +23,7 @@ from .operators import lens_export as lens_export_operators
 from .operators import plan as plan_operator
 from .operators import presets as preset_operators
 from .operators import report as report_operator
+from .operators import sampling as sampling_operators
 from .operators import select as select_operator
 from .queries import autofocus, lookout, scene_size, viewport_camera
 from .settings import properties
@@ -48,6 +49,7 @@ PARTS = (
     lens_export_operators,
     cost_operator,
     preset_operators,
+    sampling_operators,
     select_operator,
     engine,
     overlay,

@@ -8,6 +8,7 @@ import traceback
 import bpy
 
 from .data import passes
+from .export import sampling
 from .export.errors import ExportError
 from .native import EngineMissing, engine
 from .render import loop, persistent, planning, preview, statistics
@@ -37,7 +38,8 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         levels = passes.matte_levels(renderlayer)
         mattes = (one for layer in passes.wanted_mattes(renderlayer) for one in passes.of_matte(layer, levels))
         groups = passes.of_light_groups(renderlayer)
-        merging = passes.for_merging(renderlayer, scene.petzval)
+        has_threshold = sampling.of_render(scene).noise_threshold > 0.0
+        merging = passes.for_merging(renderlayer, has_threshold=has_threshold)
         parts = passes.wanted_parts(renderlayer, bpy.app.version)
         parts += passes.wanted_indices(renderlayer, bpy.app.version)
         parts += (*passes.wanted_strays(renderlayer), *(passes.SHADOW,) * passes.wants_shadow(renderlayer))

@@ -41,8 +41,8 @@ def path():
     yield 1.0
     while bpy.app.is_job_running("RENDER"):
         yield 0.2
-    render = scene.render
-    told(f"{render.resolution_x} x {render.resolution_y} pixels of {scene.petzval.samples} samples are done")
+    last = importlib.import_module(f"{ADDON}.render.statistics").last(scene.name)
+    told(f"{last.stats['width']} x {last.stats['height']} pixels of {last.stats['samples_mean']:.0f} samples are done")
 
 
 steps = path()

@@ -178,10 +178,10 @@ MERGING = (
 )
 
 
-def for_merging(view_layer: object, settings: object) -> tuple[Pass, ...]:
+def for_merging(view_layer: object, *, has_threshold: bool) -> tuple[Pass, ...]:
     """The passes for `petzval merge` that a view layer asks for. Pixels with different counts have no remainder."""
     if view_layer.petzval.use_pass_mergeable:
-        return MERGING[:1] if settings.use_noise_threshold else MERGING
+        return MERGING[:1] if has_threshold else MERGING
     cycles = getattr(view_layer, "cycles", None)
     return MERGING[:1] if getattr(cycles, "pass_debug_sample_count", False) else ()
 

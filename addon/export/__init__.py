@@ -18,6 +18,7 @@ from . import curves, dicing, world
 from .aovs import Aovs
 from .baking import Baked
 from .image import Images
+from .image_limit import ImageLimit
 from .instances import Stage
 from .kept import Kept
 from .light_groups import LightGroups
@@ -45,7 +46,7 @@ def send_scene(
     the view whose own choice of objects counts. `baked`: the object whose surface is wanted, its triangles as Blender has them. True where something is to catch shadows."""
     kept = Kept(builder) if kept is None else kept
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
-    images = Images(kept, report, scene.frame_current)
+    images = Images(kept, report, scene.frame_current, _image_limit(depsgraph))
     materials = Materials(kept, images, Aovs(layer), report, layer.material_override)
     groups = LightGroups(layer)
     own = sky_of(depsgraph)
@@ -66,6 +67,8 @@ def send_scene(
             "light groups, their passes are black": groups.names,
             "volumes, space is empty": kept.fills_space or world.fills_space(own),
             "shadow catchers, these are shown": stage.catches_shadows,
+            "Transparent Glass, the sky is seen through it": scene.render.film_transparent
+            and getattr(getattr(scene, "cycles", None), "film_transparent_glass", False),
         }
         for what, is_there in unknown.items():
             if is_there:
@@ -76,18 +79,12 @@ def send_scene(
 
 def _name_what_is_missing(scene: bpy.types.Scene, report: Report) -> None:
     """Warns of settings of the scene that would show and are not done."""
-    own, render = getattr(scene, "cycles", None), scene.render
-    limits_textures = render.use_simplify and (
-        getattr(own, "texture_limit_render", "OFF") != "OFF" or getattr(own, "texture_resolution_render", 1.0) < 1.0
-    )
+    own = getattr(scene, "cycles", None)
     missing = {
         "Pixel Jitter is not supported yet, samples are spread by the pixel filter": getattr(
             own, "use_pixel_jitter", False
         ),
-        "Freestyle lines are not supported yet, they are left out": render.use_freestyle,
-        "Simplify's limit of textures is not supported yet, images are as large as they are": limits_textures,
-        "Transparent Glass is not supported yet, the sky is seen through glass": render.film_transparent
-        and getattr(own, "film_transparent_glass", False),
+        "Freestyle lines are not supported yet, they are left out": scene.render.use_freestyle,
     }
     for what, is_asked in missing.items():
         if is_asked:
@@ -107,8 +104,13 @@ def shared_settings(depsgraph: bpy.types.Depsgraph, *, is_render: bool) -> tuple
         scene.render.hair_subdiv,
         hasattr(scene, "cycles"),
         dicing.of_scene(scene, is_render=is_render),
+        ImageLimit.of(scene, is_render=is_render),
         tuple((one.name, one.type) for one in layer.aovs) if is_render else (),
     )
+
+
+def _image_limit(depsgraph: bpy.types.Depsgraph) -> ImageLimit:
+    return ImageLimit.of(depsgraph.scene_eval, is_render=depsgraph.mode == "RENDER")
 
 
 def sky_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
@@ -122,16 +124,12 @@ def sky_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
 def send_sky(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report) -> None:
     """Fills a `SceneBuilder` with the world alone."""
     groups = LightGroups(depsgraph.view_layer_eval)
-    images = Images(Kept(builder), report, depsgraph.scene_eval.frame_current)
+    images = Images(Kept(builder), report, depsgraph.scene_eval.frame_current, _image_limit(depsgraph))
     builder.set_world(_sky(depsgraph, images, groups, report))
 
 
 def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:
     own = sky_of(depsgraph)
-    if own is not None and not getattr(getattr(own, "cycles", None), "use_shadows", True):
-        report.warn(f"World '{own.name}': a sky without shadows is not supported yet, it throws them")
-    if getattr(getattr(own, "cycles", None), "max_bounces", 1024) < 1024:
-        report.warn(f"World '{own.name}': a limit of the bounces that a sky lights is not supported yet, it lights all")
     sky = world.describe(own, images)
     sky.light_group = groups.number(own)
     return sky

@@ -30,6 +30,16 @@ def of_scene(scene: bpy.types.Scene, is_render: bool) -> tuple[float, float, int
     return own.dicing_rate if is_render else own.preview_dicing_rate, own.offscreen_dicing_scale, own.max_subdivisions
 
 
+def camera(depsgraph: bpy.types.Depsgraph) -> bpy.types.Object | None:
+    """The camera by whose pixels meshes are diced, as Cycles keeps it; None: the scene's."""
+    scene = depsgraph.scene_eval
+    holder = getattr(getattr(scene, "cycles", None), "dicing_camera", None)
+    own = None if scene.camera is None else scene.camera.original
+    if holder is None or holder.type != "CAMERA" or holder.original == own:
+        return None
+    return holder.evaluated_get(depsgraph)
+
+
 def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: Room, report: Report) -> Dicing | None:
     """How finely an object's mesh is divided; None where it stays as Blender's modifiers make it."""
     modifier = holder.modifiers[-1] if holder.modifiers else None
@@ -59,10 +69,6 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: 
                 "its modifier's levels say"
             )
         return None
-    if own is not None and own.dicing_camera not in (None, scene.camera):
-        report.warn(
-            f"Adaptive subdivision: the dicing camera '{own.dicing_camera.name}' is not supported yet, the scene's camera is taken"
-        )
     if is_in_units:
         length = max(modifier.adaptive_object_edge_length, LEAST_UNITS)
     else:

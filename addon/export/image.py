@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from . import image_file, image_parts, image_pixels
+from .image_limit import ImageLimit
 from .image_parts import FIRST_TILE, Part, Timing
 from .image_pixels import Pixels
 from .kept import ImageKey, Kept, uid
@@ -24,11 +25,12 @@ LINEAR_SPACES = {"Linear", "Linear Rec.709", "scene_linear"}
 class Images:
     """The images of one scene at a frame of it, by the engine's index."""
 
-    def __init__(self, kept: Kept, report: Report, scene_frame: int) -> None:
+    def __init__(self, kept: Kept, report: Report, scene_frame: int, limit: ImageLimit | None = None) -> None:
         self._kept = kept
         self._builder = kept.builder
         self._report = report
         self._frame = scene_frame
+        self._limit = limit or ImageLimit()
         self._known = kept.images
         # Pixels that are to be sent, and what was read before; by datablock and part.
         self._read: dict[tuple[int, Part], Pixels] = {}
@@ -134,7 +136,7 @@ class Images:
             read = self._of_blender(image, part)
         if read is None:
             return MAGENTA.copy(), False
-        return read.sent(associated=associated), read.is_float
+        return self._limit.smaller(read.sent(associated=associated)), read.is_float
 
     @staticmethod
     def _of_file(image: bpy.types.Image, part: Part) -> Pixels | None:

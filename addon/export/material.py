@@ -76,6 +76,7 @@ class Materials:
             described = self._of_nodes(material)
         described.pass_index = material.pass_index
         described.transparent_shadows = getattr(material, "use_transparent_shadow", True)
+        described.corrects_bumps = getattr(getattr(material, "cycles", None), "use_bump_map_correction", True)
         return described
 
     def _of_nodes(self, material: bpy.types.Material) -> MaterialDescription:
@@ -88,8 +89,6 @@ class Materials:
         described = MaterialDescription(
             material.name, json.dumps(graph), displacement_method=material.displacement_method
         )
-        if not getattr(getattr(material, "cycles", None), "use_bump_map_correction", True):
-            self._report.warn(f"{owner}: Bump Map Correction is always on")
         found = self._aovs.describe(tree, lambda node: self._images.of_node(node, material))
         if found is not None:
             described.aovs = json.dumps(found[0]), found[1]

@@ -9,7 +9,7 @@ import bpy
 
 from petzval.description import Approximations, SettingsDescription
 
-from . import visibility
+from . import sampling, visibility
 
 #: Of two frames: a prime.
 _SEEDS_APART = 15_485_863
@@ -20,17 +20,18 @@ def describe(
 ) -> SettingsDescription:
     """The settings of a scene for a picture of that many pixels."""
     own, render = scene.petzval, scene.render
+    wanted = sampling.of_view(scene) if is_viewport else sampling.of_render(scene)
     return SettingsDescription(
         width=width,
         height=height,
-        samples=own.samples,
-        noise_threshold=own.noise_threshold if own.use_noise_threshold else 0.0,
-        min_samples=own.min_samples,
+        samples=wanted.samples,
+        noise_threshold=wanted.noise_threshold,
+        min_samples=wanted.min_samples,
         seed=seed(scene),
         blue_noise=own.use_blue_noise,
         # Cycles keeps the film's exposure; a picture must not change with the engine.
         film_exposure=getattr(getattr(scene, "cycles", None), "film_exposure", 1.0),
-        sample_offset=own.sample_offset,
+        sample_offset=wanted.sample_offset,
         threads=render.threads if render.threads_mode == "FIXED" else 0,
         max_bounces=visibility.most_bounces(scene),
         kinds=visibility.bounces(scene),
@@ -48,7 +49,14 @@ def describe(
         integrator=own.integrator,
         light_tracing=own.use_light_tracing,
         transparent_film=render.film_transparent,
+        transparent_glass=_transparent_glass(scene),
     )
+
+
+def _transparent_glass(scene: bpy.types.Scene) -> float | None:
+    """The most roughness of glass that a transparent film is seen through, as Cycles keeps it; None: of none."""
+    cycles = getattr(scene, "cycles", None)
+    return cycles.film_transparent_roughness if getattr(cycles, "film_transparent_glass", False) else None
 
 
 def overrules(scene: bpy.types.Scene, name: str) -> bool:
@@ -98,8 +106,4 @@ def of_layer(
     """The same with a view layer's own number of samples, as Cycles's setting for that has it; parts of a picture have independent pixels."""
     if view_layer.petzval.use_pass_mergeable:
         settings = dataclasses.replace(settings, blue_noise=False)
-    use = getattr(getattr(scene, "cycles", None), "use_layer_samples", "IGNORE")
-    if use == "IGNORE" or view_layer.samples <= 0:
-        return settings
-    own = min(settings.samples, view_layer.samples) if use == "BOUNDED" else view_layer.samples
-    return dataclasses.replace(settings, samples=own)
+    return dataclasses.replace(settings, samples=sampling.of_layer(settings.samples, scene, view_layer))

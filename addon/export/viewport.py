@@ -8,8 +8,8 @@ from typing import Any
 from petzval.description import CameraDescription
 
 
-def send(builder: Any, camera: CameraDescription, width: int, height: int) -> None:
-    """Tells the engine's builder; width and height in pixels."""
+def send(builder: Any, camera: CameraDescription, width: int, height: int, *, dices: bool = False) -> None:
+    """Tells the engine's builder; width and height in pixels. `dices`: of another camera, by whose pixels meshes are diced."""
     is_orthographic = camera.model == "ORTHOGRAPHIC"
     perspective = camera.perspective
     across = (
@@ -26,4 +26,5 @@ def send(builder: Any, camera: CameraDescription, width: int, height: int) -> No
         (width, height),
         camera.panorama,
         is_orthographic,
+        dices,
     )

@@ -23,6 +23,10 @@ def describe(world: bpy.types.World | None, images: Images) -> WorldDescription:
         return WorldDescription()
     description = _surface(world, images)
     description.hidden_from = visibility.world_hidden_from(world)
+    cycles = getattr(world, "cycles", None)
+    # Without light samples of the world neither does anything in Cycles.
+    if getattr(cycles, "sampling_method", "NONE") != "NONE":
+        description.max_bounces, description.cast_shadow = cycles.max_bounces, getattr(cycles, "use_shadows", True)
     return description
 
 

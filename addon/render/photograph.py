@@ -14,7 +14,7 @@ from petzval.description import CameraDescription, DenoisingDescription, Shutter
 
 from ..data import denoiser, effects, passes, process_memory
 from ..export import camera as camera_export
-from ..export import denoising, velocity
+from ..export import denoising, sampling, velocity
 from ..export import settings as render_settings
 from ..export import shutter as shutters
 from ..export import world as world_export
@@ -75,13 +75,13 @@ class Photograph:
         staging.tell_of_lens(native, camera, width, height, self.report)
         settings = render_settings.describe(self.scene, width, height, self.results.has_data)
         settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
-        self.samples = settings.samples
+        self.samples, wanted = settings.samples, sampling.of_render(self.scene)
         checkpoint = checkpoints.of(self.depsgraph, is_part=self.results.is_mergeable)
         is_kept = checkpoint is not None and checkpoint.file is not None
         how = self._denoising()
         is_for_denoising = how is not None or self.results.has_denoising_data
         settings = dataclasses.replace(settings, independent_pixels=is_for_denoising)
-        if settings.noise_threshold > 0.0 and self.scene.petzval.use_threshold_after_denoising:
+        if settings.noise_threshold > 0.0 and wanted.is_after_denoising:
             settings = dataclasses.replace(settings, denoising=how)
         self.results.check_memory(width, height, halves=settings.noise_threshold > 0.0, is_kept=is_kept)
         blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
@@ -141,7 +141,7 @@ class Photograph:
             beside["checkpoint"] = checkpoint.arguments(settings, camera, moving, decided, others)
             picture_of = checkpoint.picture(settings, camera, effects=decided, shutter=(moving, opened))
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
-        limit_s = self.scene.petzval.time_limit
+        limit_s = wanted.time_limit_s
         self.progress = progress.Progress(job, limit_s)
         stopped = loop.follow(
             job, stop_asked=self._stop_asked, show=self.results.show, tell=self._progress, limit_s=limit_s
@@ -377,7 +377,9 @@ class Photograph:
         stats["seconds"]["sync"], stats["camera"] = sync_seconds, self.camera
         # With the forecast, if there was one.
         stats["planned"], stats["plan"] = self.told, self.told["effects"]
-        stats["peak_memory_bytes"], stats["time_limit_s"] = process_memory.peak_bytes(), self.scene.petzval.time_limit
+        wanted = sampling.of_render(self.scene)
+        stats["peak_memory_bytes"], stats["time_limit_s"] = process_memory.peak_bytes(), wanted.time_limit_s
+        stats["sampling"] = wanted.in_a_line()
         if self.focus is not None:
             stats["autofocus"] = self.focus
         render = statistics.LastRender(stats, self.report.warnings, stopped)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..data import passes, tiles
 from ..export import camera as camera_export
-from ..export import memory
+from ..export import memory, sampling
 from ..native import engine
 
 
@@ -51,7 +51,8 @@ class Results:
         scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
         self._window = region(scene.render)
         self._data = passes.wanted(layer)
-        self._merging = passes.for_merging(layer, scene.petzval)
+        has_threshold = sampling.of_render(scene).noise_threshold > 0.0
+        self._merging = passes.for_merging(layer, has_threshold=has_threshold)
         self._mattes, self._matte_levels = passes.wanted_mattes(layer), passes.matte_levels(layer)
         self._light_groups = passes.of_light_groups(layer)
         self._parts = passes.wanted_parts(layer, bpy.app.version)

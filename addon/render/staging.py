@@ -14,7 +14,7 @@ from petzval.description import OF_LENS_FILE, CameraDescription, focused
 
 from .. import export
 from ..data import lens_words
-from ..export import aperture_mask, viewport
+from ..export import aperture_mask, dicing, viewport
 from ..export import camera as camera_export
 from ..export.baking import Baked
 from ..export.kept import Kept
@@ -85,6 +85,10 @@ def fill(
         baked=baked,
     )
     viewport.send(builder, seen_by, *size)
+    if (dicing_camera := dicing.camera(depsgraph)) is not None:
+        scene = depsgraph.scene_eval
+        dicing_seen = camera_export.describe(dicing_camera, scene, *size, report, model="PINHOLE")
+        viewport.send(builder, dicing_seen, *size, dices=True)
     return catches
 
 

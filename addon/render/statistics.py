@@ -33,6 +33,7 @@ class LastRender:
             *([self.stats["camera"]] if "camera" in self.stats else []),
             f"{self.stats['lens']}, {self.stats['width']} x {self.stats['height']}, {samples}"
             + (" (stopped)" if self.stopped else " (time was up)" if self.was_late() else ""),
+            *([self.stats["sampling"]] if self.stats.get("sampling") else []),
             _seconds(seconds),
             f"{100.0 * lost:.2f} % of the camera rays {where}",
         ]

@@ -46,7 +46,8 @@ class PetzvalScene(bpy.types.PropertyGroup):
 
     samples: IntProperty(
         name="Samples",
-        description="Camera rays for each pixel; with a noise threshold, the most that a pixel gets",
+        description="Camera rays for each pixel; with a noise threshold, the most that a pixel gets. Where none of these was set, "
+        "Cycles's sampling counts",
         default=64,
         min=1,
         max=1 << 24,
@@ -54,7 +55,8 @@ class PetzvalScene(bpy.types.PropertyGroup):
     )
     preview_samples: IntProperty(
         name="Viewport Samples",
-        description="Camera rays for each pixel of a 3D view in rendered shading; zero goes on without end",
+        description="Camera rays for each pixel of a 3D view in rendered shading; zero goes on without end. Where it was never set, "
+        "Cycles's viewport sampling counts",
         default=256,
         min=0,
         max=1 << 24,
@@ -62,7 +64,8 @@ class PetzvalScene(bpy.types.PropertyGroup):
     )
     preview_pixel_size: EnumProperty(
         name="Pixel Size",
-        description="Pixels of the screen along the side of one that is rendered in a 3D view: larger ones are coarser, and quicker",
+        description="Pixels of the screen along the side of one that is rendered in a 3D view: larger ones are coarser, and quicker. "
+        "Where it was never set, Blender's own counts",
         items=PIXEL_SIZES,
         default="1",
     )
@@ -73,8 +76,8 @@ class PetzvalScene(bpy.types.PropertyGroup):
     )
     noise_threshold: FloatProperty(
         name="Noise Threshold",
-        description="Error of a pixel, relative to the square root of its brightness, that is small enough: its own unit, "
-        "as in Cycles. 0.01 can hardly be seen; half as much takes up to four times the samples",
+        description="Error of a pixel, relative to the square root of its brightness, that is small enough: its own unit. "
+        "Cycles has the same noise at about a third of the number. 0.01 can hardly be seen; half as much takes up to four times the samples",
         default=0.01,
         min=0.0,
         max=10.0,

@@ -62,6 +62,8 @@ class PETZVAL_MATERIAL_PT_settings(_MaterialPanel, bpy.types.Panel):
         layout.prop(context.material, "displacement_method", text="Displacement")
         if hasattr(context.material, "use_transparent_shadow"):
             layout.prop(context.material, "use_transparent_shadow", text="Transparent Shadows")
+        if hasattr(context.material, "cycles"):
+            layout.prop(context.material.cycles, "use_bump_map_correction")
 
 
 CLASSES = (

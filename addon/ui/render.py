@@ -7,7 +7,7 @@ import bpy
 
 from .. import native
 from ..data import denoiser
-from ..export import denoising
+from ..export import denoising, sampling
 from ..export import settings as render_settings
 from .camera_parts import complain
 from .mixin import PetzvalPanel, columns
@@ -31,20 +31,54 @@ class PETZVAL_RENDER_PT_sampling(_RenderPanel, bpy.types.Panel):
             row = layout.row()
             row.alert = True
             row.label(text=complaint, icon="ERROR")
-        settings = context.scene.petzval
-        heading = layout.column(heading="Noise Threshold", align=True)
-        row = heading.row(align=True)
-        row.prop(settings, "use_noise_threshold", text="")
-        part = row.row()
-        part.active = settings.use_noise_threshold
-        part.prop(settings, "noise_threshold", text="")
-        layout.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
-        if settings.use_noise_threshold:
-            row, cycles = layout.row(), getattr(context.scene, "cycles", None)
-            row.active = cycles is not None and cycles.use_denoising
-            row.prop(settings, "use_threshold_after_denoising")
-            layout.prop(settings, "min_samples")
-        layout.prop(settings, "time_limit")
+        is_own = not sampling.follows_cycles(context.scene, sampling.OF_RENDER)
+        (_own_rows if is_own else _cycles_rows)(layout, context.scene)
+        _whose(layout, context.scene, "RENDER", is_own)
+
+
+def _own_rows(layout, scene) -> None:
+    """Petzval's own settings of final renders."""
+    settings = scene.petzval
+    _threshold(layout, settings, "use_noise_threshold", "noise_threshold")
+    layout.prop(settings, "samples", text="Max Samples" if settings.use_noise_threshold else "Samples")
+    if settings.use_noise_threshold:
+        row, cycles = layout.row(), getattr(scene, "cycles", None)
+        row.active = cycles is not None and cycles.use_denoising
+        row.prop(settings, "use_threshold_after_denoising")
+        layout.prop(settings, "min_samples")
+    layout.prop(settings, "time_limit")
+
+
+def _cycles_rows(layout, scene, which: str = "") -> None:
+    """Those of Cycles, of final renders or of views (`preview_`)."""
+    cycles, use = scene.cycles, f"use_{which}adaptive_sampling"
+    _threshold(layout, cycles, use, f"{which}adaptive_threshold")
+    layout.prop(cycles, f"{which}samples", text="Max Samples" if getattr(cycles, use) else "Samples")
+    if getattr(cycles, use):
+        layout.prop(cycles, f"{which}adaptive_min_samples", text="Min Samples")
+    if not which:
+        layout.prop(cycles, "time_limit")
+
+
+def _threshold(layout, settings, use: str, threshold: str) -> None:
+    """A noise threshold behind its switch."""
+    row = layout.column(heading="Noise Threshold", align=True).row(align=True)
+    row.prop(settings, use, text="")
+    part = row.row()
+    part.active = getattr(settings, use)
+    part.prop(settings, threshold, text="")
+
+
+def _whose(layout, scene, of: str, is_own: bool) -> None:
+    """Whose settings count, and the button for the others."""
+    if not hasattr(scene, "cycles"):
+        return
+    row = layout.row()
+    if is_own:
+        row.operator("petzval.cycles_sampling", text="As Set for Cycles", icon="LOOP_BACK").of = of
+    else:
+        row.label(text="As set for Cycles")
+        row.operator("petzval.own_sampling", text="Set Petzval's Own").of = of
 
 
 class PETZVAL_RENDER_PT_sampling_viewport(_RenderPanel, bpy.types.Panel):
@@ -53,9 +87,15 @@ class PETZVAL_RENDER_PT_sampling_viewport(_RenderPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout = columns(self)
-        layout.prop(context.scene.petzval, "preview_samples", text="Samples")
-        layout.prop(context.scene.petzval, "preview_pixel_size")
+        layout, scene = columns(self), context.scene
+        is_own = not sampling.follows_cycles(scene, sampling.OF_VIEW)
+        if is_own:
+            layout.prop(scene.petzval, "preview_samples", text="Samples")
+        else:
+            _cycles_rows(layout, scene, "preview_")
+        _whose(layout, scene, "VIEW", is_own)
+        has_own_size = scene.petzval.is_property_set("preview_pixel_size")
+        layout.prop(scene.petzval if has_own_size else scene.render, "preview_pixel_size")
 
 
 class _DenoisePanel(_RenderPanel):
@@ -125,10 +165,18 @@ class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
             row, cycles = layout.row(align=True), context.scene.cycles
             row.prop(cycles, "seed")
             row.prop(cycles, "use_animated_seed", text="", icon="TIME")
-        row = layout.row()
-        row.active = not settings.use_noise_threshold and settings.sample_offset == 0 and settings.pipeline != "SCENE"
+        wanted, row = sampling.of_render(context.scene), layout.row()
+        row.active = not wanted.noise_threshold and wanted.sample_offset == 0 and settings.pipeline != "SCENE"
         row.prop(settings, "use_blue_noise")
-        layout.prop(settings, "sample_offset", text="Sample Offset")
+        if not wanted.is_of_cycles:
+            layout.prop(settings, "sample_offset", text="Sample Offset")
+            return
+        cycles = context.scene.cycles
+        layout.prop(cycles, "use_sample_subset", text="Sample Subset")
+        column = layout.column(align=True)
+        column.active = cycles.use_sample_subset
+        column.prop(cycles, "sample_offset", text="Offset")
+        column.prop(cycles, "sample_subset_length", text="Length")
 
 
 class PETZVAL_RENDER_PT_light_paths(_RenderPanel, bpy.types.Panel):

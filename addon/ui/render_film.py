@@ -31,6 +31,11 @@ class PETZVAL_RENDER_PT_film(_RenderPanel, bpy.types.Panel):
         if cycles is not None:
             layout.prop(cycles, "film_exposure")
         layout.prop(scene.render, "film_transparent", text="Transparent")
+        if cycles is not None and scene.render.film_transparent:
+            layout.prop(cycles, "film_transparent_glass", text="Transparent Glass")
+            row = layout.row()
+            row.active = cycles.film_transparent_glass
+            row.prop(cycles, "film_transparent_roughness", text="Roughness Threshold")
 
 
 class PETZVAL_RENDER_PT_threads(_RenderPanel, bpy.types.Panel):

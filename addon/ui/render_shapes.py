@@ -42,6 +42,7 @@ class PETZVAL_RENDER_PT_subdivision(_RenderPanel, bpy.types.Panel):
         column = layout.column()
         column.prop(own, "offscreen_dicing_scale", text="Offscreen Scale")
         column.prop(own, "max_subdivisions")
+        column.prop(own, "dicing_camera")
 
 
 class PETZVAL_RENDER_PT_curves(_RenderPanel, bpy.types.Panel):
@@ -84,9 +85,12 @@ class _SimplifyPart(_RenderPanel):
         layout.use_property_decorate = False
         layout.active = render.use_simplify
         column = layout.column()
+        cycles = getattr(context.scene, "cycles", None)
         for name, text in self.names:
-            if hasattr(render, name):
-                column.prop(render, name, text=text)
+            # Cycles keeps those of textures.
+            holder = render if hasattr(render, name) else cycles
+            if hasattr(holder, name):
+                column.prop(holder, name, text=text)
 
 
 class PETZVAL_RENDER_PT_simplify_viewport(_SimplifyPart, bpy.types.Panel):
@@ -95,6 +99,8 @@ class PETZVAL_RENDER_PT_simplify_viewport(_SimplifyPart, bpy.types.Panel):
         ("simplify_subdivision", "Max Subdivision"),
         ("simplify_child_particles", "Child Particles"),
         ("simplify_volumes", "Volume Resolution"),
+        ("texture_limit", "Texture Limit"),
+        ("texture_resolution", "Texture Resolution"),
         ("use_simplify_normals", "Normals"),
     )
 
@@ -104,6 +110,8 @@ class PETZVAL_RENDER_PT_simplify_render(_SimplifyPart, bpy.types.Panel):
     names = (
         ("simplify_subdivision_render", "Max Subdivision"),
         ("simplify_child_particles_render", "Child Particles"),
+        ("texture_limit_render", "Texture Limit"),
+        ("texture_resolution_render", "Texture Resolution"),
     )
 
 

@@ -54,6 +54,28 @@ class PETZVAL_WORLD_PT_mist(_WorldPanel, bpy.types.Panel):
         layout.prop(mist, "falloff")
 
 
+class PETZVAL_WORLD_PT_settings(_WorldPanel, bpy.types.Panel):
+    bl_label = "Settings"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        # Cycles keeps them.
+        return super().poll(context) and hasattr(context.world, "cycles")
+
+    def draw(self, context):
+        layout, cycles = columns(self), context.world.cycles
+        layout.use_property_decorate = False
+        # Of how the world is sampled as a light it counts alone whether it is, as in Cycles.
+        layout.prop(cycles, "sampling_method", text="Sampling")
+        column = layout.column()
+        column.active = cycles.sampling_method != "NONE"
+        column.prop(cycles, "max_bounces")
+        # From 5.2 on.
+        if hasattr(cycles, "use_shadows"):
+            column.prop(cycles, "use_shadows")
+
+
 class PETZVAL_WORLD_PT_ray_visibility(_WorldPanel, bpy.types.Panel):
     bl_label = "Ray Visibility"
     bl_options = {"DEFAULT_CLOSED"}
@@ -75,6 +97,7 @@ CLASSES = (
     PETZVAL_WORLD_PT_surface,
     PETZVAL_WORLD_PT_volume,
     PETZVAL_WORLD_PT_mist,
+    PETZVAL_WORLD_PT_settings,
     PETZVAL_WORLD_PT_ray_visibility,
 )
 

@@ -81,16 +81,14 @@ class RenderedView:
 
     def _look(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> view.View | None:
         scene, report = depsgraph.scene_eval, Report()
-        seen = view.of(context, depsgraph, float(scene.petzval.preview_pixel_size), report)
+        seen = view.of(context, depsgraph, self._pixel_size(scene), report)
         if seen is None:
             return None
         how = denoising.of_view(scene)
         settings = dataclasses.replace(
             render_settings.describe(scene, *seen.size, is_viewport=True),
-            samples=scene.petzval.preview_samples or 1 << 16,
             window=tuple(seen.window),
             threads=_threads(scene.render),
-            noise_threshold=0.0,
             blue_noise=False,
             independent_pixels=how is not None,
             sample_offset=0,
@@ -107,6 +105,12 @@ class RenderedView:
         for warning in report.warnings:
             self._sync.report.warn(warning)
         return seen
+
+    def _pixel_size(self, scene: bpy.types.Scene) -> float:
+        """Petzval's own where it was set, or Blender's, which may go by the screen."""
+        if scene.petzval.is_property_set("preview_pixel_size"):
+            return float(scene.petzval.preview_pixel_size)
+        return float(self._host().get_preview_pixel_size(scene))
 
     def _guarded(self, what: str, work: Callable[[], Any]) -> Any:
         """What the work gives; what went wrong is said in the view until the same goes well."""

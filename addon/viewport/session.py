@@ -219,7 +219,8 @@ class Session:
                     pass
                 return
             now, samples = time.perf_counter(), job.samples_done()
-            if samples > shown and (is_done or now >= next_show):
+            # With a noise threshold parts go on when the last has all its samples.
+            if is_done or (samples > shown and now >= next_show):
                 if shown == 0:
                     self._count(samples * wanted.window.width * wanted.window.height, started)
                 self._show_refined(job, wanted, began)

@@ -28,6 +28,7 @@ fn bench(c: &mut Criterion) {
         clamp_indirect: f32::INFINITY,
         approximations: Approximations::default(),
         hide_sky: false,
+        film_glass: None,
         openness: 0.4,
         roulette: 4.0,
     };

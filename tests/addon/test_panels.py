@@ -181,11 +181,13 @@ READ = {
         for name in (
             "max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces", "volume_bounces",
             "transparent_max_bounces", "caustics_reflective", "caustics_refractive", "blur_glossy",
-            "film_exposure", "use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render",
+            "film_exposure", "film_transparent_glass", "film_transparent_roughness", "texture_limit", "texture_limit_render", "use_fast_gi", "fast_gi_method", "ao_bounces", "ao_bounces_render",
             "pixel_filter_type", "filter_width", "sample_clamp_direct", "sample_clamp_indirect", "seed", "use_animated_seed", "blur_glossy", "use_fast_gi",
             "rolling_shutter_type", "rolling_shutter_duration", "dicing_rate", "preview_dicing_rate",
-            "offscreen_dicing_scale", "max_subdivisions", "use_camera_cull", "camera_cull_margin", "use_distance_cull",
-            "distance_cull_margin",
+            "offscreen_dicing_scale", "max_subdivisions", "dicing_camera", "use_camera_cull", "camera_cull_margin", "use_distance_cull",
+            "distance_cull_margin", "samples", "use_adaptive_sampling", "adaptive_threshold", "adaptive_min_samples",
+            "time_limit", "use_sample_subset", "sample_offset", "sample_subset_length", "preview_samples",
+            "use_preview_adaptive_sampling", "preview_adaptive_threshold", "preview_adaptive_min_samples",
         )
     ]
     + [("WorldLighting", name) for name in ("ao_factor", "distance")]
@@ -194,7 +196,7 @@ READ = {
         ("RenderSettings", name)
         for name in (
             "film_transparent", "use_simplify", "simplify_subdivision_render", "simplify_child_particles_render", "use_motion_blur", "motion_blur_position", "motion_blur_shutter", "motion_blur_shutter_curve",
-            "threads_mode", "threads", "use_persistent_data",
+            "threads_mode", "threads", "use_persistent_data", "preview_pixel_size",
         )
     ],
     "object": [
@@ -206,8 +208,9 @@ READ = {
     ]
     + [("CyclesObjectSettings", name) for name in ("use_motion_blur", "motion_steps", "use_deform_motion", "ao_distance", "use_camera_cull", "use_distance_cull")],
     "material": [("Material", "displacement_method"), ("Material", "pass_index"), ("Material", "use_transparent_shadow"), ("ShaderNodeTree", "Volume")]
-    + [("ShaderNodeTree", "Surface"), ("ShaderNodeTree", "Displacement")],
+    + [("ShaderNodeTree", "Surface"), ("ShaderNodeTree", "Displacement"), ("CyclesMaterialSettings", "use_bump_map_correction")],
     "world": [("CyclesVisibilitySettings", name) for name in ("camera", "diffuse", "glossy", "transmission", "scatter")]
+    + [("CyclesWorldSettings", name) for name in ("sampling_method", "max_bounces")]
     + [("WorldMistSettings", name) for name in ("start", "depth", "falloff")]
     + [("ShaderNodeTree", "Surface"), ("ShaderNodeTree", "Volume"), ("World", "lightgroup")],
     "view_layer": [
@@ -224,6 +227,10 @@ def test_what_is_read_can_be_seen(blender, parts, layout, tab):
     made, *_ = parts.material()
     square = parts.square("Square", (0.0, 5.0, 0.0), 1.0, made)
     blender.context.view_layer.use_pass_mist = True
+    scene.render.film_transparent = True
+    # Cycles' sampling is read until Petzval's own is set.
+    if hasattr(scene, "cycles"):
+        blender.ops.petzval.cycles_sampling(of="RENDER")
     drawn = layout.draw(tab, layout.context(object=square, material=made, world=scene.world))
     wanted = READ[tab]
     if not hasattr(scene, "cycles"):
@@ -236,7 +243,7 @@ def test_every_setting_of_our_own_can_be_seen(blender, parts, layout):
     scene = parts.set_up(model="LENS")
     own = scene.camera.data.petzval
     seen = set()
-    scene.petzval.use_noise_threshold = True
+    scene.petzval.use_noise_threshold, scene.petzval.preview_samples, scene.petzval.preview_pixel_size = True, 64, "2"
     for focus in ("CAMERA", "AUTO", "FILM"):
         for size in ("LENGTH", "SCALE"):
             own.focus_mode, own.focal_mode, own.spectrum, own.wide_open, own.film_mode = (

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import os
 import time
 from pathlib import Path
@@ -50,10 +51,11 @@ class Viewer:
         sent, self.drafts = self.drafts > 0, 0
         return sent
 
-    def look(self, samples=8, wishes=None, denoising=None, denoise_from=1):
+    def look(self, samples=8, wishes=None, denoising=None, denoise_from=1, threshold=0.0):
         scene, depsgraph = self.bpy.context.scene, self.bpy.context.evaluated_depsgraph_get()
         camera = self.staging.camera(depsgraph.scene_eval, *SIZE, self.report_of())
-        settings = dataclasses.replace(self.settings.describe(scene, *SIZE), samples=samples, seed=3)
+        settings = self.settings.describe(scene, *SIZE, is_viewport=True)
+        settings = dataclasses.replace(settings, samples=samples, seed=3, noise_threshold=threshold)
         self.session.look(self.wanted_of(camera, settings, wishes or {}, denoising, denoise_from))
 
     def picture(self, samples=8):
@@ -497,3 +499,13 @@ def test_an_edit_stops_the_denoising_of_a_view(viewer):
         took.append(time.monotonic() - asked)
         assert viewer.session.picture.pixels.shape[:2] == SIZE[::-1]
     assert min(took) < 0.3, took
+
+
+def test_a_view_with_a_noise_threshold_ends_when_its_noise_is_low(viewer):
+    """As Cycles' views do by default; the last picture has all the samples that each part of it got."""
+    found = shown(viewer, samples=4096, threshold=0.3)
+    settings = dataclasses.replace(viewer.session._asked.settings, blue_noise=False)
+    job = viewer.native.Job(viewer.session._scene, viewer.session._asked.camera, settings)
+    assert job.wait(60.0)
+    assert np.array_equal(found.pixels, job.image())
+    assert 16 <= json.loads(job.stats_json())["samples_mean"] < 1000

@@ -115,9 +115,18 @@ def test_without_displacement_the_modifier_counts(parts, square):
     assert any("without displacement" in line for line in warnings)
 
 
-def test_another_dicing_camera_is_named(parts, blender, square):
+def test_the_dicing_camera_is_sent(parts, blender, square):
+    """Where it is another than the scene's; nothing is named."""
+    scene = blender.context.scene
     other = blender.data.objects.new("Above", blender.data.cameras.new("Above"))
-    blender.context.scene.collection.objects.link(other)
-    blender.context.scene.cycles.dicing_camera = other
+    scene.collection.objects.link(other)
+    of = parts.part("export.dicing").camera
+    found = []
+    for holder in (None, scene.camera, other):
+        scene.cycles.dicing_camera = holder
+        scene.update_tag()
+        chosen = of(blender.context.evaluated_depsgraph_get())
+        found.append(chosen and chosen.name)
+    assert found == [None, None, "Above"]
     _, warnings, _ = parts.sent()
-    assert any("'Above'" in line for line in warnings)
+    assert not any("'Above'" in line for line in warnings)

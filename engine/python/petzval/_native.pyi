@@ -414,8 +414,9 @@ class SceneBuilder:
         pixels: tuple[int, int],
         panorama: Panorama | None = None,  # instead of `frame`
         is_orthographic: bool = False,
+        dices: bool = False,  # another camera's, by whose pixels alone meshes are diced
     ) -> None:
-        """What Blender's own camera frames, for shader graphs that ask for it."""
+        """What Blender's own camera frames, for shader graphs that ask for it, and meshes that are diced."""
     def warnings(self) -> list[str]: ...
     def build(
         self, camera_position: tuple[float, float, float], threads: int = 0, previous: Scene | None = None

@@ -226,6 +226,7 @@ class SettingsDescription:
     # "BOX": one pixel | {"GAUSSIAN": width} | {"BLACKMAN_HARRIS": width}, as Cycles defines them and counts the width.
     filter: Literal["BOX"] | dict[str, float] = field(default_factory=lambda: {"BLACKMAN_HARRIS": 1.5})
     transparent_film: bool = False
+    transparent_glass: float | None = None  # the most roughness of glass that the film is seen through; None: of none
     pipeline: str = "AUTO"  # AUTO | FILM | SCENE | HERO
     with_data: bool = False  # keep what `Job.data` gives
     integrator: str = "PATH"  # PATH | BIDIRECTIONAL
@@ -282,6 +283,7 @@ class MaterialDescription:
     # What its nodes give out beside: a graph likewise, whose layers glow with them, and the numbers of these.
     aovs: tuple[str, list[int]] | None = None
     transparent_shadows: bool = True  # light samples go through what is transparent
+    corrects_bumps: bool = True  # bent normals reflect into no surface, and light is dimmed where it grazes a bump
 
 
 @dataclass
@@ -319,6 +321,8 @@ class WorldDescription:
     rotation: tuple[tuple[float, float, float], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     hidden_from: tuple[str, ...] = ()  # of RAYS
     light_group: int = 0  # its number; 0 is none
+    max_bounces: int = 1024  # scatterings of a path beyond which the sky is not sampled as a light
+    cast_shadow: bool = True  # objects throw shadows in its light samples
     # Instead of colour and image: the nodes, as JSON of what `export/graph.py` makes of them.
     graph: str | None = None
 

@@ -19,7 +19,10 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     p = subparsers.add_parser("render", help="render a .blend through a lens", allow_abbrev=False)
     scene_options.add(p)
     p.add_argument(
-        "--samples", type=types.count, metavar="N", help="paths for each pixel; with --noise-threshold, at most"
+        "--samples",
+        type=types.count,
+        metavar="N",
+        help="paths for each pixel, exactly; with --noise-threshold, at most",
     )
     p.add_argument(
         "--noise-threshold",

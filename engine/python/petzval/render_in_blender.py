@@ -276,9 +276,7 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
         r.threads_mode = "FIXED" if o["threads"] else "AUTO"
         if o["threads"]:
             r.threads = o["threads"]
-    for name in ("samples", "min_samples", "time_limit", "seed", "sample_offset"):
-        if o[name] is not None:
-            setattr(own, name, o[name])
+    _apply_sampling(scene, own, o, addon)
     if o["blue_noise"] is not None:
         own.use_blue_noise = o["blue_noise"] == "on"
     elif o["sample_offset"] is not None:
@@ -290,9 +288,6 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
         cycles.use_denoising = o["denoise"] != "off"
         if o["denoise"] != "off" and hasattr(scene.cycles, "denoising_quality"):
             cycles.denoising_quality = o["denoise"].upper()
-    if o["noise_threshold"] is not None:
-        own.use_noise_threshold = o["noise_threshold"] > 0.0
-        own.noise_threshold = o["noise_threshold"] or own.noise_threshold
     if o["pipeline"]:
         own.pipeline = o["pipeline"].upper()
     if o["integrator"]:
@@ -320,6 +315,27 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
     if o["autofocus"] and scene.camera.data.petzval.model not in OF_LENS_FILE:
         return f"camera '{scene.camera.name}': only a lens can focus by itself: name one with --lens"
     return _apply_sharp(scene, o["sharp"], addon, found) if o["sharp"] else None
+
+
+def _apply_sampling(scene: Any, own: _Strict, o: dict[str, Any], addon: Any) -> None:
+    """How many samples: what is not asked for stays as the file has it, but a number of samples is exactly that."""
+    sampling = addon.export.sampling
+    asked = {name: o[name] for name in ("samples", "min_samples", "time_limit", "sample_offset") if o[name] is not None}
+    if asked or o["noise_threshold"] is not None:
+        # From here on Petzval's own count, for all of them.
+        sampling.make_own(scene, sampling.OF_RENDER)
+    if o["samples"] is not None:
+        asked = {"time_limit": 0.0} | asked
+        own.use_noise_threshold = False
+        if hasattr(scene, "cycles"):
+            scene.cycles.use_layer_samples = "IGNORE"
+    if o["noise_threshold"] is not None:
+        own.use_noise_threshold = o["noise_threshold"] > 0.0
+        own.noise_threshold = o["noise_threshold"] or own.noise_threshold
+    for name, value in asked.items():
+        setattr(own, name, value)
+    if o["seed"] is not None:
+        own.seed = o["seed"]
 
 
 def _apply_focus_object(scene: Any, o: dict[str, Any]) -> str | None:

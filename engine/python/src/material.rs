@@ -37,6 +37,7 @@ pub(crate) struct PyMaterial {
     displacement_method: String,
     aovs: Option<(String, Vec<u16>)>,
     transparent_shadows: bool,
+    corrects_bumps: bool,
 }
 
 impl PyMaterial {
@@ -62,8 +63,8 @@ impl PyMaterial {
                 Some(Aovs { graph, numbers })
             }
         };
-        let shades_fully = !m.transparent_shadows;
-        let material = Material { pass_index: m.pass_index, aovs, shades_fully, ..Material::new(m.name, graph) };
+        let (shades_fully, corrects_bumps, pass_index) = (!m.transparent_shadows, m.corrects_bumps, m.pass_index);
+        let material = Material { pass_index, aovs, shades_fully, corrects_bumps, ..Material::new(m.name, graph) };
         Ok((material, reports))
     }
 }
@@ -143,6 +144,8 @@ pub(crate) struct PyWorld {
     rotation: [[f32; 3]; 3],
     hidden_from: Vec<String>,
     light_group: u16,
+    max_bounces: u32,
+    cast_shadow: bool,
     graph: Option<String>,
 }
 
@@ -157,6 +160,8 @@ impl PyWorld {
             rotation: Mat3A::from(Mat3::from_cols_array_2d(&w.rotation).transpose()),
             visible: visible(&w.hidden_from, "World")?,
             light_group: w.light_group,
+            max_bounces: w.max_bounces,
+            cast_shadow: w.cast_shadow,
             graph,
         };
         Ok((world, reports))

@@ -291,7 +291,8 @@ impl SceneBuilder {
         Ok(self.builder.set_world(world)?)
     }
 
-    #[pyo3(signature = (object_name, matrix_world, frame, pixels, panorama = None, is_orthographic = false))]
+    #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
+    #[pyo3(signature = (object_name, matrix_world, frame, pixels, panorama = None, is_orthographic = false, dices = false))]
     fn set_viewport(
         &mut self,
         object_name: &str,
@@ -300,6 +301,7 @@ impl SceneBuilder {
         pixels: (u32, u32),
         panorama: Option<Described<Panorama>>,
         is_orthographic: bool,
+        dices: bool,
     ) -> Result<(), Error> {
         let projection = match panorama {
             Some(panorama) => ViewportProjection::Panoramic(panorama.0),
@@ -313,6 +315,9 @@ impl SceneBuilder {
             pixels: [pixels.0.max(1), pixels.1.max(1)],
             projection,
         };
+        if dices {
+            return Ok(self.builder.set_dicing_viewport(object_name, viewport)?);
+        }
         Ok(self.builder.set_viewport(object_name, viewport)?)
     }
 

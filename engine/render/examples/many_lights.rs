@@ -81,6 +81,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         clamp_indirect: f32::INFINITY,
         approximations: Approximations::default(),
         hide_sky: false,
+        film_glass: None,
         openness: 0.5,
         roulette: f32::INFINITY,
     };

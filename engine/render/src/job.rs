@@ -439,6 +439,8 @@ impl Shared {
             clamp_indirect: unless_zero(s.clamp_indirect),
             approximations: s.approximations,
             hide_sky: s.transparent_film,
+            // As roughness is squared for facets; here their widths along both axes are multiplied.
+            film_glass: s.transparent_glass.filter(|_| s.transparent_film).map(|roughness| roughness.powi(4)),
             openness: path::openness(&self.stage, &rays),
             roulette: f32::INFINITY,
         };

@@ -140,17 +140,18 @@ impl Half {
         of_sample.map(|v| v / self.samples as f32)
     }
 
-    /// The squared relative error of what was seen by this half, of that number, of a tile, with the rectangle of its sums;
-    /// `None` where it cannot be told.
-    pub(super) fn squared_error(&self, half: usize, tile: TileRect, patch: TileRect) -> Option<f32> {
+    /// The squared relative error of what was seen by this half, of that number, of a tile, with the rectangle of its sums, in a
+    /// picture with that exposure; `None` where it cannot be told.
+    pub(super) fn squared_error(&self, half: usize, tile: TileRect, patch: TileRect, exposure: f32) -> Option<f32> {
         let error = &self.error;
         if self.pixels == 0 || error.batches < 2 {
             return None;
         }
         let (n, pixels) = (error.samples as f32, self.pixels as f32);
         let sums = error.sums.as_ref().unwrap_or(&self.sums);
-        let brightness: Vec<f32> = sums.iter().map(|&[r, g, b, _]| (r + g + b) / n).collect();
+        let brightness: Vec<f32> = sums.iter().map(|&[r, g, b, _]| exposure * (r + g + b) / n).collect();
         let [squares, scattered] = error.scattered.map(|sum| sum as f32 / (pixels * n));
+        let scattered = exposure * scattered;
         let mean = brightness.iter().sum::<f32>() / pixels + scattered;
         let mut relative = squares / n / weight(mean);
         for (i, (&[r, g, b, _], square)) in sums.iter().zip(&error.squares).enumerate() {
@@ -165,7 +166,7 @@ impl Half {
             let spread = (square - (r * r + g * g + b * b) / n).max(0.0) / (error.batches - 1) as f32;
             relative += spread / (n * pixels) / weight(s);
         }
-        Some(3.0 * relative)
+        Some(3.0 * exposure * exposure * relative)
     }
 }
 
@@ -191,11 +192,13 @@ mod tests {
     }
 
     /// The estimate is the squared error that means of so many samples have, whether light stays in its pixel or is
-    /// scattered, whether samples are counted or not.
+    /// scattered, whether samples are counted or not; it is that of the picture, with its exposure.
     #[test]
     fn the_error_is_that_of_the_mean() {
-        for (scatters, bright) in [(false, 0.5), (false, 3.0), (true, 0.5)] {
-            let film = Film::keeping(64, 64, scatters, FilmChannels { halves: true, ..FilmChannels::default() });
+        for (scatters, bright, exposure) in [(false, 0.5, 1.0), (false, 3.0, 1.0), (true, 0.5, 1.0), (false, 0.5, 8.0)]
+        {
+            let keep = FilmChannels { halves: true, ..FilmChannels::default() };
+            let film = Film::keeping(64, 64, scatters, keep).exposed(exposure);
             let (mut sum, mut blocks) = (0.0, 0);
             for tile in 0..film.tile_count() {
                 let r = film.rect(tile);
@@ -205,7 +208,7 @@ mod tests {
                         for i in 0..4 {
                             // Once in four times four times as bright: the variance is three squares.
                             let u = number((x + 64 * y) * 32 + 4 * batch + i);
-                            let value = if u < 0.25 { 4.0 * bright } else { 0.0 };
+                            let value = if u < 0.25 { 4.0 * bright / exposure } else { 0.0 };
                             if scatters {
                                 patch.add_anywhere(x ^ 32, y, Rgb::splat(value / 3.0));
                             } else {

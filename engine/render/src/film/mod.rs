@@ -450,8 +450,8 @@ impl Film {
 
     /// The squared relative error of what a half of a tile has seen, for the mean over its pixels; `None` if unknown.
     pub fn squared_error(&self, tile: usize, half: usize) -> Option<f32> {
-        let sums = self.tile(tile);
-        sums.halves.as_ref().and_then(|halves| halves[half].squared_error(half, self.rect(tile), sums.light.rect))
+        let (sums, rect) = (self.tile(tile), self.rect(tile));
+        sums.halves.as_ref().and_then(|halves| halves[half].squared_error(half, rect, sums.light.rect, self.exposure))
     }
 
     /// Number of samples of each pixel, rows from below.

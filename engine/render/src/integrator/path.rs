@@ -94,6 +94,9 @@ pub struct Limits {
     pub approximations: Approximations,
     /// True if the world and suns light the scene but the camera does not see them.
     pub hide_sky: bool,
+    /// The most product of the widths of facets through which a path that is refracted still counts as one that only passed: where the
+    /// sky is hidden, the film is transparent behind such glass, too. `None`: no glass is such.
+    pub film_glass: Option<f32>,
     /// The part of the sky that is seen from a surface, on average: see [`openness`]. Only noise depends on it.
     pub openness: f32,
     /// Factor of Russian roulette: a path from the camera goes on with a probability of this times its throughput over that of its first
@@ -264,6 +267,7 @@ pub(super) fn mix(
     let brushed = layers.closures.iter().any(|layer| layer.closure.is_brushed());
     let tangent = if brushed { tangent_about_z(&stage.scene, point) } else { Vec3A::ZERO };
     mixture.begin(point, wo, tangent, past.is_some());
+    mixture.correct_bumps(stage.scene.materials[point.material as usize].corrects_bumps);
     if let Some(past) = past {
         mixture.set_past(past);
     }

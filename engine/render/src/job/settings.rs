@@ -65,6 +65,8 @@ pub struct Settings {
     pub filter: Filter,
     /// True if the camera does not see the world; its pixels are transparent.
     pub transparent_film: bool,
+    /// The most roughness of glass through which a transparent film is seen transparent; `None`: all glass shows the sky.
+    pub transparent_glass: Option<f32>,
     /// The pipeline: the order in which the parts of a sample are made.
     pub pipeline: Pipeline,
     /// True to keep the data of the surfaces that the pixels see, for [`Job::data`].
@@ -99,6 +101,7 @@ impl Default for Settings {
             approximations: Approximations::default(),
             filter: Filter::BlackmanHarris(1.5),
             transparent_film: false,
+            transparent_glass: None,
             pipeline: Pipeline::Auto,
             with_data: false,
             integrator: Integrator::Path,
@@ -126,6 +129,9 @@ pub enum SettingsError {
         /// Number of the first sample.
         offset: u32,
     },
+    /// The roughness of transparent glass is out of range.
+    #[error("transparent roughness threshold {0}: set it from 0 to 1")]
+    TransparentGlass(f32),
     /// The noise threshold is out of range.
     #[error("noise threshold {0}: set the relative error of a pixel, as 0.01, or zero for as many samples everywhere")]
     Noise(f32),
@@ -188,6 +194,9 @@ impl Settings {
             && !(distance >= 0.0 && (0.0..=f32::MAX).contains(&factor))
         {
             return Err(SettingsError::FastGi { distance, factor });
+        }
+        if let Some(most) = self.transparent_glass.filter(|most| !(0.0..=1.0).contains(most)) {
+            return Err(SettingsError::TransparentGlass(most));
         }
         match self.filter {
             Filter::Gaussian(width) | Filter::BlackmanHarris(width) if !(width > 0.0 && width <= 10.0) => {

@@ -141,6 +141,7 @@ impl Sky {
     ) -> Option<(LightSample, usize)> {
         let (index, chance) = self.choose(to, u_choice)?;
         let mut sample = match index {
+            0 if u32::from(way.depth) > scene.world.max_bounces => return None,
             0 => self.sample_image(scene, Some(to), u)?,
             i => lamps[self.suns[i - 1] as usize].light(scene, Vec3A::ZERO, u, way)?,
         };
@@ -240,7 +241,7 @@ impl Sky {
             radiance: scene.world.radiance_at(uv, &scene.textures),
             pdf,
             point_like: false,
-            cast_shadow: true,
+            cast_shadow: scene.world.cast_shadow,
             reaches: scene.world.visible,
             sets: LightSets::EVERYTHING,
             leaves: None,
@@ -348,12 +349,17 @@ fn table_by(scene: &Scene, brightness: Vec<f32>, columns: usize, rows: usize) ->
 /// and the picture depends on the weights of both: as in Cycles, they are those of the whole image.
 fn finds_alike(scene: &Scene) -> bool {
     const INDIRECT: Rays = Rays::BOUNCE.and(Rays::SHADOW).and(Rays::VOLUME_SCATTER);
+    /// Blender's default, which no path reaches.
+    const UNLIMITED: u32 = 1024;
     let is_alike = |visible: Rays| visible.all_of(INDIRECT) || !visible.any_of(INDIRECT);
     let depends = |graph: &Graph| {
         graph.transmittance_reads_any(&nodes::OF_BOUNCES) || graph.transmittance_reads_any(&[Field::IsShadowRay])
     };
-    scene.instances.iter().all(|instance| is_alike(instance.visible))
-        && !scene.materials.iter().any(|material| depends(&material.graph))
+    // The limits of a world hold for light samples alone.
+    scene.world.cast_shadow
+        && scene.world.max_bounces >= UNLIMITED
+        && scene.instances.iter().all(|instance| is_alike(instance.visible))
+        && !scene.materials.iter().any(|material| material.shades_fully || depends(&material.graph))
 }
 
 #[cfg(test)]

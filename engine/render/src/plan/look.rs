@@ -94,6 +94,7 @@ fn luminances(stage: &PreparedScene, rays: &[Ray]) -> Vec<f32> {
         clamp_indirect: f32::INFINITY,
         approximations: Approximations::default(),
         hide_sky: false,
+        film_glass: None,
         openness: 0.5,
         roulette: f32::INFINITY,
     };

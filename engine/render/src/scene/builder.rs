@@ -46,6 +46,7 @@ pub struct SceneBuilder {
     lamps: Vec<(Lamp, DMat4)>,
     world: World,
     viewport: ViewportDescription,
+    dicing_viewport: Option<ViewportDescription>,
     warnings: Vec<String>,
 }
 
@@ -286,6 +287,18 @@ impl SceneBuilder {
         Ok(())
     }
 
+    /// Sets the frame of a camera by whose pixels meshes are diced, instead of Blender's own.
+    ///
+    /// # Errors
+    /// [`SceneError::BadMatrix`].
+    pub fn set_dicing_viewport(&mut self, object_name: &str, viewport: ViewportDescription) -> Result<(), SceneError> {
+        if !viewport.matrix.is_finite() {
+            return Err(SceneError::BadMatrix { object: object_name.into() });
+        }
+        self.dicing_viewport = Some(viewport);
+        Ok(())
+    }
+
     /// Sets the world.
     ///
     /// # Errors
@@ -398,6 +411,7 @@ impl SceneBuilder {
             world: std::mem::take(&mut self.world),
             origin,
             viewport: Viewport::new(&self.viewport, origin),
+            dicing_viewport: self.dicing_viewport.take().map(|viewport| Viewport::new(&viewport, origin)),
             dims,
         }
     }

@@ -41,7 +41,7 @@ pub fn dice(scene: &mut Scene) -> Vec<String> {
         if !moves.contains(&true) {
             continue;
         }
-        let viewport = &scene.viewport;
+        let viewport = scene.dicing_viewport.as_ref().unwrap_or(&scene.viewport);
         // The edges that are left are between 0.7 and 1.4 times as long as they are to be.
         let is_long = |a: Vec3, b: Vec3| match dicing.edge {
             EdgeLength::Units(units) => a.distance(b) > SQRT_2 * units,

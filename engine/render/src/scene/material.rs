@@ -2,6 +2,7 @@
 
 use super::closure::{Closure, Principled};
 use super::graph::Graph;
+use super::plain::Plain;
 use super::volume::Volume;
 use crate::Rgb;
 use std::sync::Arc;
@@ -29,6 +30,9 @@ pub struct Material {
     pub is_clear: bool,
     /// True if its surface lets no light through unbent to what is lit by light samples.
     pub shades_fully: bool,
+    /// True if normals that are bent are corrected, so that a mirror does not send light into the surface, and light on a matte surface fades
+    /// where it grazes it.
+    pub corrects_bumps: bool,
 }
 
 /// Values that nodes give out: a graph with a layer of emission for each, and their numbers.
@@ -56,6 +60,7 @@ impl Material {
             is_emissive,
             is_clear,
             shades_fully: false,
+            corrects_bumps: true,
         }
     }
 
@@ -85,6 +90,12 @@ impl Material {
     #[inline]
     pub fn emits(&self) -> bool {
         self.is_emissive
+    }
+
+    /// The quick form of its surface, where it has one: that of a surface whose normals are corrected.
+    #[inline]
+    pub fn plain(&self) -> Option<&Plain> {
+        self.graph.plain.as_ref().filter(|_| self.corrects_bumps)
     }
 
     /// True if the camera may see a hole in its place.

@@ -131,6 +131,8 @@ pub struct Scene {
     pub origin: DVec3,
     /// The picture of Blender's own camera.
     pub viewport: Viewport,
+    /// The picture by whose pixels meshes are diced, where that is not Blender's own camera's.
+    pub dicing_viewport: Option<Viewport>,
     /// True if any instance's [`ShadowTerminator`] takes light away.
     pub dims: bool,
 }

@@ -22,6 +22,10 @@ pub struct World {
     pub visible: Rays,
     /// The number of the world's light group; 0 is none.
     pub light_group: u16,
+    /// The most scatterings of a path that takes light samples of the world; what its rays find counts however often they were scattered.
+    pub max_bounces: u32,
+    /// True if objects throw shadows in light samples of the world.
+    pub cast_shadow: bool,
     /// The world as the camera sees it, where nodes compute it; the rest is then what surfaces see.
     pub graph: Option<Arc<Graph>>,
 }
@@ -34,6 +38,8 @@ impl Default for World {
             rotation: Mat3A::IDENTITY,
             visible: Rays::ALL,
             light_group: 0,
+            max_bounces: u32::MAX,
+            cast_shadow: true,
             graph: None,
         }
     }

@@ -46,6 +46,8 @@ pub(super) struct Here {
     /// The normal of coats.
     pub(super) coat_normal: Vec3A,
     pub(super) caustics: Caustics,
+    /// Bent normals are corrected.
+    corrects_bumps: bool,
 }
 
 impl Mixture {
@@ -59,6 +61,7 @@ impl Mixture {
             tangent: Vec3A::ZERO,
             coat_normal: Vec3A::Z,
             caustics: Caustics::ALL,
+            corrects_bumps: true,
         };
         Self { lobes: ArrayVec::new(), walks: false, is_blurred: false, here, strand: None }
     }
@@ -75,6 +78,7 @@ impl Mixture {
             tangent,
             coat_normal: point.shading_normal,
             caustics: Caustics::ALL,
+            corrects_bumps: true,
         };
         (self.walks, self.is_blurred, self.strand) = (walks, false, None);
     }
@@ -89,6 +93,11 @@ impl Mixture {
     /// Sets the path's past, for closures that are added from now on.
     pub fn set_past(&mut self, past: Past) {
         (self.here.caustics, self.is_blurred) = (past.caustics, past.is_blurred);
+    }
+
+    /// Sets whether bent normals are corrected, for closures that are added from now on.
+    pub fn correct_bumps(&mut self, corrects_bumps: bool) {
+        self.here.corrects_bumps = corrects_bumps;
     }
 
     /// Sets the normal of coats, and the direction of stretched facets, for closures that are added from now on.
@@ -216,7 +225,7 @@ impl Mixture {
     /// Value and density on one side of the lobes that some kinds of ray reach.
     fn evaluate_on(&self, above: bool, wi: Vec3A, rays: Rays) -> (Rgb, f32) {
         self.lobes.iter().filter(|lobe| rays.any_of(lobe.rays())).fold((Rgb::ZERO, 0.0), |(value, pdf), lobe| {
-            let (of_lobe, own) = lobe.evaluate(wi, above, self.here.smooth_normal);
+            let (of_lobe, own) = lobe.evaluate(wi, above, self.here.smooth());
             (value + of_lobe, pdf + lobe.chance * own)
         })
     }
@@ -270,9 +279,18 @@ impl Here {
     }
 
     /// A normal under which a mirror does not send light into the surface: raised towards the triangle's own as far as
-    /// it must be.
+    /// it must be, where bent normals are corrected.
     pub(super) fn reflecting(&self, normal: Vec3A) -> Vec3A {
+        if !self.corrects_bumps {
+            return normal;
+        }
         super::normal::reflecting(self.geometric_normal, normal, self.wo)
+    }
+
+    /// The smooth normal, and whether bumps on it dim the light that grazes it.
+    #[inline]
+    fn smooth(&self) -> (Vec3A, bool) {
+        (self.smooth_normal, self.corrects_bumps)
     }
 
     /// Axes about a normal, the first along the tangent, turned.
@@ -421,7 +439,7 @@ impl LobeDecomposition for Mixture {
         let above = if is_beyond { smooth_normal } else { geometric_normal }.dot(wi) > 0.0;
         let mut shares = LobeShares::default();
         for lobe in self.lobes.iter().filter(|lobe| reaches.any_of(lobe.rays())) {
-            shares.add(lobe.evaluate(wi, above, smooth_normal).0, lobe.rays(), lobe.normal().dot(wi) > 0.0);
+            shares.add(lobe.evaluate(wi, above, self.here.smooth()).0, lobe.rays(), lobe.normal().dot(wi) > 0.0);
         }
         shares
     }
@@ -442,10 +460,10 @@ impl LobeDecomposition for Mixture {
         if self.lobes.iter().all(|lobe| lobe.width_squared() == 1.0) {
             return 1.0;
         }
-        let Here { geometric_normal, smooth_normal, .. } = self.here;
+        let Here { geometric_normal, .. } = self.here;
         let above = geometric_normal.dot(wi) > 0.0;
         let (sum, pdf) = self.lobes.iter().fold((0.0, 0.0), |(sum, pdf), lobe| {
-            let own = lobe.chance * lobe.evaluate(wi, above, smooth_normal).1;
+            let own = lobe.chance * lobe.evaluate(wi, above, self.here.smooth()).1;
             (sum + own * lobe.width_squared(), pdf + own)
         });
         if pdf > 0.0 { sum / pdf } else { 1.0 }
@@ -496,11 +514,11 @@ impl Scattering for Mixture {
     }
 
     fn evaluate(&self, wi: Vec3A) -> (Rgb, f32) {
-        let Here { geometric_normal, smooth_normal, .. } = self.here;
+        let Here { geometric_normal, .. } = self.here;
         let above = geometric_normal.dot(wi) > 0.0;
         let (mut value, mut pdf) = (Rgb::ZERO, 0.0);
         for lobe in &self.lobes {
-            let (of_lobe, own) = lobe.evaluate(wi, above, smooth_normal);
+            let (of_lobe, own) = lobe.evaluate(wi, above, self.here.smooth());
             value += of_lobe;
             pdf += lobe.chance * own;
         }

@@ -86,6 +86,7 @@ fn light_alone(
         clamp_indirect: f32::INFINITY,
         approximations: Approximations::default(),
         hide_sky: false,
+        film_glass: None,
         openness: 0.5,
         roulette: 1.0,
     };

@@ -46,7 +46,7 @@ impl Vertex {
     ) -> Self {
         let (point, kept) = met;
         let material = material(stage, &point);
-        let values = material.graph.plain.as_ref().map(|plain| {
+        let values = material.plain().map(|plain| {
             let at_point =
                 || nodes::plain_values(material, plain, stage.around(), &point, &bounced(&stage.scene, &point, back));
             plain.constants.unwrap_or_else(at_point)

@@ -25,6 +25,7 @@ fn limits(bounces: u32) -> Limits {
         clamp_indirect: f32::INFINITY,
         approximations: Approximations::default(),
         hide_sky: false,
+        film_glass: None,
         openness: 0.5,
         roulette: f32::INFINITY,
     }

@@ -80,6 +80,8 @@ struct Path {
     chosen: MisContext,
     strategy: LensStrategy,
     way: PathState,
+    /// True until something stands in the way that a transparent film is not seen through.
+    is_on_film: bool,
     /// Distance since the last scattering, over surfaces passed unbent; densities by area need it.
     travelled: f32,
     /// The point where the ray was scattered.
@@ -230,6 +232,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             chosen: MisContext::Alone,
             strategy,
             way: PathState::CAMERA,
+            is_on_film: true,
             travelled: 0.0,
             start: ray.origin,
             from: 0,
@@ -437,7 +440,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             if point.material != current {
                 current = point.material;
                 material = &stage.scene.materials[current as usize];
-                plain = material.graph.plain.as_ref().zip(stage.plain_tables[current as usize].as_deref());
+                plain = material.plain().zip(stage.plain_tables[current as usize].as_deref());
                 is_even = plain.is_none() && material.graph.is_even();
                 if is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);

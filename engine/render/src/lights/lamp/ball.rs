@@ -50,12 +50,21 @@ impl Ball {
         if self.soft { self.hit_disk(frame, origin, d, t_max) } else { self.hit_sphere(frame, origin, d, t_max) }
     }
 
+    /// True if a place is within the sphere: as in Cycles, which looks at it from inside, its light comes from all sides there.
+    pub(super) fn holds(self, frame: &LampFrame, place: Vec3A) -> bool {
+        !self.soft && (frame.center - place).length_squared() <= self.radius * self.radius && self.radius > 0.0
+    }
+
     fn sample_sphere(self, frame: &LampFrame, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
         let radius = self.radius;
         let to = frame.center - from;
         let distance2 = to.length_squared();
         let distance = distance2.sqrt();
-        if distance <= radius || distance <= 0.0 {
+        if self.holds(frame, from) {
+            let wi = warp::sample_sphere(u);
+            return Some(frame.light(wi, self.way_out(to, wi), frame.strength, warp::SPHERE_PDF));
+        }
+        if distance <= 0.0 {
             return None;
         }
         let axis = to / distance;
@@ -74,6 +83,12 @@ impl Ball {
         Some(frame.light(wi, distance * local.z - half_chord, frame.strength, warp::cone_pdf(limit)))
     }
 
+    /// Distance along `d` to the sphere from a place within it, from which `to` leads to its middle.
+    fn way_out(self, to: Vec3A, d: Vec3A) -> f32 {
+        let along = to.dot(d);
+        along + (self.radius * self.radius - (to - d * along).length_squared()).max(0.0).sqrt()
+    }
+
     fn hit_sphere(self, frame: &LampFrame, origin: Vec3A, d: Vec3A, t_max: f32) -> Option<(Rgb, f32, f32)> {
         let radius = self.radius;
         if radius <= 0.0 {
@@ -83,7 +98,11 @@ impl Ball {
         let distance2 = to.length_squared();
         let along = to.dot(d);
         let off2 = (to - d * along).length_squared();
-        if distance2 <= radius * radius || along <= 0.0 || off2 > radius * radius {
+        if self.holds(frame, origin) {
+            let t = self.way_out(to, d);
+            return (t > 0.0 && t < t_max).then_some((frame.strength, warp::SPHERE_PDF, t));
+        }
+        if along <= 0.0 || off2 > radius * radius {
             return None;
         }
         let t = along - (radius * radius - off2).max(0.0).sqrt();

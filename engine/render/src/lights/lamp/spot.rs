@@ -27,6 +27,16 @@ impl SpotLamp {
         x * x * (3.0 - 2.0 * x)
     }
 
+    /// The part of the light that is seen from a place along `d`. Within the sphere the cone counts nothing; away from the middle half is
+    /// seen: there Cycles has light samples alone, whose weight is one half where the lamp is alone.
+    fn part(&self, frame: &LampFrame, from: Vec3A, d: Vec3A) -> f32 {
+        match self.ball.holds(frame, from) {
+            false => self.cone(frame, -d),
+            true if d.dot(frame.center - from) > 0.0 => 1.0,
+            true => 0.5,
+        }
+    }
+
     /// 1 - cos of the cone.
     fn limit(&self) -> f32 {
         one_minus_cos(self.half_angle_rad.min(PI))
@@ -67,13 +77,13 @@ impl LampShape for SpotLamp {
 
     fn sample(&self, frame: &LampFrame, from: Vec3A, u: [f32; 2]) -> Option<LightSample> {
         let mut s = self.ball.sample(frame, from, u)?;
-        s.radiance *= self.cone(frame, -s.wi);
+        s.radiance *= self.part(frame, from, s.wi);
         Some(s)
     }
 
     fn hit(&self, frame: &LampFrame, origin: Vec3A, d: Vec3A, t_max: f32) -> Option<(Rgb, f32, f32)> {
         let (radiance, pdf, t) = self.ball.hit(frame, origin, d, t_max)?;
-        Some((radiance * self.cone(frame, -d), pdf, t))
+        Some((radiance * self.part(frame, origin, d), pdf, t))
     }
 
     fn emit(&self, frame: &LampFrame, u_place: [f32; 2], u_direction: [f32; 2], _scene: (Vec3A, f32)) -> LampRay {

@@ -259,8 +259,8 @@ impl Lobe {
     }
 
     /// Weighted value times cosine, and the density of its own choice. `above`: `wi` leaves on the viewer's side of the
-    /// triangle, whose smooth normal is `smooth`.
-    pub(super) fn evaluate(&self, wi: Vec3A, above: bool, smooth: Vec3A) -> (Rgb, f32) {
+    /// triangle, whose smooth normal is `smooth`, with whether a bump on it dims the light that grazes it.
+    pub(super) fn evaluate(&self, wi: Vec3A, above: bool, (smooth, dims): (Vec3A, bool)) -> (Rgb, f32) {
         let world = wi;
         let (wo, wi) = (self.wo, warp::to_local(&self.frame, wi));
         if self.is_hair() {
@@ -296,8 +296,11 @@ impl Lobe {
             }
             _ => return (Rgb::ZERO, 0.0),
         };
-        let lit =
-            if self.is_matte() && self.normal() != smooth { terminator(smooth, self.normal(), world) } else { 1.0 };
+        let lit = if self.is_matte() && self.normal() != smooth {
+            terminator(smooth, self.normal(), world, dims)
+        } else {
+            1.0
+        };
         (self.weight * value * lit, pdf)
     }
 
@@ -360,12 +363,15 @@ impl Lobe {
 
 /// The part of light along `wi` that is left where a bump bends the smooth normal to `bent`: the shadows that facets of such slopes throw
 /// on each other, without which those of the bumps would end at a hard edge (Conty Estevez, Lecocq and Stein 2019, "A microfacet-based
-/// shadowing function to solve the bump terminator problem").
-fn terminator(smooth: Vec3A, bent: Vec3A, wi: Vec3A) -> f32 {
+/// shadowing function to solve the bump terminator problem"). Without `dims` nothing but what comes from the other side is left out.
+fn terminator(smooth: Vec3A, bent: Vec3A, wi: Vec3A, dims: bool) -> f32 {
     let (across, cos) = (smooth.dot(bent), smooth.dot(wi));
     if cos * across * bent.dot(wi) <= 0.0 {
         // It comes from the other side of the surface.
         return 0.0;
+    }
+    if !dims {
+        return 1.0;
     }
     let tangent_squared = |cos: f32| (1.0 - cos * cos).max(0.0) / (cos * cos).max(1e-12);
     let alpha_squared = (0.125 * tangent_squared(across)).min(1.0);

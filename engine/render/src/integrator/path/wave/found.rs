@@ -98,12 +98,16 @@ impl Path {
         });
     }
 
-    /// Adds the light of the world and of suns.
+    /// Adds the light of the world and of suns; notes how much of the film is seen through glass.
     #[inline(always)]
     pub(super) fn sky<N: AovSink>(&self, stage: &PreparedScene, limits: &Limits, found: &mut Found<'_, N>) {
         let to = self.chosen.receiver();
         if self.way.is_camera() && (limits.hide_sky || self.strategy.is_aimed()) {
             return;
+        }
+        let is_film = limits.hide_sky && self.is_on_film;
+        if is_film {
+            found.result.hole += self.throughput.element_sum() / 3.0;
         }
         let world = limits.approximations.fast_gi.last_ray(self.way).map_or(1.0, |last| last.factor);
         stage.lights.sky_along(
@@ -116,6 +120,9 @@ impl Path {
                     return;
                 }
                 let is_world = stage.lights.is_world(source);
+                if is_world && is_film {
+                    return;
+                }
                 let counts = self.chosen.weight(pdf) * if is_world { world } else { 1.0 };
                 let light = self.throughput * radiance * counts;
                 let group = || stage.lights.group(&stage.scene, source);
@@ -157,7 +164,7 @@ impl Path {
         if !material.emits_or_holds_out {
             return false;
         }
-        if self.way.is_camera() && material.may_hold_out() && self.falls_into(stage, hit, point, kept, found.result) {
+        if self.is_on_film && material.may_hold_out() && self.falls_into(stage, hit, point, kept, found.result) {
             return true;
         }
         if !material.emits() || !self.finds(stage, || stage.scene.instances[hit.instance as usize].links.sets) {

@@ -13,7 +13,7 @@ use crate::lights::{LightSample, receiver::LightSampleContext};
 use crate::nodes::{PathState, View};
 use crate::sampler::warp;
 use crate::scene::visibility::{LightSets, Rays};
-use crate::shading::{LobeDecomposition, LobeShares, Scattering};
+use crate::shading::{BsdfSample, LobeDecomposition, LobeShares, Scattering};
 use crate::surface::SurfacePoint;
 use glam::Vec3A;
 
@@ -125,6 +125,7 @@ impl ScatterPlace<'_> {
             if next.mirror { LobeShares::mirror(next.transmitted) } else { bsdf.shares(next.wi, Rays::BOUNCE, false) }
         });
         path.way = path.way.scattered(next.matte, next.mirror, next.transmitted);
+        path.is_on_film &= next.transmitted && self.is_film_glass(bsdf, &next);
         if !path.goes_on(self.limits, u_end) {
             return false;
         }
@@ -149,6 +150,12 @@ impl ScatterPlace<'_> {
         path.start = path.ray.origin;
         path.from = self.point.instance;
         true
+    }
+
+    /// True if a transparent film is seen through what was just refracted.
+    fn is_film_glass(&self, bsdf: &impl LobeDecomposition, next: &BsdfSample) -> bool {
+        let is_smooth = |most: f32| next.mirror || bsdf.mean_alpha_squared(next.wi) <= most;
+        self.limits.film_glass.is_some_and(|most| !next.matte && is_smooth(most))
     }
 
     /// A ray of the ambient occlusion pass, as `integrate_surface_ao` in shade_surface.h of Cycles: spread by the cosine about the mean normal

@@ -251,6 +251,7 @@ impl MediumState {
         let (value, pdf) = at.medium.phase(cos, path.throughput);
         path.throughput *= value / pdf;
         path.way = path.way.scattered_in_volume();
+        path.is_on_film = false;
         self.bounces += 1;
         if !path.throughput.is_finite() || !path.goes_on(at.limits, u_end) {
             return MediumEvent::Ended;
