@@ -38,11 +38,12 @@ def send_scene(
     only_catchers: bool = False,
     kept: Kept | None = None,
     seen_in: bpy.types.SpaceView3D | None = None,
+    camera: bpy.types.Object | None = None,
     baked: Baked | None = None,
 ) -> bool:
     """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise. With `only_catchers` what
     does not catch shadows holds out, and is not there for anything but the camera. `kept`: what the builder holds already; `seen_in`:
-    the view whose own choice of objects counts. `baked`: the object whose surface is wanted, its triangles as Blender has them. True where something is to catch shadows."""
+    the view whose own choice of objects counts; `camera`: that of a view in stereo, instead of the scene's. `baked`: the object whose surface is wanted, its triangles as Blender has them. True where something is to catch shadows."""
     kept = Kept(builder) if kept is None else kept
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     images = Images(kept, report, scene.frame_current)
@@ -53,7 +54,7 @@ def send_scene(
     stage = Stage(
         kept, materials, images, groups, report, check_stop, motion, blur, only_catchers=only_catchers, baked=baked
     )
-    stage.send(depsgraph, seen_in)
+    stage.send(depsgraph, seen_in, camera)
     # Bakes follow paths, whatever takes the pictures.
     is_bidirectional = scene.petzval.integrator == "BIDIRECTIONAL" and baked is None
     if is_bidirectional:

@@ -143,8 +143,13 @@ class Stage:
         #: The group of the instance that is looked at; None: the instance is sent by itself.
         self._instance_group: InstanceGroup | None = None
 
-    def send(self, depsgraph: bpy.types.Depsgraph, seen_in: bpy.types.SpaceView3D | None = None) -> None:
-        """All objects and their instances, as they are visible in this graph, and in this view where one is given."""
+    def send(
+        self,
+        depsgraph: bpy.types.Depsgraph,
+        seen_in: bpy.types.SpaceView3D | None = None,
+        camera: bpy.types.Object | None = None,
+    ) -> None:
+        """All objects and their instances, as they are visible in this graph, and in this 3D view or to this camera where one is given."""
         links = Links(depsgraph, self._report)
         lights = Lights(self._images, links, self._groups)
         self._drawn = curves.shape(depsgraph.scene_eval)
@@ -155,7 +160,7 @@ class Stage:
         layer = depsgraph.view_layer_eval
         shows_hair = layer.use_strand
         groups: dict[Hashable, InstanceGroup] = {}
-        culling = Culling(depsgraph)
+        culling = Culling(depsgraph, camera)
         for place in filter(culling.keeps, depsgraph.object_instances):
             self._check_stop()
             key = self._group_key(place)
