@@ -307,7 +307,9 @@ class Stage:
         if not isinstance(data, (bpy.types.Mesh, bpy.types.Curves, bpy.types.PointCloud)):
             return None
         # A mesh whose users ask for different attributes is sent with each set.
-        wanted = frozenset().union(*(self._materials.wanted(slot.material) for slot in holder.material_slots))
+        wanted = self._materials.of_rays.union(
+            *(self._materials.wanted(slot.material) for slot in holder.material_slots)
+        )
 
         def send() -> int | None:
             if isinstance(data, bpy.types.Curves):
