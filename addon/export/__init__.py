@@ -14,7 +14,7 @@ import bpy
 from petzval.description import WorldDescription
 
 from ..data import passes
-from . import curves, dicing, world
+from . import curves, dicing, visibility, world
 from .aovs import Aovs
 from .baking import Baked
 from .image import Images
@@ -63,7 +63,9 @@ def send_scene(
                 layer, bpy.app.version
             ),
             "holdout, what holds out is seen": stage.holds_out,
-            "ray visibility but the camera's and shadows', and of no light linking": stage.is_selective,
+            "light linking": stage.links_light,
+            "limits of single kinds of bounces, only of all": visibility.limits_kinds(scene),
+            "caustics that are switched off, these are shown": visibility.leaves_out_caustics(scene),
             "light groups, their passes are black": groups.names,
             "volumes, space is empty": kept.fills_space or world.fills_space(own),
             "shadow catchers, these are shown": stage.catches_shadows,

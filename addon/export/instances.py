@@ -33,8 +33,6 @@ from .visibility import hidden_from
 WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
 #: Those of which all has the first material; what *Surfaces* of a view layer says is not of them.
 SMALL = {"CURVES", "POINTCLOUD"}
-#: What a surface sends on: rays that only some paths know of.
-BOUNCES = {"DIFFUSE", "GLOSSY", "TRANSMISSION"}
 #: Objects that are seen in a Blender render, but not here yet.
 NOT_YET = {"GPENCIL": "grease pencil", "GREASEPENCIL": "grease pencil"}
 
@@ -127,8 +125,8 @@ class Stage:
         self._groups = groups
         self._report = report
         self._check_stop = check_stop
-        #: Something is hidden from some bounces alone, or lights some objects alone.
-        self.is_selective = False
+        #: Something lights some objects alone.
+        self.links_light = False
         #: The camera sees a hole somewhere.
         self.holds_out = False
         #: Shadows are caught somewhere.
@@ -181,7 +179,7 @@ class Stage:
                 self._particles(holder, place, links, hidden)
             if not place.show_self or (holder.type == "CURVES" and not shows_hair):
                 continue
-            self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
+            self.links_light |= links.any
             is_left_out = (holder.type == "VOLUME" and not layer.use_volumes) or (
                 holder.type in WITH_SURFACE - SMALL and not layer.use_solid
             )
@@ -392,7 +390,7 @@ class Stage:
             key = (uid(holder), system.hair.name, wanted)
             index = self._kept.mesh(key, _sources(holder, place), send)
             first_number += len(system.particles)
-            self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
+            self.links_light |= links.any
             self._place(holder, place, links, hidden, index, [self._materials.index(material)])
 
     def _add_hair(

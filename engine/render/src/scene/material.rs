@@ -4,6 +4,7 @@ use super::closure::{Closure, Principled};
 use super::graph::Graph;
 use super::volume::Volume;
 use crate::Rgb;
+use petzval_nodes::Field;
 use std::sync::Arc;
 
 /// A material: its shader graph, and Blender's settings beside the nodes.
@@ -29,7 +30,26 @@ pub struct Material {
     pub is_clear: bool,
     /// True if its surface lets no light through unbent to what is lit by light samples.
     pub shades_fully: bool,
+    /// True if its nodes ask how a ray came: Light Path.
+    pub asks_path: bool,
 }
+
+/// The fields that tell how a ray came.
+const OF_PATHS: [Field; 13] = [
+    Field::IsCameraRay,
+    Field::IsShadowRay,
+    Field::IsDiffuseRay,
+    Field::IsGlossyRay,
+    Field::IsSingularRay,
+    Field::IsReflectionRay,
+    Field::IsTransmissionRay,
+    Field::RayLength,
+    Field::RayDepth,
+    Field::DiffuseDepth,
+    Field::GlossyDepth,
+    Field::TransmissionDepth,
+    Field::TransparentDepth,
+];
 
 /// Values that nodes give out: a graph with a layer of emission for each, and their numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +65,7 @@ impl Material {
     pub fn new(name: impl Into<String>, graph: Arc<Graph>) -> Self {
         // Every ray and shadow ray asks for these.
         let (is_emissive, is_clear) = (graph.emits(), graph.may_be_transparent());
+        let asks_path = graph.reads_any(&OF_PATHS);
         Self {
             name: name.into(),
             graph,
@@ -56,6 +77,7 @@ impl Material {
             is_emissive,
             is_clear,
             shades_fully: false,
+            asks_path,
         }
     }
 
