@@ -73,6 +73,10 @@ def send_scene(
         for what, is_there in unknown.items():
             if is_there:
                 report.warn(f"Scene '{scene.name}': bidirectional paths know of no {what}")
+    if stage.catches_shadows and (kept.fills_space or world.fills_space(own)):
+        report.warn(
+            f"Scene '{scene.name}': shadow catchers behind volumes are not as in Cycles yet, and volumes catch no shadows"
+        )
     _name_what_is_missing(scene, report)
     return stage.catches_shadows and not is_bidirectional
 
@@ -135,6 +139,10 @@ def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, re
         report.warn(f"World '{own.name}': a sky without shadows is not supported yet, it throws them")
     if getattr(getattr(own, "cycles", None), "max_bounces", 1024) < 1024:
         report.warn(f"World '{own.name}': a limit of the bounces that a sky lights is not supported yet, it lights all")
+    listed = {one.name for one in depsgraph.view_layer_eval.aovs}
+    tree = None if own is None else own.node_tree
+    if listed and tree is not None and any(n.type == "OUTPUT_AOV" and n.aov_name in listed for n in tree.nodes):
+        report.warn(f"World '{own.name}': shader AOVs of worlds are not supported yet, they are zero")
     sky = world.describe(own, images)
     sky.light_group = groups.number(own)
     return sky
