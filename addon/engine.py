@@ -10,11 +10,12 @@ import bpy
 from .data import passes
 from .export import sampling
 from .export.errors import ExportError
+from .export.stereo import View
 from .native import EngineMissing, engine
 from .render import loop, persistent, planning, preview, statistics
 from .render.bake import Bake
 from .render.photograph import Photograph
-from .render.results import deliver_black
+from .render.results import deliver_black, views
 from .viewport import RenderedView
 
 #: The one name of the engine.
@@ -79,19 +80,25 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         return found
 
     def render(self, depsgraph):
-        """One view layer. An exception would only be printed, so everything ends as a report and a picture."""
+        """One view layer, view by view."""
+        said: set[str] = set()
+        for view in views(self, depsgraph):
+            self._render(depsgraph, view, said)
+
+    def _render(self, depsgraph, view: View, said: set[str]) -> None:
+        """One view. An exception would only be printed, so everything ends as a report and a picture."""
         try:
             if self.is_preview:
                 preview.render(self, depsgraph)
             else:
-                Photograph(self, depsgraph).take()
+                Photograph(self, depsgraph, view, said).take()
         except loop.Stopped:
-            deliver_black(self, depsgraph)
+            deliver_black(self, depsgraph, view.name)
         except KeyboardInterrupt:
             loop.WATCH.stop.set()
-            deliver_black(self, depsgraph)
+            deliver_black(self, depsgraph, view.name)
         except Exception as error:
-            _fail(self, depsgraph, _complaint(error))
+            _fail(self, depsgraph, view, _complaint(error))
 
 
 def _complaint(error: Exception) -> str:
@@ -110,9 +117,9 @@ def _is_engine_error(error: Exception) -> bool:
         return False
 
 
-def _fail(host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph, message: str) -> None:
+def _fail(host: PetzvalRenderEngine, depsgraph: bpy.types.Depsgraph, view: View, message: str) -> None:
     """An error report, and a black picture: writing a picture without pixels crashes Blender."""
-    deliver_black(host, depsgraph)
+    deliver_black(host, depsgraph, view.name)
     host.report({"ERROR"}, message)
 
 

@@ -14,7 +14,7 @@ import bpy
 from petzval.description import WorldDescription
 
 from ..data import passes
-from . import curves, dicing, world
+from . import curves, dicing, visibility, world
 from .aovs import Aovs
 from .baking import Baked
 from .image import Images
@@ -39,11 +39,12 @@ def send_scene(
     only_catchers: bool = False,
     kept: Kept | None = None,
     seen_in: bpy.types.SpaceView3D | None = None,
+    camera: bpy.types.Object | None = None,
     baked: Baked | None = None,
 ) -> bool:
     """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise. With `only_catchers` what
     does not catch shadows holds out, and is not there for anything but the camera. `kept`: what the builder holds already; `seen_in`:
-    the view whose own choice of objects counts. `baked`: the object whose surface is wanted, its triangles as Blender has them. True where something is to catch shadows."""
+    the view whose own choice of objects counts; `camera`: that of a view in stereo, instead of the scene's. `baked`: the object whose surface is wanted, its triangles as Blender has them. True where something is to catch shadows."""
     kept = Kept(builder) if kept is None else kept
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     images = Images(kept, report, scene.frame_current, _image_limit(depsgraph))
@@ -54,7 +55,7 @@ def send_scene(
     stage = Stage(
         kept, materials, images, groups, report, check_stop, motion, blur, only_catchers=only_catchers, baked=baked
     )
-    stage.send(depsgraph, seen_in)
+    stage.send(depsgraph, seen_in, camera)
     # Bakes follow paths, whatever takes the pictures.
     is_bidirectional = scene.petzval.integrator == "BIDIRECTIONAL" and baked is None
     if is_bidirectional:
@@ -63,7 +64,9 @@ def send_scene(
                 layer, bpy.app.version
             ),
             "holdout, what holds out is seen": stage.holds_out,
-            "ray visibility but the camera's and shadows', and of no light linking": stage.is_selective,
+            "light linking": stage.links_light,
+            "limits of single kinds of bounces, only of all": visibility.limits_kinds(scene),
+            "caustics that are switched off, these are shown": visibility.leaves_out_caustics(scene),
             "light groups, their passes are black": groups.names,
             "volumes, space is empty": kept.fills_space or world.fills_space(own),
             "shadow catchers, these are shown": stage.catches_shadows,
@@ -73,6 +76,10 @@ def send_scene(
         for what, is_there in unknown.items():
             if is_there:
                 report.warn(f"Scene '{scene.name}': bidirectional paths know of no {what}")
+    if stage.catches_shadows and (kept.fills_space or world.fills_space(own)):
+        report.warn(
+            f"Scene '{scene.name}': shadow catchers behind volumes are not as in Cycles yet, and volumes catch no shadows"
+        )
     _name_what_is_missing(scene, report)
     return stage.catches_shadows and not is_bidirectional
 
@@ -130,6 +137,10 @@ def send_sky(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report) -> No
 
 def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:
     own = sky_of(depsgraph)
+    listed = {one.name for one in depsgraph.view_layer_eval.aovs}
+    tree = None if own is None else own.node_tree
+    if listed and tree is not None and any(n.type == "OUTPUT_AOV" and n.aov_name in listed for n in tree.nodes):
+        report.warn(f"World '{own.name}': shader AOVs of worlds are not supported yet, they are zero")
     sky = world.describe(own, images)
     sky.light_group = groups.number(own)
     return sky

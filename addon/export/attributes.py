@@ -45,11 +45,18 @@ def wanted(graph: dict[str, Any]) -> frozenset[str]:
             names.add(options["attribute_name"])
         elif kind == "ShaderNodeVertexColor":
             names.add(options["layer_name"])
+        elif kind == "ShaderNodeRaycast":
+            names |= of_raycast(options)
         elif _takes_generated(kind, node["inputs"]):
             names.add(GENERATED)
     if "Generated" in _shown(graph, "ShaderNodeTexCoord"):
         names.add(GENERATED)
     return frozenset(names)
+
+
+def of_raycast(options: dict[str, Any]) -> set[str]:
+    """The names of what a Raycast node asks of what is hit."""
+    return {name for key, name in options.items() if key.startswith("attribute_") and not key.endswith("_kind")}
 
 
 def _takes_generated(kind: str, inputs: dict[str, Any]) -> bool:

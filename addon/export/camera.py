@@ -30,6 +30,7 @@ from ..data.lens_files import LensMissing, resolve
 from . import framing
 from .errors import ExportError
 from .report import Report
+from .stereo import Eye, is_pair
 
 MILLIMETRES_PER_METRE = 1000.0
 
@@ -60,8 +61,9 @@ def describe(
     height: int,
     report: Report,
     model: str | None = None,
+    eye: Eye | None = None,
 ) -> CameraDescription:
-    """What the engine is told; `model` instead of the camera's own. Raises `ExportError`."""
+    """What the engine is told; `model` instead of the camera's own; `eye`: as a view in stereo has it. Raises `ExportError`."""
     if holder is None:
         raise ExportError(f"Scene '{scene.name}' has no camera: add one, and make it the active camera")
     if holder.type != "CAMERA":
@@ -73,14 +75,15 @@ def describe(
     larger = max(width, height * aspect)
     model = settings.model if model is None else model
     of_lens = model in OF_LENS_FILE
-    alike = CameraDescription(holder.name, rows(holder.matrix_world), **_alike(CameraDescription, settings))
+    eye = Eye(holder, holder.matrix_world, camera.shift_x) if eye is None else eye
+    alike = CameraDescription(holder.name, rows(eye.matrix), **_alike(CameraDescription, settings))
     description = replace(
         alike,
         model=model,
         perspective=Perspective(
             camera.lens,
             picture_width_mm,
-            (camera.shift_x * side / larger, camera.shift_y * side / larger),
+            (eye.shift_x * side / larger, camera.shift_y * side / larger),
             camera.dof.aperture_ratio,
         ),
         pixel_aspect=aspect,
@@ -91,6 +94,7 @@ def describe(
         scattering=Scattering(settings.glare_roughness, settings.glare_cleanliness, settings.glare_veil),
         exposure=_exposure(settings, model),
         clip=_clip(camera, holder.name, report),
+        spherical_stereo=eye.spherical,
     )
     if camera.type == "ORTHO":
         return _orthographic(description, camera, width / side, report)
@@ -101,8 +105,14 @@ def describe(
         description = replace(description, lens_path=_lens_path(description, camera, height * aspect / width))
         description = replace(description, film=_film(description, camera, (width, height)))
         if settings.focal_mode == "BLENDER":
-            description = framing.like_blender(description, (width, height), report)
+            own = tuple(shift * side / larger for shift in (camera.shift_x, camera.shift_y))
+            framed = framing.like_blender(description, own, (width, height), report)
+            description = replace(description, lens=framed.lens, film=framed.film)
+        if eye.turn:
+            description = framing.turned(description, (width, height), eye.turn, report)
     _warn(description, camera, report)
+    if of_lens and is_pair(scene.render) and camera.stereo.use_spherical_stereo:
+        report.warn(f"Camera '{holder.name}': a lens does not turn with each of its rays: spherical stereo is left out")
     return description
 
 
@@ -315,5 +325,5 @@ def _warn(description: CameraDescription, camera: bpy.types.Camera, report: Repo
         report.warn(f"{name}: {kind} cameras are not supported yet, it is taken as perspective")
     settings = camera.petzval
     is_followed = settings.focal_mode == "BLENDER" or (settings.in_step and settings.match_viewport)
-    if description.model in OF_LENS_FILE and any(description.perspective.shift) and not is_followed:
+    if description.model in OF_LENS_FILE and any((camera.shift_x, camera.shift_y)) and not is_followed:
         report.warn(f"{name}: Blender's shift does not move a real lens: use the shift of its Film & Movements panel")

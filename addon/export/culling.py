@@ -13,9 +13,9 @@ Points = np.ndarray
 class Culling:
     """Cycles' settings of a scene for that, and the camera that it goes by: Blender's own, whatever lens stands before it."""
 
-    def __init__(self, depsgraph: bpy.types.Depsgraph) -> None:
+    def __init__(self, depsgraph: bpy.types.Depsgraph, camera: bpy.types.Object | None = None) -> None:
         scene = depsgraph.scene_eval
-        own, render, camera = getattr(scene, "cycles", None), scene.render, scene.camera
+        own, render, camera = getattr(scene, "cycles", None), scene.render, camera or scene.camera
         # As Cycles has it: a panoramic camera sees all.
         acts = (
             own is not None

@@ -23,10 +23,12 @@ class Refused(Exception):
     """The engine's complaint, one line."""
 
 
-def like_blender(description: CameraDescription, size: tuple[int, int], report: Report) -> CameraDescription:
-    """The camera with its lens scaled or zoomed to frame what its `perspective` frames, in a picture of so many pixels on its film; shifts
-    of the lens add to those of Blender's camera. As it was, and a warning, where the lens cannot."""
-    perspective, film = description.perspective, description.film
+def like_blender(
+    description: CameraDescription, shift: tuple[float, float], size: tuple[int, int], report: Report
+) -> CameraDescription:
+    """The camera with its lens scaled or zoomed to frame what its `perspective` frames with this shift, in a picture of so many pixels on
+    its film; shifts of the lens add to those of Blender's camera. As it was, and a warning, where the lens cannot."""
+    perspective, film = replace(description.perspective, shift=shift), description.film
     shape = size[0] / (size[1] * description.pixel_aspect)
     width_mm = min(film.width_mm, film.height_mm * shape)
     on_film = replace(
@@ -39,12 +41,26 @@ def like_blender(description: CameraDescription, size: tuple[int, int], report: 
     except Refused as error:
         report.warn(f"{error}; it keeps its published size until then")
         return description
-    shift = found["shift_mm"]
+    shift_mm = found["shift_mm"]
     return replace(
         description,
         lens=replace(description.lens, focal_length={"MILLIMETRES": found["focal_length_mm"]}),
-        film=replace(film, shift_mm=(film.shift_mm[0] + shift[0], film.shift_mm[1] + shift[1])),
+        film=replace(film, shift_mm=(film.shift_mm[0] + shift_mm[0], film.shift_mm[1] + shift_mm[1])),
     )
+
+
+def turned(description: CameraDescription, size: tuple[int, int], turn: float, report: Report) -> CameraDescription:
+    """The camera with its film shifted until its picture's middle lies to the right by a tangent. As it was, and a warning, where the lens
+    cannot be asked."""
+    try:
+        info = json.loads(_ask("camera_info_json", description, size))
+    except Refused as error:
+        report.warn(f"{error}; its film stays where it is, and the eyes do not converge")
+        return description
+    x, y = description.film.shift_mm
+    across, _, along = description.scale_mm_per_unit
+    to_the_right = turn * across / along * info["viewport_focal_length_mm"]
+    return replace(description, film=replace(description.film, shift_mm=(x + to_the_right, y)))
 
 
 def film_of_lens_mm(description: CameraDescription, size: tuple[int, int]) -> tuple[float, float]:

@@ -88,7 +88,12 @@ class _Walk:
             described = {"type": source.node.bl_idname, "name": source.node.name, "options": {}, "inputs": {}}
             self.nodes.append(described)
             self._waiting.append((source, described))
-        return {"node": self._places[key], "socket": source.socket.identifier}
+        socket = source.socket.identifier
+        if source.node.type == nodes.RAYCAST and socket.startswith("Attribute_"):
+            # Blender goes on counting where others were removed.
+            shown = [one for one in source.node.outputs if one.identifier.startswith("Attribute_")]
+            socket = f"Attribute_{shown.index(source.socket)}"
+        return {"node": self._places[key], "socket": socket}
 
     def given(self, socket: bpy.types.NodeSocket, found: nodes.Source | nodes.Input | None) -> Any:
         """What an input socket gets: a link, or a value; None where the node takes something of the surface."""
@@ -105,6 +110,8 @@ class _Walk:
             described["options"] = _options(source.node, self._image_index)
             for given in source.inputs():
                 self._describe_input(given, described)
+            if source.node.type == nodes.RAYCAST:
+                described["options"] |= _attributes(source.node, described["options"])
             self._map_coordinates(source.node, described)
 
     def _map_coordinates(self, node: bpy.types.Node, described: dict[str, Any]) -> None:
@@ -208,6 +215,14 @@ def _options(node: bpy.types.Node, image_index: ImageIndex) -> dict[str, Any]:
     elif node.type == "TEX_COORD" and node.object is not None:
         options["object_matrix"] = [list(row) for row in node.object.matrix_world.inverted_safe()]
     return options
+
+
+def _attributes(node: bpy.types.Node, names: dict[str, Any]) -> dict[str, Any]:
+    """What a Raycast node asks of what is hit: names of attributes and the kinds of their outputs, by their places in its list."""
+    asked = [names.get(one.identifier, "") for one in node.inputs if one.type == "STRING"]
+    kinds = [one.type for one in node.outputs if one.identifier.startswith("Attribute_")]
+    found = {f"attribute_{place}": name for place, name in enumerate(asked)}
+    return found | {f"attribute_{place}_kind": kind for place, kind in enumerate(kinds)}
 
 
 def _luminaire(node: bpy.types.Node) -> str | None:

@@ -33,8 +33,6 @@ from .visibility import hidden_from
 WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
 #: Those of which all has the first material; what *Surfaces* of a view layer says is not of them.
 SMALL = {"CURVES", "POINTCLOUD"}
-#: What a surface sends on: rays that only some paths know of.
-BOUNCES = {"DIFFUSE", "GLOSSY", "TRANSMISSION"}
 #: Objects that are seen in a Blender render, but not here yet.
 NOT_YET = {"GPENCIL": "grease pencil", "GREASEPENCIL": "grease pencil"}
 
@@ -127,8 +125,8 @@ class Stage:
         self._groups = groups
         self._report = report
         self._check_stop = check_stop
-        #: Something is hidden from some bounces alone, or lights some objects alone.
-        self.is_selective = False
+        #: Something lights some objects alone.
+        self.links_light = False
         #: The camera sees a hole somewhere.
         self.holds_out = False
         #: Shadows are caught somewhere.
@@ -143,8 +141,13 @@ class Stage:
         #: The group of the instance that is looked at; None: the instance is sent by itself.
         self._instance_group: InstanceGroup | None = None
 
-    def send(self, depsgraph: bpy.types.Depsgraph, seen_in: bpy.types.SpaceView3D | None = None) -> None:
-        """All objects and their instances, as they are visible in this graph, and in this view where one is given."""
+    def send(
+        self,
+        depsgraph: bpy.types.Depsgraph,
+        seen_in: bpy.types.SpaceView3D | None = None,
+        camera: bpy.types.Object | None = None,
+    ) -> None:
+        """All objects and their instances, as they are visible in this graph, and in this 3D view or to this camera where one is given."""
         links = Links(depsgraph, self._report)
         lights = Lights(self._images, links, self._groups)
         self._drawn = curves.shape(depsgraph.scene_eval)
@@ -155,7 +158,7 @@ class Stage:
         layer = depsgraph.view_layer_eval
         shows_hair = layer.use_strand
         groups: dict[Hashable, InstanceGroup] = {}
-        culling = Culling(depsgraph)
+        culling = Culling(depsgraph, camera)
         for place in filter(culling.keeps, depsgraph.object_instances):
             self._check_stop()
             key = self._group_key(place)
@@ -176,7 +179,7 @@ class Stage:
                 self._particles(holder, place, links, hidden)
             if not place.show_self or (holder.type == "CURVES" and not shows_hair):
                 continue
-            self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
+            self.links_light |= links.any
             is_left_out = (holder.type == "VOLUME" and not layer.use_volumes) or (
                 holder.type in WITH_SURFACE - SMALL and not layer.use_solid
             )
@@ -302,7 +305,9 @@ class Stage:
         if not isinstance(data, (bpy.types.Mesh, bpy.types.Curves, bpy.types.PointCloud)):
             return None
         # A mesh whose users ask for different attributes is sent with each set.
-        wanted = frozenset().union(*(self._materials.wanted(slot.material) for slot in holder.material_slots))
+        wanted = self._materials.of_rays.union(
+            *(self._materials.wanted(slot.material) for slot in holder.material_slots)
+        )
 
         def send() -> int | None:
             if isinstance(data, bpy.types.Curves):
@@ -385,7 +390,7 @@ class Stage:
             key = (uid(holder), system.hair.name, wanted)
             index = self._kept.mesh(key, _sources(holder, place), send)
             first_number += len(system.particles)
-            self.is_selective |= links.any or not BOUNCES.isdisjoint(hidden)
+            self.links_light |= links.any
             self._place(holder, place, links, hidden, index, [self._materials.index(material)])
 
     def _add_hair(

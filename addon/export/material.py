@@ -10,7 +10,7 @@ import bpy
 
 from petzval.description import MaterialDescription
 
-from . import attributes
+from . import attributes, nodes
 from .aovs import Aovs
 from .graph import describe as describe_graph
 from .image import Images
@@ -38,6 +38,8 @@ class Materials:
         self._report = report
         self._known = kept.materials
         self._wanted = kept.wanted
+        #: The attributes that rays of any material ask of what they hit.
+        self.of_rays = _of_rays()
 
     def index(self, material: bpy.types.Material | None) -> int:
         """The engine's index of a material; an empty slot gets Blender's default grey."""
@@ -63,10 +65,10 @@ class Materials:
         return self._known[_SMOKE]
 
     def wanted(self, material: bpy.types.Material | None) -> frozenset[str]:
-        """The attributes that a material asks of meshes."""
+        """The attributes that a material asks of meshes, and `of_rays`."""
         material = self.override or material
         self.index(material)
-        return frozenset() if material is None else self._wanted.get(uid(material), frozenset())
+        return self.of_rays | (frozenset() if material is None else self._wanted.get(uid(material), frozenset()))
 
     def describe(self, material: bpy.types.Material) -> MaterialDescription:
         """What the engine is told of a material."""
@@ -94,6 +96,16 @@ class Materials:
             described.aovs = json.dumps(found[0]), found[1]
             self._wanted[key] |= attributes.wanted(found[0])
         return described
+
+
+def _of_rays() -> frozenset[str]:
+    """The attributes that Raycast nodes ask of whatever they hit."""
+    if not hasattr(bpy.types, "ShaderNodeRaycast"):
+        return frozenset()
+    trees = [one.node_tree for one in bpy.data.materials if one.node_tree is not None]
+    trees += [one for one in bpy.data.node_groups if one.type == "SHADER"]
+    rays = [node for tree in trees for node in tree.nodes if node.type == nodes.RAYCAST]
+    return frozenset(one.default_value for node in rays for one in node.inputs if one.type == "STRING")
 
 
 def uses_nodes(holder: bpy.types.ID) -> bool:

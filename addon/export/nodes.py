@@ -14,6 +14,8 @@ import bpy
 
 # From this version on what is linked to nothing but a reroute or a muted node keeps its own value; before, it got zero.
 _KEEPS_VALUES = (5, 0, 0)
+#: The type of the node Raycast, of Blender 5.1 and later.
+RAYCAST = "MATERIAL_RAYCAST"
 # Deeper than any sane tree; a group that holds itself cannot be made in Blender.
 _DEEPEST = 1000
 

@@ -10,9 +10,12 @@ import bpy
 from petzval.description import Approximations, SettingsDescription
 
 from . import sampling, visibility
+from .stereo import View
 
 #: Of two frames: a prime.
 _SEEDS_APART = 15_485_863
+#: Of two views, likewise.
+_VIEWS_APART = 32_452_843
 
 
 def describe(
@@ -98,6 +101,11 @@ def _fast_gi(scene: bpy.types.Scene, is_viewport: bool) -> str | dict[str, dict[
     if cycles.fast_gi_method == "REPLACE":
         light["bounces"] = cycles.ao_bounces if is_viewport else cycles.ao_bounces_render
     return {cycles.fast_gi_method: light}
+
+
+def of_view(settings: SettingsDescription, view: View) -> SettingsDescription:
+    """The same with noise of its own for each view: one that both eyes see alike would lie in a plane of its own."""
+    return dataclasses.replace(settings, seed=(settings.seed + _VIEWS_APART * view.index) % 2**31)
 
 
 def of_layer(

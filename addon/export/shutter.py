@@ -252,9 +252,8 @@ def _same(one: Shape, other: Shape) -> bool:
     return one.normals[0] == other.normals[0] and np.array_equal(one.normals[1], other.normals[1])
 
 
-def most_keys(depsgraph: bpy.types.Depsgraph) -> int:
-    """The keys of what has most in the graph, its camera among them."""
-    camera = depsgraph.scene_eval.camera
+def most_keys(depsgraph: bpy.types.Depsgraph, camera: bpy.types.Object | None) -> int:
+    """The keys of what has most in the graph, the camera among them."""
     found = [key_count_of(place) for place in depsgraph.object_instances]
     return max([0 if camera is None else key_count(camera), *found])
 

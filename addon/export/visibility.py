@@ -35,6 +35,21 @@ def bounces(scene: bpy.types.Scene) -> KindLimits:
     )
 
 
+def limits_kinds(scene: bpy.types.Scene) -> bool:
+    """Whether paths of one kind of bounce end before others, and before those of a new scene do."""
+    cycles, most = getattr(scene, "cycles", None), most_bounces(scene)
+    if cycles is None:
+        return False
+    names = [f"{kind}_bounces" for kind in ("diffuse", "glossy", "transmission")]
+    return any(getattr(cycles, name) < min(most, cycles.bl_rna.properties[name].default) for name in names)
+
+
+def leaves_out_caustics(scene: bpy.types.Scene) -> bool:
+    """Whether light that is reflected or refracted after a diffuse scattering is left out."""
+    caustics = bounces(scene).caustics
+    return not (caustics.reflective and caustics.refractive)
+
+
 def most_bounces(scene: bpy.types.Scene) -> int:
     """Petzval's own limit, or Cycles's where Petzval's was never set."""
     own, cycles = scene.petzval, getattr(scene, "cycles", None)

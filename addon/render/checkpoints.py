@@ -16,6 +16,7 @@ import bpy
 from petzval.description import flat
 
 from ..data.fingerprint import Pieces, Watched, feed
+from ..export.stereo import View
 from ..native import engine
 from . import loop
 from .persistent import KeptScene
@@ -26,14 +27,14 @@ EVERY_S = 8.0
 KEPT_DAYS = 30.0
 
 
-def of(depsgraph: bpy.types.Depsgraph, *, is_part: bool) -> Checkpoint | None:
-    """That of a view layer; None where nothing is to be kept, and the picture is no part of another one."""
-    file = _file(depsgraph)
+def of(depsgraph: bpy.types.Depsgraph, view: View, *, is_part: bool) -> Checkpoint | None:
+    """That of a view of a view layer; None where nothing is to be kept, and the picture is no part of another one."""
+    file = _file(depsgraph, view)
     return None if file is None and not is_part else Checkpoint(file)
 
 
-def _file(depsgraph: bpy.types.Depsgraph) -> str | None:
-    """The file in which the render of a view layer is kept; None where it is not."""
+def _file(depsgraph: bpy.types.Depsgraph, view: View) -> str | None:
+    """The file in which the render of a view of a view layer is kept; None where it is not."""
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     asked = loop.WATCH.checkpoint
     if asked is None:
@@ -42,9 +43,10 @@ def _file(depsgraph: bpy.types.Depsgraph) -> str | None:
         asked = str(_own_file(scene))
     if not asked:
         return None
-    # Each layer has its own, and the only one has the name as it is.
+    # Each layer and view has its own, and the only one has the name as it is.
     is_alone = sum(one.use for one in scene.view_layers) < 2
-    return asked if is_alone else f"{asked}.{_short(layer.name)}"
+    of_layer = asked if is_alone else f"{asked}.{_short(layer.name)}"
+    return of_layer if view.count < 2 else f"{of_layer}.{_short(view.name)}"
 
 
 def _own_file(scene: bpy.types.Scene) -> Path:

@@ -13,6 +13,7 @@ from .. import export
 from ..data.fingerprint import Pieces
 from ..export.kept import Changes, Kept
 from ..export.report import Report
+from ..export.stereo import View
 
 
 @dataclass
@@ -42,19 +43,21 @@ class KeptScene:
 _last: KeptScene | None = None
 
 
-def begin(depsgraph: bpy.types.Depsgraph, native: Any, *, is_still: bool, is_watched: bool) -> KeptScene:
-    """What is kept of the last frame of a view layer, without what has changed since; else an empty builder. `is_still`: of shapes nothing
-    is sent but how they are now; `is_watched`: fingerprints are wanted. Nothing is kept until `keep`, for a render that is stopped has
-    sent a part."""
+def begin(depsgraph: bpy.types.Depsgraph, native: Any, view: View, *, is_still: bool, is_watched: bool) -> KeptScene:
+    """What is kept of the last frame or view of a view layer, without what has changed since; else an empty builder. `is_still`: of shapes
+    nothing is sent but how they are now; `is_watched`: fingerprints are wanted. Nothing is kept until `keep`, for a render that is stopped
+    has sent a part."""
     global _last
     last, _last = _last, None
     of = depsgraph.scene_eval.name, depsgraph.view_layer_eval.name
-    is_persistent = depsgraph.scene_eval.render.use_persistent_data
+    is_persistent = depsgraph.scene_eval.render.use_persistent_data or view.count > 1
     # A limit of memory is held by counting what is sent.
     can_keep = is_persistent and is_still and not depsgraph.scene_eval.petzval.memory_limit
     settings = (export.shared_settings(depsgraph, is_render=True), is_watched) if can_keep else None
     last = last if is_persistent and last is not None and last.of == of else None
-    changes = Changes.of(depsgraph)
+    # Between the views of a frame nothing changes.
+    is_next_view = view.index > 0
+    changes = Changes() if is_next_view else Changes.of(depsgraph)
     frame = depsgraph.scene_eval.frame_current
     behind = set() if last is None else last.kept.behind(frame, of_view=False)
     # What was warned of may be mended: only what is sent says so.
@@ -64,7 +67,7 @@ def begin(depsgraph: bpy.types.Depsgraph, native: Any, *, is_still: bool, is_wat
     if last is None or settings is None or last.shared_settings != settings or may_be_mended:
         builder = native.SceneBuilder()
         return KeptScene(of, builder, Kept(builder), settings, scene=last and last.scene)
-    if {key for key in last.kept.materials if key > 0} <= changes.materials:
+    if not is_next_view and {key for key in last.kept.materials if key > 0} <= changes.materials:
         # A new graph calls everything changed but images, which may have changed before it was made.
         changes.images.update(key.image for key in last.kept.images)
     changes.materials |= behind
@@ -72,10 +75,10 @@ def begin(depsgraph: bpy.types.Depsgraph, native: Any, *, is_still: bool, is_wat
     return last
 
 
-def keep(depsgraph: bpy.types.Depsgraph, now: KeptScene, scene: Any) -> None:
-    """Keeps the engine's scene for the next frame if the user asks for that."""
+def keep(depsgraph: bpy.types.Depsgraph, view: View, now: KeptScene, scene: Any) -> None:
+    """Keeps the engine's scene for the next view, and for the next frame if the user asks for that."""
     global _last
-    if depsgraph.scene_eval.render.use_persistent_data:
+    if depsgraph.scene_eval.render.use_persistent_data or view.index + 1 < view.count:
         now.scene, _last = scene, now
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One render of one view layer: what is read when, what the engine is given, and what is said meanwhile."""
+"""One render of one view of a view layer: what is read when, what the engine is given, and what is said meanwhile."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from petzval.description import CameraDescription, DenoisingDescription, Shutter
 
 from ..data import denoiser, effects, passes, process_memory
 from ..export import camera as camera_export
-from ..export import denoising, sampling, velocity
+from ..export import denoising, sampling, stereo, velocity
 from ..export import settings as render_settings
 from ..export import shutter as shutters
 from ..export import world as world_export
@@ -34,14 +34,23 @@ _LEAST_PART = 0.02
 
 
 class Photograph:
-    """One render of one view layer, from the dependency graph to the last tile."""
+    """One render of one view of a view layer, from the dependency graph to the last tile."""
 
-    def __init__(self, host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
+    def __init__(
+        self,
+        host: bpy.types.RenderEngine,
+        depsgraph: bpy.types.Depsgraph,
+        view: stereo.View = stereo.ONLY,
+        said: set[str] | None = None,
+    ) -> None:
+        """`said`: the warnings of the views before, which are not said again."""
         self.host = host
+        self.said = set() if said is None else said
         self.depsgraph = depsgraph
+        self.view = view
         self.scene = depsgraph.scene_eval
         self.report = Report()
-        self.results = Results(host, depsgraph)
+        self.results = Results(host, depsgraph, view)
         self.focus: dict | None = None
         # What takes the picture, in a line.
         self.camera = ""
@@ -71,12 +80,14 @@ class Photograph:
         self._tell("Reading the scene", 0.0)
         began = time.perf_counter()
         width, height = camera_export.resolution(self.scene.render)
-        camera = staging.camera(self.scene, width, height, self.report)
+        eye = self._eye()
+        camera = staging.camera(self.scene, width, height, self.report, eye)
         staging.tell_of_lens(native, camera, width, height, self.report)
         settings = render_settings.describe(self.scene, width, height, self.results.has_data)
         settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
+        settings = render_settings.of_view(settings, self.view)
         self.samples, wanted = settings.samples, sampling.of_render(self.scene)
-        checkpoint = checkpoints.of(self.depsgraph, is_part=self.results.is_mergeable)
+        checkpoint = checkpoints.of(self.depsgraph, self.view, is_part=self.results.is_mergeable)
         is_kept = checkpoint is not None and checkpoint.file is not None
         how = self._denoising()
         is_for_denoising = how is not None or self.results.has_denoising_data
@@ -87,11 +98,11 @@ class Photograph:
         blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
         neighbours, motion = self._beside(camera, width, height)
         is_still, size = motion is None and blur is None, (width, height)
-        now = persistent.begin(self.depsgraph, native, is_still=is_still, is_watched=checkpoint is not None)
+        now = persistent.begin(self.depsgraph, native, self.view, is_still=is_still, is_watched=checkpoint is not None)
         told = checkpoint.watched(now) if checkpoint else now.builder
         now.kept.builder = told
         catches = staging.fill(
-            told, self.depsgraph, camera, size, now.report, self._check_stop, motion, blur, kept=now.kept
+            told, self.depsgraph, camera, size, now.report, self._check_stop, motion, blur, kept=now.kept, eye=eye
         )
         now.kept.sweep()
         if checkpoint:
@@ -104,10 +115,10 @@ class Photograph:
         self._tell("Building BVH", 0.0)
         place = staging.place(camera)
         scene = loop.stoppable(now.finish(place, settings.threads), self._stop_asked)
-        persistent.keep(self.depsgraph, now, scene)
+        persistent.keep(self.depsgraph, self.view, now, scene)
         self.report.warnings += scene.warnings()
         for warning in messages.grouped(self.report.warnings):
-            self.host.report({"WARNING"}, warning)
+            self._warn(warning)
         self._tell("Preparing the lens", 0.0)
         if camera.focus.autofocus is not None:
             unfocused = camera
@@ -123,7 +134,7 @@ class Photograph:
         if loop.WATCH.study is not None:
             wishes = effects.wishes(self.scene.petzval)
             loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
-            deliver_black(self.host, self.depsgraph)
+            deliver_black(self.host, self.depsgraph, self.view.name)
             return
         self._plan(native, scene, camera, settings, moving, opened, how)
         beside = self.results.for_job() | {
@@ -176,7 +187,7 @@ class Photograph:
         for warning in scene.warnings():
             if warning not in self.report.warnings:
                 self.report.warn(warning)
-                self.host.report({"WARNING"}, warning)
+                self._warn(warning)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
         if checkpoint:
             self._tell("Keeping the render", 1.0)
@@ -185,6 +196,11 @@ class Photograph:
                 loop.WATCH.written_checkpoints.append(written)
             elif written is not None and not stopped:
                 written.delete()
+
+    def _warn(self, warning: str) -> None:
+        if warning not in self.said:
+            self.said.add(warning)
+            self.host.report({"WARNING"}, warning)
 
     def _is_on(self, effect: str) -> bool:
         return any(row["effect"] == effect and row["decision"] == "on" for row in self.told["effects"])
@@ -245,7 +261,15 @@ class Photograph:
             staging.fill_sky(builder, self.depsgraph, camera, size, Report())
         else:
             staging.fill(
-                builder, self.depsgraph, camera, size, Report(), self._check_stop, blur=blur, only_catchers=True
+                builder,
+                self.depsgraph,
+                camera,
+                size,
+                Report(),
+                self._check_stop,
+                blur=blur,
+                only_catchers=True,
+                eye=self._eye(),
             )
         # A sky that the camera sees is none of the light on what catches shadows.
         settings = dataclasses.replace(settings, transparent_film=not is_sky)
@@ -284,14 +308,14 @@ class Photograph:
         lens does not change meanwhile."""
         if shutter is None:
             return None, None, []
-        count = max(shutters.most_keys(self.depsgraph), 3)
+        eye = self._eye()
+        count = max(shutters.most_keys(self.depsgraph, eye and eye.holder), 3)
         blur, keys = shutters.Blur(self.report, shutter.length * velocity.frame_s(self.scene)), []
 
         mask = {"lens.aperture_mask": camera.lens.aperture_mask}
 
         def describe() -> CameraDescription:
-            then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
-            return changed(then, mask)
+            return changed(self._described(width, height), mask)
 
         def look(_: int) -> None:
             self._check_stop()
@@ -314,7 +338,8 @@ class Photograph:
 
     def _opened(self, keys: list[CameraDescription]) -> ShutterDescription:
         """How the shutter opens, and where the camera is at its keys."""
-        own = shutters.key_count(self.scene.camera)
+        eye = self._eye()
+        own = 0 if eye is None else shutters.key_count(eye.holder)
         matrices = [key.matrix_world for key in keys[:: (len(keys) - 1) // (own - 1)]] if own else []
         if matrices.count(matrices[0] if matrices else None) == len(matrices):
             matrices = []
@@ -338,7 +363,7 @@ class Photograph:
         def at(frame: int) -> tuple[CameraDescription, Frame]:
             self._check_stop()
             self._frame_set(frame, subframe)
-            then = camera_export.describe(self.scene.camera, self.scene, width, height, self.report)
+            then = self._described(width, height)
             return changed(then, {"lens.aperture_mask": camera.lens.aperture_mask}), Frame.read(self.depsgraph)
 
         try:
@@ -346,6 +371,16 @@ class Photograph:
         finally:
             self._frame_set(now, subframe)
         return (first, last), Motion(before, after, velocity.frame_s(self.scene), self.report)
+
+    def _eye(self) -> stereo.Eye | None:
+        """The camera that sees the view in the graph's frame."""
+        return stereo.eye_of_render(self.host, self.scene, self.view)
+
+    def _described(self, width: int, height: int) -> CameraDescription:
+        """The same as the engine takes it, without a mask."""
+        eye = self._eye()
+        holder = self.scene.camera if eye is None else eye.holder
+        return camera_export.describe(holder, self.scene, width, height, self.report, eye=eye)
 
     def _frame_set(self, frame: int, subframe: float) -> None:
         self.host.frame_set(frame, subframe)
@@ -361,6 +396,9 @@ class Photograph:
         self._tell(f"Sample {samples}/{self.samples}{speed} | {self.planned}", done, left)
 
     def _tell(self, text: str, part: float, left: str = "") -> None:
+        view = self.view
+        if view.name:
+            part, text = (view.index + part) / view.count, f"{view.name}: {text}"
         self.host.update_stats("", left + text)
         self.host.update_progress(part)
         if loop.WATCH.on_progress is not None:

@@ -11,8 +11,9 @@ import numpy as np
 
 from ..data import passes, tiles
 from ..export import camera as camera_export
-from ..export import memory, sampling
+from ..export import memory, sampling, stereo
 from ..native import engine
+from . import loop
 
 
 def region(render: bpy.types.RenderSettings) -> tiles.Window:
@@ -23,31 +24,45 @@ def region(render: bpy.types.RenderSettings) -> tiles.Window:
     return tiles.region(*camera_export.resolution(render), border)
 
 
-def deliver(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph, finished: list[tiles.Tile]) -> None:
-    """Hands tiles, placed in the rendered region, to Blender."""
+def views(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> list[stereo.View]:
+    """Those that are to be rendered."""
+    if not depsgraph.scene_eval.render.use_multiview or loop.WATCH.study is not None:
+        return [stereo.ONLY]
+    result = host.begin_result(0, 0, 1, 1, layer=depsgraph.view_layer_eval.name)
+    names = [one.name for one in result.views]
+    host.end_result(result, cancel=True)
+    return [stereo.View(name, index, len(names)) for index, name in enumerate(names)]
+
+
+def deliver(
+    host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph, finished: list[tiles.Tile], view: str = ""
+) -> None:
+    """Hands tiles, placed in the rendered region, to Blender; without the name of a view, to all."""
     layer = depsgraph.view_layer_eval.name
     for tile in finished:
         height, width = tile.pixels.shape[:2]
-        result = host.begin_result(tile.x, tile.y, width, height, layer=layer)
+        result = host.begin_result(tile.x, tile.y, width, height, layer=layer, view=view)
         for one in result.layers[0].passes:
             if one.name == passes.COMBINED.name:
                 one.rect.foreach_set(tiles.flat(tile))
         host.end_result(result)
 
 
-def deliver_black(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
+def deliver_black(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph, view: str = "") -> None:
     """A picture without light: writing one without pixels crashes Blender.
 
     One pixel is handed over. Blender makes the others, which are black; a picture that does not fit into memory is never filled.
     """
-    deliver(host, depsgraph, [tiles.Tile(0, 0, np.zeros((1, 1, 4), np.float32))])
+    deliver(host, depsgraph, [tiles.Tile(0, 0, np.zeros((1, 1, 4), np.float32))], view)
 
 
 class Results:
-    """The passes that a view layer asks for."""
+    """The passes that a view layer asks for, in one of a render's views."""
 
-    def __init__(self, host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
-        self._host, self._depsgraph = host, depsgraph
+    def __init__(
+        self, host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph, view: stereo.View = stereo.ONLY
+    ) -> None:
+        self._host, self._depsgraph, self._view = host, depsgraph, view.name
         scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
         self._window = region(scene.render)
         self._data = passes.wanted(layer)
@@ -111,7 +126,7 @@ class Results:
     def show(self, finished: list[tiles.Tile]) -> None:
         """Tiles, while the render goes on."""
         inside = (tiles.clipped(tile, self._window) for tile in finished)
-        deliver(self._host, self._depsgraph, [tile for tile in inside if tile is not None])
+        deliver(self._host, self._depsgraph, [tile for tile in inside if tile is not None], self._view)
 
     def show_all(self, job: Any, pictures: dict[str, np.ndarray], plan: dict, picture_of: dict[str, str]) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it. `pictures` by the names of their
@@ -130,7 +145,8 @@ class Results:
             for i, one in enumerate(passes.of_matte(layer, self._matte_levels)):
                 pictures[one.name] = channels[..., 4 * i : 4 * i + 4]
         layer = self._depsgraph.view_layer_eval.name
-        result = self._host.begin_result(0, 0, self._window.width, self._window.height, layer=layer)
+        width, height = self._window.width, self._window.height
+        result = self._host.begin_result(0, 0, width, height, layer=layer, view=self._view)
         for one in result.layers[0].passes:
             if one.name in pictures:
                 part = tiles.clipped(tiles.Tile(0, 0, pictures[one.name]), self._window)

@@ -21,12 +21,16 @@ from ..export.kept import Kept
 from ..export.motion import Motion
 from ..export.report import Report
 from ..export.shutter import Blur
+from ..export.stereo import Eye
 
 
-def camera(scene: bpy.types.Scene, width: int, height: int, report: Report) -> CameraDescription:
-    """The scene's camera with the mask of its diaphragm."""
-    found = camera_export.describe(scene.camera, scene, width, height, report)
-    return aperture_mask.added(found, scene.camera.data)
+def camera(
+    scene: bpy.types.Scene, width: int, height: int, report: Report, eye: Eye | None = None
+) -> CameraDescription:
+    """The scene's camera, or that of a view in stereo, with the mask of its diaphragm."""
+    holder = scene.camera if eye is None else eye.holder
+    found = camera_export.describe(holder, scene, width, height, report, eye=eye)
+    return aperture_mask.added(found, holder.data)
 
 
 def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int, report: Report) -> None:
@@ -67,10 +71,11 @@ def fill(
     only_catchers: bool = False,
     kept: Kept | None = None,
     seen_in: bpy.types.SpaceView3D | None = None,
+    eye: Eye | None = None,
     baked: Baked | None = None,
 ) -> bool:
     """Tells the engine's `SceneBuilder` all that the camera may see; whether something catches shadows. `only_catchers`: what
-    does not is a hole for the camera, and nothing to all else. `kept`, `seen_in` and `baked` as `export.send_scene` has
+    does not is a hole for the camera, and nothing to all else. `eye`: of a view in stereo. `kept`, `seen_in` and `baked` as `export.send_scene` has
     them."""
     catches = export.send_scene(
         depsgraph,
@@ -82,6 +87,7 @@ def fill(
         only_catchers=only_catchers,
         kept=kept,
         seen_in=seen_in,
+        camera=None if eye is None else eye.holder,
         baked=baked,
     )
     viewport.send(builder, seen_by, *size)

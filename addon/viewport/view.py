@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -12,7 +13,7 @@ from mathutils import Matrix, Vector
 from petzval.description import CameraDescription, Perspective
 
 from ..data.tiles import Window
-from ..export import aperture_mask
+from ..export import aperture_mask, stereo
 from ..export import camera as camera_export
 from ..export.report import Report
 
@@ -41,7 +42,7 @@ def of(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel_size: f
     if rv3d.view_perspective == "CAMERA":
         holder = space.camera if space.use_local_camera else depsgraph.scene_eval.camera
         if holder is not None and holder.type == "CAMERA":
-            return _through_camera(holder.evaluated_get(depsgraph), region, rv3d, depsgraph, pixel_size, report)
+            return _through_camera(holder.evaluated_get(depsgraph), region, space, rv3d, depsgraph, pixel_size, report)
     width, height = _pixels(region.width, pixel_size), _pixels(region.height, pixel_size)
     camera = _own(space, rv3d, (width, height))
     return View(camera, (width, height), (0.0, 0.0, region.width, region.height), Window(0, 0, width, height))
@@ -52,29 +53,44 @@ def _pixels(length: float, pixel_size: float) -> int:
 
 
 def frame_in(
-    holder: bpy.types.Object, scene: bpy.types.Scene, region: bpy.types.Region, rv3d: bpy.types.RegionView3D
+    holder: bpy.types.Object,
+    scene: bpy.types.Scene,
+    region: bpy.types.Region,
+    rv3d: bpy.types.RegionView3D,
+    eye: stereo.Eye | None = None,
 ) -> tuple[float, float, float, float]:
-    """Where a view through a camera has its frame: left, bottom, width, height; pixels of the region."""
+    """Where a view through a camera, or its `eye`, has its frame: left, bottom, width, height; pixels of the region."""
     # Blender's view knows nothing of scale.
-    place = holder.matrix_world.normalized()
+    place = (holder.matrix_world if eye is None else eye.matrix).normalized()
+    frame = holder.data.view_frame(scene=scene)
+    aside = Vector((0.0 if eye is None else _aside(frame, holder.data, eye), 0.0, 0.0))
     places = []
-    for corner in holder.data.view_frame(scene=scene):
-        x, y, _, w = rv3d.perspective_matrix @ (place @ corner).to_4d()
+    for corner in frame:
+        x, y, _, w = rv3d.perspective_matrix @ (place @ (corner + aside)).to_4d()
         places.append(((x / w * 0.5 + 0.5) * region.width, (y / w * 0.5 + 0.5) * region.height))
     across, up = zip(*places, strict=True)
     return min(across), min(up), max(across) - min(across), max(up) - min(up)
 
 
-def _through_camera(holder, region, rv3d, depsgraph, pixel_size, report) -> View | None:
+def _aside(frame: Sequence[Vector], camera: bpy.types.Camera, eye: stereo.Eye) -> float:
+    """How far an eye's shift moves the corners of a camera's frame."""
+    across, up = (max(corner[i] for corner in frame) - min(corner[i] for corner in frame) for i in (0, 1))
+    fitted = {"HORIZONTAL": across, "VERTICAL": up}.get(camera.sensor_fit, max(across, up))
+    return (eye.shift_x - camera.shift_x) * fitted
+
+
+def _through_camera(holder, region, space, rv3d, depsgraph, pixel_size, report) -> View | None:
     scene = depsgraph.scene_eval
-    left, bottom, width, height = frame_in(holder, scene, region, rv3d)
+    eye = stereo.eye_of_3d_view(holder, scene, space, rv3d.view_matrix)
+    holder = holder if eye is None else eye.holder
+    left, bottom, width, height = frame_in(holder, scene, region, rv3d, eye)
     if not (width >= 1.0 and height >= 1.0 and math.isfinite(width + height)):
         return None
     # The picture's own proportions, which a frame in whole pixels of the screen has only nearly.
     whole = camera_export.resolution(scene.render)
     columns = _pixels(width, pixel_size)
     size = (columns, max(round(columns * whole[1] / whole[0]), 1))
-    camera = aperture_mask.added(camera_export.describe(holder, scene, *size, report), holder.data)
+    camera = aperture_mask.added(camera_export.describe(holder, scene, *size, report, eye=eye), holder.data)
     seen = [(0.0, 0.0), (float(region.width), float(region.height))]
     if scene.render.use_border:
         low = (left + scene.render.border_min_x * width, bottom + scene.render.border_min_y * height)

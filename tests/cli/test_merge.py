@@ -120,3 +120,16 @@ def test_from_the_command_line(blender, petzval_cli, cli_scenes, tmp_path):
     for options, said in (((), "bad usage"), (("-o", tmp_path / "x.png"), "end its name in .exr")):
         done = petzval_cli("merge", tmp_path / "d.exr", tmp_path / "e.exr", *options)
         assert done.returncode in (1, 2) and said in done.stderr
+
+
+def test_views_in_one_file_are_joined_each_by_itself(parts, blender, petzval_cli, tmp_path):
+    """Their channels have the same names."""
+    scene = room(parts, blender)
+    scene.render.use_multiview, scene.camera.data.stereo.interocular_distance = True, 0.3
+    scene.render.image_settings.views_format = "MULTIVIEW"
+    first, second = (shot(blender, scene, tmp_path / f"{seed}.exr", 4, seed=seed) for seed in (1, 2))
+    both, _ = merged(petzval_cli, tmp_path / "both.exr", tmp_path / "1.exr", tmp_path / "2.exr")
+    red = {view: f"{view}:ViewLayer.Combined.R" for view in ("left", "right")}
+    assert not np.array_equal(first[red["left"]], first[red["right"]])
+    for name in red.values():
+        np.testing.assert_allclose(both[name], 0.5 * (first[name] + second[name]), rtol=1e-5, atol=1e-6)

@@ -7,7 +7,8 @@ import numpy as np
 
 
 def exr_channels(path) -> dict[str, np.ndarray]:
-    """Every channel, named layer.pass.channel, (height, width), first row at the bottom."""
+    """Every channel, named layer.pass.channel, (height, width), first row at the bottom; of several views with the view's name and a
+    colon before."""
     data = path.read_bytes()
     assert data[:4] == bytes([0x76, 0x2F, 0x31, 0x01])
     # From 5.0 on Blender writes one part for each layer.
@@ -31,6 +32,7 @@ def exr_channels(path) -> dict[str, np.ndarray]:
         at += 1
     at += multipart
     found: dict[str, np.ndarray] = {}
+    views = len({header.get("view") for header in parts}) > 1
     for header in parts:
         assert header["compression"] == bytes(1)
         left, top, right, bottom = np.frombuffer(header["dataWindow"], "<i4")
@@ -41,6 +43,7 @@ def exr_channels(path) -> dict[str, np.ndarray]:
             end = header["channels"].index(0, here)
             name = header["channels"][here:end].decode()
             name = name if name.count(".") >= 2 else f"{prefix}.{name}"
+            name = f"{header['view'].decode()}:{name}" if views else name
             channels.append((name, "<f2" if header["channels"][end + 1] == 1 else "<f4"))
             here = end + 17
         for row in range(height):

@@ -271,6 +271,18 @@ def skies() -> list[Case]:
         inputs = {"Vector": "local", "Scale": 2.3, "Frequency": 1.7, "Anisotropy": anisotropy}
         inputs["Orientation 2D" if kind == "2D" else "Orientation 3D"] = 0.6 if kind == "2D" else (0.5, 0.7, 0.4)
         cases.append(Case("ShaderNodeTexGabor", output, {"gabor_type": kind}, inputs, jumps=0.02))
+    tiled = ("Segment Coordinates", "Segment ID", "Segment Width", "Segment Rotation")
+    # Whole numbers of sides, others, whose last segment is narrower, and a half plane.
+    for sides, roundness in product((2.0, 3.0, 5.0, 2.4, 5.7), (0.0, 0.35, 1.0)):
+        # Of two sides the corners are infinitely far away, where single precision has no numbers.
+        if sides == 2.0 and roundness == 0.35:
+            continue
+        for output, normalize in product(tiled, (False, True)):
+            inputs = {"Vector": "local", "Sides": sides, "Roundness": roundness}
+            cases.append(Case("ShaderNodeRadialTiling", output, {"normalize": normalize}, inputs, jumps=0.02))
+    for sides, roundness in (("wide", 0.3), (4.3, "x01")):
+        inputs = {"Vector": "local", "Sides": sides, "Roundness": roundness}
+        cases.append(Case("ShaderNodeRadialTiling", tiled[0], {"normalize": True}, inputs, jumps=0.02))
     for sun in ((0.3, -0.4, 0.866), (0.0, 0.9, 0.436)):
         for turbidity in (2.2, 6.0):
             options = {"sky_type": "PREETHAM", "sun_direction": sun, "turbidity": turbidity}

@@ -154,6 +154,32 @@ pub struct Occlusion {
     pub only_local: bool,
 }
 
+/// The settings of Raycast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Raycast {
+    /// True if only the object itself is hit.
+    pub only_local: bool,
+    /// The attribute of what is hit that is asked for, by its index in [`Program::attributes`](crate::Program::attributes).
+    pub attribute: Option<u16>,
+}
+
+/// The answer to a [`Raycast`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Found {
+    /// True if something is hit.
+    pub is_hit: bool,
+    /// True if that is the object itself.
+    pub is_self: bool,
+    /// Distance of the hit, in lengths of the ray's direction.
+    pub distance: f32,
+    /// Place of the hit, world space.
+    pub position: Vec3A,
+    /// Shading normal there, on the side of the ray.
+    pub normal: Vec3A,
+    /// The attribute that was asked for.
+    pub attribute: Vec4,
+}
+
 /// Declares the fields that a kind of point answers, each beside its answer, as the arms of a `match`: it writes `answer`, and `knows`, which
 /// is true of the fields that stand here. The last arm names further kinds of points, which are asked for the rest.
 ///
@@ -235,6 +261,12 @@ pub trait Context {
     /// gives the shading normal.
     fn bevelled(&self, _samples: u8, _radius: f32) -> Vec3A {
         self.read(Field::Normal, Shift::NONE)
+    }
+
+    /// The nearest hit along a ray, world space; `None` where nothing is. One from a place beside the point, from which a bump looks, passes
+    /// what is as near. Who cannot follow rays hits nothing.
+    fn raycast(&self, _: Raycast, _position: Vec3A, _direction: Vec3A, _length: f32, _: Shift) -> Option<Found> {
+        None
     }
 
     /// True if points of this kind answer a field.

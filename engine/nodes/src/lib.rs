@@ -7,7 +7,7 @@
 //! Every value is three numbers in one register; a number stands in all three, so that it is a vector or a colour at
 //! once, as Blender converts it.
 //!
-//! Dependencies of the modules: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`gabor`] → [`math`] → [`vector`] →
+//! Dependencies of the modules: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`gabor`] → [`tiling`] → [`math`] → [`vector`] →
 //! [`spectral`] → [`sky`] → [`ies`] → [`colour`] → [`mix`] → [`table`] → [`context`] → [`image`] → [`surface`] → [`graph`] → [`program`] →
 //! [`compile`] → [`pixels`] → [`points`]. Each uses only those before it.
 
@@ -31,12 +31,14 @@ mod sky;
 mod spectral;
 mod surface;
 mod table;
+mod tiling;
 mod vector;
 mod voronoi;
 
 pub use compile::{Report, compile};
 pub use context::{
-    Attribute, AttributeKind, Context, Direction, Extension, Field, Interpolation, Occlusion, Shift, Space, Textures,
+    Attribute, AttributeKind, Context, Direction, Extension, Field, Found, Interpolation, Occlusion, Raycast, Shift,
+    Space, Textures,
 };
 pub use graph::{Graph, Input, Link, Node, Parsing};
 pub use hash::{random_of, random_of_pair};

@@ -178,10 +178,15 @@ fn is_count(samples: f64) -> bool {
 
 fn whole_name(layer: &Layer<AnyChannels<FlatSamples>>, channel: &Text) -> String {
     let channel = channel.to_string();
-    match &layer.attributes.layer_name {
+    let name = match &layer.attributes.layer_name {
         // In files of several parts the part's name may stand before the channel's, or instead of its beginning.
         Some(name) if !channel.contains('.') => format!("{name}.{channel}"),
         _ => channel,
+    };
+    // Views of one file have channels of the same names; each stands for itself.
+    match layer.attributes.view_name.as_ref().map(ToString::to_string).filter(|view| !view.is_empty()) {
+        Some(view) => format!("{view}:{name}"),
+        None => name,
     }
 }
 

@@ -140,6 +140,16 @@ class Panorama:
 
 
 @dataclass(frozen=True)
+class SphericalStereo:
+    """One eye of a pair that turns with the ray about the upright axis, a panoramic camera's or else the world's."""
+
+    offset: float  # to the right of the ray, Blender units; a left eye has it negative
+    convergence: float | None = None  # distance at which both eyes see the same in one place; None: parallel rays
+    # Angles from the horizon at which the eyes begin to draw together, and are one; None: they keep their distance.
+    pole_merge_rad: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
 class CameraDescription:
     """The settings of a camera."""
 
@@ -162,6 +172,7 @@ class CameraDescription:
     exposure: PhysicalExposure | None = None  # None: radiance one is one in the middle of the picture
     orthographic_width: float = 1.0  # of the whole picture, Blender units
     panorama: Panorama | None = None
+    spherical_stereo: SphericalStereo | None = None  # of a camera without a lens file; None: no stereo, or plain
     clip: tuple[float, float] = (0.0, float("inf"))  # depths between which camera rays see, Blender units
 
 

@@ -178,12 +178,15 @@ class _NothingToKeep(Exception):
 
 def _render_into(output: str, scene: Any, addon: Any, options: dict[str, Any], voice: TextIO) -> str | None:
     """Renders into a file that is replaced only by a whole picture; the error, if any."""
-    from petzval import atomic_files
+    from petzval import view_files
 
     watch, problem = addon.render.loop.WATCH, None
+    _apply_output(scene.render, output, options["mergeable"] or options["passes"])
+    if refused := view_files.problem(scene.render):
+        return refused
     try:
-        with atomic_files.replacing(Path(output), lambda part: _check_picture(part, output)) as part:
-            _apply_output(scene.render, str(part), output, options["mergeable"] or options["passes"])
+        with view_files.replacing(Path(output), scene.render, lambda part: _check_picture(part, output)) as part:
+            _write_into(scene.render, str(part))
             problem = _take(scene, watch, writes=True)
             last = addon.render.statistics.last(scene.name)
             if problem is None and last is None and not watch.stop.is_set():
@@ -303,7 +306,8 @@ def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> 
     for layer in scene.view_layers if o["mergeable"] else ():
         layer.petzval.use_pass_mergeable = True
     try:
-        _apply_camera(scene, scene.camera.data, o, addon)
+        for camera in addon.export.stereo.cameras(scene):
+            _apply_camera(scene, camera, o, addon)
     except RuntimeError as error:  # only the mask is a file that is read here
         return f"cannot read {o['aperture_mask']}: {_one_line(error)}: give --aperture-mask a picture"
     if o["focus_object"]:
@@ -367,19 +371,22 @@ def _apply_sharp(scene: Any, points: list[list[float]], addon: Any, found: dict[
     return None
 
 
-def _apply_output(r: Any, file: str, output: str, of_layers: bool) -> None:
-    """Has Blender write into `file` a picture of the kind of `output`."""
+def _write_into(r: Any, file: str) -> None:
+    """Has Blender write into `file`."""
     import bpy
 
     # Braces hold templates since Blender 5; doubled, they are braces.
     r.filepath = file.replace("{", "{{").replace("}", "}}") if bpy.app.version >= (5, 0) else file
+
+
+def _apply_output(r: Any, output: str, of_layers: bool) -> None:
+    """Has Blender write pictures of the kind of `output`, their views as the scene has them."""
     # The name is taken as it is; a placeholder for the frame's number is for animations.
     r.use_file_extension = False
     r.use_overwrite = True
     # The engine's picture is what was asked for, not what a compositor or a video strip makes of it.
     r.use_compositing = False
     r.use_sequencer = False
-    r.use_multiview = False
     settings = r.image_settings
     if hasattr(settings, "media_type"):
         settings.media_type = "MULTI_LAYER_IMAGE" if of_layers else "IMAGE"

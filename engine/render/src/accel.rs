@@ -224,6 +224,11 @@ impl Accel {
         }
     }
 
+    /// True if all instances are visible to all of these kinds of rays.
+    pub fn shows_all_to(&self, kinds: Rays) -> bool {
+        self.all_visible.all_of(kinds)
+    }
+
     #[inline(always)]
     fn shows(&self, instance: u32, kind: Rays) -> bool {
         self.all_visible.all_of(kind) || self.visible[instance as usize].any_of(kind)

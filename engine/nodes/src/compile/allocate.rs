@@ -2,6 +2,7 @@
 
 use super::emit::FIRST_VIRTUAL;
 use super::{Compiler, Report};
+use crate::context::Raycast;
 use crate::program::{FIRST_CONSTANT, Instruction, Layer, Operand, Operation, Program, REGISTERS};
 use glam::Vec3A;
 
@@ -74,7 +75,9 @@ impl Compiler<'_> {
         let program = &mut self.program;
         let mut kept = Vec::new();
         for instruction in &mut program.code {
-            if let Operation::Attribute(index, _) = &mut instruction.operation {
+            if let Operation::Attribute(index, _) | Operation::Raycast(Raycast { attribute: Some(index), .. }) =
+                &mut instruction.operation
+            {
                 let attribute = &program.attributes[usize::from(*index)];
                 let place = kept.iter().position(|other| other == attribute).unwrap_or_else(|| {
                     kept.push(attribute.clone());

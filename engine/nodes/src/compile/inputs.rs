@@ -1,7 +1,7 @@
 //! Nodes that read the surface, the object or the path: no inputs of their own.
 
-use super::{At, Lowered, colour, number, vector};
-use crate::context::{AttributeKind, Direction, Field, Occlusion, Shift, Space};
+use super::{At, Lowered, Outputs, colour, number, vector};
+use crate::context::{AttributeKind, Direction, Field, Occlusion, Raycast, Shift, Space};
 use crate::graph::Input;
 use crate::program::{Operand, Operation};
 use crate::surface::Axis;
@@ -162,8 +162,56 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
             let (normal, radius) = (at.vector_or("Normal", At::normal), at.number_or("Radius", 0.05));
             Ok(vec![vector("Normal", at.emit(Operation::Bevel(samples), &[normal, radius]))])
         }
+        "ShaderNodeRaycast" => Ok(raycast(at)),
         _ => return None,
     })
+}
+
+/// The outputs of Raycast that show attributes, in the order in which its list has them.
+const RAYCAST_ATTRIBUTES: [&str; 8] = [
+    "Attribute_0",
+    "Attribute_1",
+    "Attribute_2",
+    "Attribute_3",
+    "Attribute_4",
+    "Attribute_5",
+    "Attribute_6",
+    "Attribute_7",
+];
+
+fn raycast(at: &mut At<'_, '_>) -> Outputs {
+    let position = at.vector_or("Position", |at| at.read(Field::Position));
+    let shift = at.compiler.constant(Vec3A::new(at.shift.x, at.shift.y, 0.0));
+    let operands = [position, at.vector_or("Direction", At::normal), at.number_or("Length", 1.0), shift];
+    let mut asked = Raycast { only_local: at.node.truth("only_local", false), attribute: None };
+    let mut outputs = Vec::new();
+    for (index, output) in RAYCAST_ATTRIBUTES.into_iter().enumerate() {
+        let Some(name) = at.node.word(&format!("attribute_{index}")) else { break };
+        if !at.is_used(output) {
+            continue;
+        }
+        // Each has a ray of its own; that of the last one tells the rest, too.
+        asked.attribute = Some(at.compiler.attribute(AttributeKind::Geometry, name));
+        let (_, [_, _, value]) = at.emit_many(Operation::Raycast(asked), &operands);
+        outputs.push(match at.node.word(&format!("attribute_{index}_kind")) {
+            Some("RGBA") => colour(output, value),
+            Some("VECTOR") => vector(output, value),
+            _ => number(output, at.emit(Operation::Mean, &[value])),
+        });
+    }
+    if at.node.word(&format!("attribute_{}", RAYCAST_ATTRIBUTES.len())).is_some() {
+        at.report("only its first eight attributes are known, the others are black");
+    }
+    let (told, [place, normal]) = at.emit_many(Operation::Raycast(asked), &operands);
+    let [is_hit, is_self, distance] = [0, 1, 2].map(|part| at.emit(Operation::Part(part), &[told]));
+    outputs.extend([
+        number("Is Hit", is_hit),
+        number("Self Hit", is_self),
+        number("Hit Distance", distance),
+        vector("Hit Position", place),
+        vector("Hit Normal", normal),
+    ]);
+    outputs
 }
 
 fn texture_coordinates(at: &mut At<'_, '_>) -> Lowered {
@@ -191,7 +239,7 @@ fn texture_coordinates(at: &mut At<'_, '_>) -> Lowered {
     ])
 }
 
-fn attribute(at: &mut At<'_, '_>) -> super::Outputs {
+fn attribute(at: &mut At<'_, '_>) -> Outputs {
     let kind = match at.node.word("attribute_type") {
         Some("OBJECT") => AttributeKind::Object,
         Some("INSTANCER") => AttributeKind::Instancer,

@@ -1,6 +1,6 @@
 //! The instructions of Blender's texture nodes.
 
-use super::{At, Lowered, colour, number, vector};
+use super::{At, Lowered, Outputs, colour, number, vector};
 use crate::context::{Extension, Field, Interpolation, Shift};
 use crate::gabor::GaborKind;
 use crate::ies::Ies;
@@ -34,12 +34,25 @@ pub(super) fn lower(at: &mut At<'_, '_>) -> Option<Lowered> {
         "ShaderNodeTexBrick" => Ok(brick(at)),
         "ShaderNodeTexWhiteNoise" => white_noise(at),
         "ShaderNodeTexGabor" => gabor(at),
+        "ShaderNodeRadialTiling" => Ok(radial_tiling(at)),
         "ShaderNodeTexSky" => sky(at),
         "ShaderNodeTexIES" => luminaire(at),
         "ShaderNodeTexImage" => image(at),
         "ShaderNodeTexEnvironment" => environment(at),
         _ => return None,
     })
+}
+
+fn radial_tiling(at: &mut At<'_, '_>) -> Outputs {
+    let normalize = at.node.truth("normalize", false);
+    let operands = [at.vector("Vector"), at.number("Sides"), at.number("Roundness")];
+    let (coordinates, [segment, width, rotation]) = at.emit_many(Operation::RadialTiling(normalize), &operands);
+    vec![
+        vector("Segment Coordinates", coordinates),
+        number("Segment ID", segment),
+        number("Segment Width", width),
+        number("Segment Rotation", rotation),
+    ]
 }
 
 fn luminaire(at: &mut At<'_, '_>) -> Lowered {

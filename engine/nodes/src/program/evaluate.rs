@@ -1,7 +1,7 @@
 //! The computation of each instruction.
 
 use super::{Instruction, Operation, Program, Registers};
-use crate::context::{Context, Direction, Field, Shift, Space, Textures};
+use crate::context::{Context, Direction, Field, Found, Shift, Space, Textures};
 use crate::gabor::Gabor;
 use crate::image::{self, ImageTexture, Projection};
 use crate::math::{clamp_between, clamp_in_order, map_range};
@@ -9,6 +9,7 @@ use crate::mix::interpolate;
 use crate::noise::{Octaves, noise_texture};
 use crate::patterns::{Brick, Wave, checker, gradient, magic, white_noise, white_noise_colour};
 use crate::surface::{self, Bump, NormalSpace};
+use crate::tiling::RadialTiling;
 use crate::vector::{mapping, rotate};
 use crate::voronoi::Voronoi;
 use crate::{colour, spectral};
@@ -97,6 +98,14 @@ impl Program {
                 let shading = context.read(Field::Normal, Shift::NONE);
                 (vector(0) + (context.bevelled(samples, number(1)) - shading)).normalize_or(shading)
             }
+            Operation::Raycast(asked) => {
+                let shift = Shift { x: vector(3).x, y: vector(3).y };
+                let found = context.raycast(asked, vector(0), vector(1), number(2), shift);
+                let found = found.unwrap_or(Found { distance: number(2), ..Found::default() });
+                further = Some([found.position, found.normal, Vec3A::from_vec4(found.attribute)]);
+                let answer = |yes: bool| if yes { 1.0 } else { 0.0 };
+                Vec3A::new(answer(found.is_hit), answer(found.is_self), found.distance)
+            }
             Operation::Wireframe(in_pixels) => {
                 let pixel = if in_pixels { context.read(Field::PixelWidth, Shift::NONE).x } else { 1.0 };
                 // The triangle beside draws the other half.
@@ -169,6 +178,11 @@ impl Program {
             Operation::WhiteNoise(dimensions) => {
                 further = Some([white_noise_colour(dimensions, vector(0), number(1)), Vec3A::ZERO, Vec3A::ZERO]);
                 splat(white_noise(dimensions, vector(0), number(1)))
+            }
+            Operation::RadialTiling(normalize) => {
+                let tile = RadialTiling::new(number(1), number(2), normalize).at(vector(0));
+                further = Some([tile.segment, tile.width, tile.rotation].map(splat));
+                tile.coordinates
             }
             Operation::Gabor(kind) => {
                 let gabor = Gabor {

@@ -1,7 +1,7 @@
 //! The instructions of a program.
 
 use crate::colour::ColourModel;
-use crate::context::{Direction, Field, Occlusion, Shift, Space};
+use crate::context::{Direction, Field, Occlusion, Raycast, Shift, Space};
 use crate::gabor::GaborKind;
 use crate::image::{EnvironmentProjection, ImageTexture, Projection};
 use crate::math::{MathKind, RangeKind};
@@ -84,6 +84,8 @@ pub(crate) enum Operation {
     Occlusion(Occlusion),
     /// Normal, radius; number of samples.
     Bevel(u8),
+    /// Position, direction, length, shift: whether something is hit, whether it is the object itself, how far away. Further: place, normal, attribute.
+    Raycast(Raycast),
     /// Vector, w, scale, detail, roughness, lacunarity, offset, gain, distortion; with colour or without.
     Noise(Dimensions, Fractal, bool, bool),
     /// Vector, w, scale, detail, roughness, lacunarity, smoothness, exponent, randomness: distance.
@@ -100,6 +102,8 @@ pub(crate) enum Operation {
     Brick(i16, i16),
     /// Vector, w. Further: colour.
     WhiteNoise(Dimensions),
+    /// Vector, sides, roundness; `true`: normalized: coordinates. Further: segment, width, rotation.
+    RadialTiling(bool),
     /// Vector, scale, frequency, anisotropy, orientation, direction: value. Further: phase, intensity.
     Gabor(GaborKind),
     /// Direction.
@@ -149,6 +153,7 @@ impl Operation {
                 | Self::Falloff(_)
                 | Self::Occlusion(_)
                 | Self::Bevel(_)
+                | Self::Raycast(_)
                 | Self::Wireframe(_)
                 | Self::Image(..)
                 | Self::Environment(..)

@@ -3,6 +3,7 @@
 use super::exposure::PhysicalExposure;
 use super::lens::real_lens::precision::Precision;
 use super::scattering::Scattering;
+use super::stereo::SphericalStereo;
 use super::{CameraError, LensFile};
 use crate::projection::Panorama;
 use crate::spectrum::SPECTRAL_COUNT;
@@ -206,6 +207,8 @@ pub struct CameraDescription {
     pub orthographic_width: f64,
     /// The picture of a panoramic camera.
     pub panorama: Option<Panorama>,
+    /// The eye that sees the picture in spherical stereo, of a camera without a lens file; `None`: the camera itself does.
+    pub spherical_stereo: Option<SphericalStereo>,
     /// Clipping range along the camera's axis, of a panoramic camera by distance, Blender units: camera rays see nothing nearer than the first
     /// or farther than the second.
     pub clip: [f64; 2],
@@ -247,6 +250,7 @@ impl Default for CameraDescription {
             exposure: None,
             orthographic_width: 1.0,
             panorama: None,
+            spherical_stereo: None,
             clip: [0.0, f64::INFINITY],
         }
     }
@@ -335,6 +339,13 @@ impl CameraDescription {
             positive(e.lumens_per_watt, "the lumens of a watt")?;
             if matches!(self.model, Model::Pinhole | Model::Orthographic | Model::Panoramic) {
                 return Err(self.error("a pinhole has no f-number to expose by; switch physical exposure off"));
+            }
+        }
+        if let Some(stereo) = self.spherical_stereo {
+            stereo.check().map_err(|what| self.error(what))?;
+            if self.model.is_of_lens() || self.model == Model::Orthographic {
+                return Err(self
+                    .error("spherical stereo is of perspective and panoramic cameras without a lens; switch it off"));
             }
         }
         self.scattering.check().map_err(|what| self.error(what))?;

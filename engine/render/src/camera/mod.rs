@@ -11,6 +11,7 @@ mod lens_file;
 pub mod models;
 pub mod scattering;
 pub mod shutter;
+pub mod stereo;
 pub mod tools;
 
 pub use description::{CameraDescription, EnabledEffects, Model, Spectrum};
@@ -39,6 +40,7 @@ use petzval_optics::paraxial::Paraxial;
 use petzval_optics::pupil_map::unobstructed_part;
 use petzval_optics::system::{System, SystemError};
 use std::sync::Arc;
+use stereo::Eye;
 
 /// An error by which a camera cannot photograph.
 #[derive(Debug, thiserror::Error)]
@@ -123,6 +125,8 @@ pub enum Camera {
     Orthographic(Orthographic),
     /// No lens: a panoramic projection.
     Panoramic(Box<Panoramic>),
+    /// One eye of one without a lens file, in spherical stereo.
+    Eye(Box<Eye>),
 }
 
 impl Camera {
@@ -133,7 +137,7 @@ impl Camera {
     pub fn new(d: &CameraDescription, width: u32, height: u32) -> Result<Self, CameraError> {
         d.check(width, height)?;
         let axes = d.axes()?;
-        Ok(match d.model {
+        let camera = match d.model {
             Model::Pinhole => Self::Pinhole(Pinhole::new(d, axes, width, height)),
             Model::Thin => Self::Thin(Thin::new(d, axes, width, height)?),
             Model::Lens if !d.shown.is_traced_plainly() => {
@@ -145,6 +149,10 @@ impl Camera {
             Model::ImageBased => Self::ImageBased(Arc::new(ImageBased::new(d, axes, width, height)?)),
             Model::Orthographic => Self::Orthographic(Orthographic::new(d, axes, width, height)),
             Model::Panoramic => Self::Panoramic(Box::new(Panoramic::new(d, axes)?)),
+        };
+        Ok(match d.spherical_stereo {
+            Some(stereo) => Self::Eye(Box::new(Eye::new(camera, stereo))),
+            None => camera,
         })
     }
 
@@ -161,12 +169,16 @@ impl Camera {
             Self::Adapted(c) => c.sample(p, u_lens, u_wavelength),
             Self::Orthographic(c) => Some(c.ray(p)),
             Self::Panoramic(c) => c.sample(p, u_lens),
+            Self::Eye(c) => c.sample(p, u_lens, u_wavelength),
         }
     }
 
     /// True if a sample depends on its wavelength or is carried back to the film: if not, [`Request`] needs no numbers for that.
     pub fn has_wavelengths(&self) -> bool {
-        !matches!(self, Self::Pinhole(_) | Self::Thin(_) | Self::Orthographic(_) | Self::Panoramic(_))
+        match self {
+            Self::Pinhole(_) | Self::Thin(_) | Self::Orthographic(_) | Self::Panoramic(_) | Self::Eye(_) => false,
+            Self::Lens(_) | Self::Gaussian(_) | Self::ImageBased(_) | Self::Adapted(_) => true,
+        }
     }
 
     /// Memory for batches, where there are any.
@@ -207,6 +219,7 @@ impl Camera {
             Self::Adapted(c) => c.axes(),
             Self::Orthographic(c) => c.axes(),
             Self::Panoramic(c) => c.axes(),
+            Self::Eye(c) => c.camera.axes(),
         }
     }
 
@@ -214,6 +227,7 @@ impl Camera {
     pub fn depth(&self, position: Vec3) -> f32 {
         match self {
             Self::Panoramic(_) => position.length(),
+            Self::Eye(eye) => eye.camera.depth(position),
             _ => -position.dot(self.axes().z_axis.as_vec3()),
         }
     }
@@ -229,6 +243,7 @@ impl Camera {
             Self::Adapted(lens) => &lens.info().lens_name,
             Self::Orthographic(_) => "orthographic",
             Self::Panoramic(_) => "panoramic",
+            Self::Eye(eye) => eye.camera.name(),
         }
     }
 }

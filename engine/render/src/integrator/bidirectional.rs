@@ -63,6 +63,8 @@ pub struct FilmEnd<'a> {
 #[derive(Default)]
 pub struct LightPath {
     places: Vec<Vertex>,
+    /// Bounces of a path from the camera after which the source lights nothing more.
+    most_bounces: u32,
     moment: u16,
 }
 
@@ -79,7 +81,7 @@ impl LightPath {
 
     /// Follows light from a source. Gives the rays traced.
     pub fn trace(&mut self, stage: &PreparedScene, limits: &Limits, sampler: PathSampler) -> u32 {
-        light::trace(stage, limits, sampler, self.moment, &mut self.places)
+        light::trace(stage, limits, sampler, self.moment, self)
     }
 
     /// Gives what the film gets of it to `add`, pixel by pixel, for one light path a pixel. Gives the rays traced.
@@ -91,7 +93,7 @@ impl LightPath {
         sampler: PathSampler,
         add: impl FnMut(u32, u32, Rgb),
     ) -> u32 {
-        light::splat(stage, film, limits, sampler, &self.places, add)
+        light::splat(stage, film, limits, sampler, self, add)
     }
 
     /// Follows a ray from the camera and joins it to this.
@@ -102,7 +104,7 @@ impl LightPath {
         limits: &Limits,
         sampler: PathSampler,
     ) -> PathResult {
-        eye::trace(stage, camera, limits, sampler, &self.places)
+        eye::trace(stage, camera, limits, sampler, self)
     }
 }
 

@@ -13,6 +13,7 @@ use crate::nodes::{PathState, RayCone, View};
 use crate::sampler::{distribution::AliasTable, warp};
 use crate::scene::Scene;
 use crate::scene::motion::MIDDLE;
+use crate::scene::visibility::Rays;
 use crate::surface::SurfacePoint;
 use crate::{Rgb, luminance};
 use glam::Vec3A;
@@ -183,6 +184,18 @@ impl Emission {
             per_sr / (PI * self.radius * self.radius)
         };
         chance * density
+    }
+}
+
+impl Emission {
+    /// The kinds of rays of a path from the camera that may reach the source of a ray; with the bounces after which the source lights nothing
+    /// more.
+    pub fn limits(&self, scene: &Scene, lights: &Lights, emitted: &EmittedRay) -> (Rays, u32) {
+        if let Some(lamp) = lights.lamp(emitted.source) {
+            return (lamp.reaches(), lamp.most_bounces());
+        }
+        let triangle = lights.triangle_at(scene, emitted.source, emitted.ray.moment);
+        (triangle.map_or(scene.world.visible, |triangle| triangle.reaches()), u32::MAX)
     }
 }
 

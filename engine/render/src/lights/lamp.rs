@@ -164,6 +164,11 @@ impl PreparedLamp {
         self.frame.sets
     }
 
+    /// The most bounces of a path that it still lights.
+    pub(super) fn most_bounces(&self) -> u32 {
+        self.max_bounces
+    }
+
     /// This lamp, if it still lights a path after so many bounces; else `None`.
     pub(super) fn lit_after(&self, way: PathState) -> Option<&Self> {
         (u32::from(way.depth) <= self.max_bounces).then_some(self)

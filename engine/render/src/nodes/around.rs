@@ -52,6 +52,52 @@ impl SceneQueries<'_> {
         open as f32 / f32::from(asked.samples.max(1))
     }
 
+    /// The nearest hit of a ray from a place in render space, as Cycles has it (`svm_raycast` in raycast.h), and its distance in lengths of the
+    /// direction. A ray from the point itself does not hit its own triangle; one from `beside` it passes what is not farther.
+    #[inline(never)]
+    pub(super) fn nearest(
+        &self,
+        point: &SurfacePoint,
+        origin: Vec3A,
+        beside: f32,
+        direction: Vec3A,
+        length: f32,
+        only_local: bool,
+    ) -> Option<(Hit, f32)> {
+        /// How much farther than a bump's places lie beside the point.
+        const FARTHER: f32 = 1.1;
+        let accel = self.accel?;
+        let (step, unit) = (direction.length(), direction.try_normalize()?);
+        if !(origin.is_finite() && length > 0.0) {
+            return None;
+        }
+        let leaves_point = beside == 0.0 && (origin - point.position).length() <= point.position_error;
+        let (begin, ray) = if beside > 0.0 {
+            // As in Cycles, in lengths of the direction.
+            let begin = FARTHER * beside * step;
+            (begin, Ray { moment: point.moment, ..Ray::new(origin + unit * begin, unit) })
+        } else if leaves_point {
+            let side = point.geometric_normal * 1f32.copysign(point.geometric_normal.dot(unit));
+            (0.0, point.leaving(offset_origin(point.position, side, point.position_error), unit))
+        } else {
+            (0.0, Ray { moment: point.moment, ..Ray::new(origin, unit) })
+        };
+        let ray = Ray { t_max: (length * step).min(f32::MAX) - begin, ..ray };
+        let hit = if only_local {
+            let mut nearest: Option<Hit> = None;
+            accel.transmittance_of(&ray, Rays::ALL, |hit| {
+                if hit.instance == point.instance && nearest.is_none_or(|before| hit.t < before.t) {
+                    nearest = Some(*hit);
+                }
+                0.0
+            });
+            nearest
+        } else {
+            accel.closest(&ray, Rays::ALL)
+        }?;
+        Some((hit, (begin + hit.t) / step))
+    }
+
     /// The mean normal of an object's surface around a point as far as a radius, towards the viewer; `None` where there is nothing to find.
     ///
     /// Rays along the normal or a tangent pass through disks about the point, and the normals of the hits are weighted as in Cycles (`svm_bevel` in

@@ -101,6 +101,12 @@ impl PathState {
         self.is & CAMERA != 0
     }
 
+    /// True of a shadow ray.
+    #[inline]
+    pub fn is_shadow(self) -> bool {
+        self.is & SHADOW != 0
+    }
+
     /// True if the path's last scattering was diffuse.
     #[inline]
     pub fn is_diffuse(self) -> bool {

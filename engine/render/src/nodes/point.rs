@@ -11,7 +11,9 @@ use crate::scene::mesh::{GENERATED, Mesh};
 use crate::scene::{Instance, Scene};
 use crate::surface::{SurfacePoint, mesh_of};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
-use petzval_nodes::{Attribute, AttributeKind, Context, Direction, Field, Occlusion, Shift, Space, answers};
+use petzval_nodes::{
+    Attribute, AttributeKind, Context, Direction, Field, Found, Occlusion, Raycast, Shift, Space, answers,
+};
 use std::f32::consts::{PI, TAU};
 
 /// The names by which a mesh keeps what its edges tell of its vertices.
@@ -378,6 +380,26 @@ impl Context for Point<'_> {
     fn bevelled(&self, samples: u8, radius: f32) -> Vec3A {
         let normal = if self.view.is_blurry { None } else { self.around.bevelled(&self.surface, samples, radius) };
         normal.unwrap_or(self.surface.shading_normal)
+    }
+
+    fn raycast(&self, asked: Raycast, position: Vec3A, direction: Vec3A, length: f32, shift: Shift) -> Option<Found> {
+        // A place that a bump looks from may lie below the surface.
+        let [x, y] = self.footprint.map(Vec3A::length);
+        let beside = (x * shift.x.abs()).max(y * shift.y.abs());
+        let origin = position - self.scene.origin.as_vec3a();
+        let (hit, steps) = self.around.nearest(&self.surface, origin, beside, direction, length, asked.only_local)?;
+        let found = SurfacePoint::new(self.scene, &hit, direction.normalize());
+        let attribute = asked.attribute.map_or(Vec4::ZERO, |index| {
+            Self::new(self.around, found, self.view, self.attributes, 0.0, false).attribute(index.into(), Shift::NONE)
+        });
+        Some(Found {
+            is_hit: true,
+            is_self: hit.instance == self.surface.instance,
+            distance: steps,
+            position: position + direction * steps,
+            normal: found.shading_normal,
+            attribute,
+        })
     }
 
     answers! {

@@ -5,6 +5,7 @@ use super::graph::Graph;
 use super::plain::Plain;
 use super::volume::Volume;
 use crate::Rgb;
+use petzval_nodes::Field;
 use std::sync::Arc;
 
 /// A material: its shader graph, and Blender's settings beside the nodes.
@@ -33,7 +34,26 @@ pub struct Material {
     /// True if normals that are bent are corrected, so that a mirror does not send light into the surface, and light on a matte surface fades
     /// where it grazes it.
     pub corrects_bumps: bool,
+    /// True if its nodes ask how a ray came: Light Path.
+    pub asks_path: bool,
 }
+
+/// The fields that tell how a ray came.
+const OF_PATHS: [Field; 13] = [
+    Field::IsCameraRay,
+    Field::IsShadowRay,
+    Field::IsDiffuseRay,
+    Field::IsGlossyRay,
+    Field::IsSingularRay,
+    Field::IsReflectionRay,
+    Field::IsTransmissionRay,
+    Field::RayLength,
+    Field::RayDepth,
+    Field::DiffuseDepth,
+    Field::GlossyDepth,
+    Field::TransmissionDepth,
+    Field::TransparentDepth,
+];
 
 /// Values that nodes give out: a graph with a layer of emission for each, and their numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +69,7 @@ impl Material {
     pub fn new(name: impl Into<String>, graph: Arc<Graph>) -> Self {
         // Every ray and shadow ray asks for these.
         let (is_emissive, is_clear) = (graph.emits(), graph.may_be_transparent());
+        let asks_path = graph.reads_any(&OF_PATHS);
         Self {
             name: name.into(),
             graph,
@@ -61,6 +82,7 @@ impl Material {
             is_clear,
             shades_fully: false,
             corrects_bumps: true,
+            asks_path,
         }
     }
 

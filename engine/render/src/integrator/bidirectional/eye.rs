@@ -1,8 +1,8 @@
 //! Paths that begin at the camera: what they hit, what they find by light samples, and what light paths bring to them.
 
-use super::vertex::{Vertex, Walk, material};
+use super::vertex::{Vertex, Walk, material, passed};
 use super::weights::{Partial, squared, weight};
-use super::{CameraEnd, is_dark};
+use super::{CameraEnd, LightPath, is_dark};
 use crate::Rgb;
 use crate::accel::{Hit, Ray};
 use crate::integrator::PreparedScene;
@@ -24,7 +24,7 @@ pub(super) fn trace(
     camera: &CameraEnd<'_>,
     limits: &Limits,
     sampler: PathSampler,
-    light_path: &[Vertex],
+    light_path: &LightPath,
 ) -> PathResult {
     let mut result = PathResult::default();
     let mut walk = Walk { stage, sampler, first_set: CAMERA_SETS, step: 0, rays: 0 };
@@ -32,15 +32,15 @@ pub(super) fn trace(
     let mut carried = Rgb::ONE;
     // Of the ray under way: no technique competes for what the camera sees directly.
     let mut partial = Partial { ends: 0.0, before: 0.0 };
+    let mut way = PathState::CAMERA;
     for bounce in 0.. {
-        let kind = if bounce == 0 { Rays::CAMERA } else { Rays::BOUNCE };
-        let stretch = walk.follow(ray, kind, |_, _| true);
+        let stretch = walk.follow(ray, way.rays(), way, |_, _| true);
         carried *= stretch.through;
         let lens = match camera.aimed {
             Some(aimed) if bounce == 0 => LensWeight::Shared(aimed, camera.density as f32),
             _ => LensWeight::Alone,
         };
-        let met = HitLight { stage, ray: &ray, bounce, partial, lens };
+        let met = HitLight { stage, ray: &ray, bounce, way, partial, lens };
         met.lamps(stretch.distance, |light, shared| {
             result.radiance += limits.clamp_met(carried * light, bounce) * shared;
             result.hit = true;
@@ -74,13 +74,13 @@ pub(super) fn trace(
         } else {
             partial.arrived(stretch.distance, cos_in)
         };
-        let vertex = Vertex::new(stage, (point, stretch.kept), -ray.direction, carried, partial);
+        let vertex = Vertex::new(stage, (point, stretch.kept), (-ray.direction, way), carried, partial, Rays::ALL);
         let [u2, u3, u_split, u_end] = walk.sampler.next_4d();
         if !vertex.bsdf.is_mirror() {
             let found = direct(stage, &vertex, stretch.u_light, &mut walk.rays);
             result.radiance += limits.clamp(found, bounce);
-            let left = (limits.max_bounces - bounce) as usize;
-            for from_light in light_path.iter().take(left) {
+            let left = limits.max_bounces.min(light_path.most_bounces).saturating_sub(bounce) as usize;
+            for from_light in light_path.places.iter().take(left) {
                 result.radiance += limits.clamp(connect(stage, &vertex, from_light, &mut walk.rays), bounce + 1);
             }
         }
@@ -99,6 +99,7 @@ pub(super) fn trace(
             let back_pdf = vertex.seen_from(stage, next.wi).evaluate(vertex.back).1;
             partial.scattered(next.pdf, vertex.cos(next.wi), back_pdf)
         };
+        way = way.scattered(next.matte, next.mirror, next.transmitted);
         ray = vertex.ray(next.wi);
     }
     result.rays = walk.rays;
@@ -115,11 +116,12 @@ pub(super) fn see(
 ) -> PathResult {
     let mut result = PathResult::default();
     let mut walk = Walk { stage, sampler, first_set: CAMERA_SETS, step: 0, rays: 0 };
-    let stretch = walk.follow(ray, Rays::CAMERA, |_, _| true);
+    let stretch = walk.follow(ray, Rays::CAMERA, PathState::CAMERA, |_, _| true);
     let met = HitLight {
         stage,
         ray: &ray,
         bounce: 0,
+        way: PathState::CAMERA,
         partial: Partial { ends: 0.0, before: 0.0 },
         lens: LensWeight::From(source),
     };
@@ -150,6 +152,8 @@ struct HitLight<'a> {
     stage: &'a PreparedScene,
     ray: &'a Ray,
     bounce: u32,
+    /// The state of the path under way.
+    way: PathState,
     partial: Partial,
     lens: LensWeight<'a>,
 }
@@ -172,11 +176,6 @@ impl HitLight<'_> {
         }
     }
 
-    /// The path state at this vertex, by its bounce alone: the kinds of the bounces are not kept.
-    fn way(&self) -> PathState {
-        if self.bounce == 0 { PathState::CAMERA } else { PathState::BOUNCE.at_depth(self.bounce) }
-    }
-
     fn receiver(&self) -> Option<LightSampleContext> {
         (self.bounce > 0).then(|| self.stage.lights.receiver_between(self.ray.origin))
     }
@@ -187,7 +186,7 @@ impl HitLight<'_> {
         let Ray { origin, direction, .. } = *self.ray;
         let to = self.receiver();
         let line = Line { from: origin, towards: direction, t_max };
-        lights.lamps_along(scene, line, self.way(), to.as_ref(), |LightHit { source, radiance, pdf, distance }| {
+        lights.lamps_along(scene, line, self.way, to.as_ref(), |LightHit { source, radiance, pdf, distance }| {
             // Every lamp that can be hit has extent: the distance does not matter for the density.
             let density = emission.density(scene, lights, source, direction, 1.0, self.ray.moment);
             let shared = self.lens_weight(Some(source), origin + direction * distance);
@@ -201,7 +200,7 @@ impl HitLight<'_> {
         lights.sky_along(
             scene,
             self.ray.direction,
-            self.way(),
+            self.way,
             to.as_ref(),
             |LightHit { source, radiance, pdf, .. }| {
                 found(
@@ -218,7 +217,7 @@ impl HitLight<'_> {
     /// The light of the surface that the ray hits, and its weight beside rays that sources send to the lens.
     fn surface(&self, point: &SurfacePoint, hit: &Hit, distance: f32) -> (Rgb, f32) {
         let PreparedScene { scene, lights, emission, .. } = self.stage;
-        let view = View::along(self.ray, RayCone::camera(&scene.viewport, self.ray), distance, self.way());
+        let view = View::along(self.ray, RayCone::camera(&scene.viewport, self.ray), distance, self.way);
         let radiance = nodes::emission_at(material(self.stage, point), self.stage.around(), point, &view);
         let source = lights.triangle_source(hit.instance, hit.triangle);
         let (Some(to), Some(source)) = (self.receiver(), source) else {
@@ -235,10 +234,10 @@ impl HitLight<'_> {
 fn direct(stage: &PreparedScene, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], rays: &mut u32) -> Rgb {
     let PreparedScene { scene, lights, emission, .. } = stage;
     let to = lights.receiver_between(vertex.point.position).at(vertex.point.moment);
-    let Some((light, source)) = lights.sample_source(scene, &to, u_choice, [u0, u1], PathState::LIGHT) else {
+    let Some((light, source)) = lights.sample_source(scene, &to, u_choice, [u0, u1], vertex.way) else {
         return Rgb::ZERO;
     };
-    let (value, pdf) = vertex.bsdf.evaluate(light.wi);
+    let (value, pdf) = vertex.bsdf.evaluate_kinds(light.wi, light.reaches);
     let found = vertex.carried * value * light.radiance / light.pdf;
     if is_dark(found) {
         return Rgb::ZERO;
@@ -256,7 +255,7 @@ fn direct(stage: &PreparedScene, vertex: &Vertex, [u_choice, u0, u1]: [f32; 3], 
     let mut ray = vertex.ray(light.wi);
     ray.t_max = light.reach(vertex.point.position_error);
     let cone = RayCone::pixel(&scene.viewport);
-    let through = |hit: &Hit| transmittance(scene, hit, &View::along(&ray, cone, hit.t, PathState::CAMERA.shadow()));
+    let through = |hit: &Hit| transmittance(scene, hit, &View::along(&ray, cone, hit.t, vertex.way.shadow()));
     found * stage.accel.light_through(&ray, Rays::SHADOW, through)
 }
 
@@ -269,13 +268,14 @@ fn connect(stage: &PreparedScene, eye: &Vertex, light: &Vertex, rays: &mut u32) 
     let distance2 = to.length_squared();
     let distance = distance2.sqrt();
     let d = to / distance;
-    let (value, pdf) = eye.bsdf.evaluate(d);
+    let visible = stage.scene.instances[light.point.instance as usize].visible;
+    let (value, pdf) = eye.bsdf.evaluate_kinds(d, visible);
     if value == Rgb::ZERO || !d.is_finite() {
         return Rgb::ZERO;
     }
-    let (sent, light_back_pdf) = light.sent(stage, -d);
-    let found = eye.carried * value * sent / distance2;
-    if is_dark(found) {
+    let (sent, light_back_pdf) = light.sent(stage, -d, light.way);
+    let found = eye.carried * sent / distance2;
+    if is_dark(found * value) {
         return Rgb::ZERO;
     }
     let (_, light_pdf) = light.bsdf.evaluate(-d);
@@ -285,17 +285,30 @@ fn connect(stage: &PreparedScene, eye: &Vertex, light: &Vertex, rays: &mut u32) 
         + light.partial.others(per_area(pdf, light), light_back_pdf);
     let origin = eye.ray(d).origin;
     let gap = light.ray(-d).origin - origin;
-    *rays += 1;
     // Both ends stand clear of their surfaces.
     let ray = Ray { t_max: gap.length(), ..eye.point.leaving(origin, gap.normalize_or(d)) };
     let cone = RayCone::pixel(&stage.scene.viewport);
+    // The path from the camera would come here by a bounce.
     let through = |hit: &Hit| {
         // A strand of hair does not hide itself.
         if light.point.is_on_strand_of(&stage.scene, hit) {
             return Rgb::ONE;
         }
-        transmittance(&stage.scene, hit, &View::along(&ray, cone, hit.t, PathState::CAMERA.shadow()))
+        passed(&stage.scene, hit, &View::along(&ray, cone, hit.t, PathState::BOUNCE))
     };
-    let open = stage.accel.light_through(&ray, Rays::BOUNCE, through);
-    found * weight(others) * open
+    let found = found * weight(others);
+    if stage.accel.shows_all_to(Rays::BOUNCE) {
+        *rays += 1;
+        return found * value * stage.accel.light_through(&ray, Rays::BOUNCE, through);
+    }
+    // What stands in between hides from some kinds of rays.
+    let mut light = Rgb::ZERO;
+    for kind in [Rays::DIFFUSE, Rays::GLOSSY, Rays::TRANSMISSION].into_iter().filter(|kind| visible.any_of(*kind)) {
+        let (value, _) = eye.bsdf.evaluate_some(d, kind);
+        if value != Rgb::ZERO {
+            *rays += 1;
+            light += found * value * stage.accel.light_through(&ray, kind, through);
+        }
+    }
+    light
 }

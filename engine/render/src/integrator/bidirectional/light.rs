@@ -1,18 +1,19 @@
 //! Paths that begin at the light, and what they send to the lens.
 
-use super::vertex::{Vertex, Walk};
+use super::vertex::{Vertex, Walk, passed};
 use super::weights::{Partial, squared, weight};
-use super::{FilmEnd, Techniques, is_dark};
+use super::{FilmEnd, LightPath, Techniques, is_dark};
 use crate::Rgb;
 use crate::accel::{Hit, Ray};
 use crate::camera::lens::from_scene::Landed;
 use crate::integrator::PreparedScene;
-use crate::integrator::path::{Limits, SURE_BOUNCES, transmittance};
+use crate::integrator::path::{Limits, SURE_BOUNCES};
 use crate::nodes::{PathState, RayCone, View};
 use crate::sampler::PathSampler;
 use crate::scene::visibility::Rays;
 use crate::shading::Scattering;
 use glam::Vec3A;
+use std::cell::Cell;
 
 /// Sets of four numbers before the light path's first step.
 const LIGHT_SETS: u32 = 2;
@@ -20,37 +21,52 @@ const LIGHT_SETS: u32 = 2;
 const AIM_SETS: u32 = 4096;
 
 /// Follows light from a source, as things are at a moment; its scattering places replace those in `path`. Gives the rays traced.
+#[expect(clippy::too_many_lines, reason = "one loop over the vertices of a path")]
 pub(super) fn trace(
     stage: &PreparedScene,
     limits: &Limits,
     mut sampler: PathSampler,
     moment: u16,
-    path: &mut Vec<Vertex>,
+    path: &mut LightPath,
 ) -> u32 {
-    path.clear();
+    path.places.clear();
     let [u_choice, u0, u1, u2] = sampler.next_4d();
     let [u3, ..] = sampler.next_4d();
     let Some(emitted) = stage.emission.sample(&stage.scene, &stage.lights, u_choice, [u0, u1], [u2, u3], moment) else {
         return 0;
     };
+    let (mut kinds, most_bounces) = stage.emission.limits(&stage.scene, &stage.lights, &emitted);
+    path.most_bounces = most_bounces;
     let mut walk = Walk { stage, sampler, first_set: LIGHT_SETS, step: 0, rays: 0 };
+    let visible = |hit: &Hit| stage.scene.instances[hit.instance as usize].visible;
     // What casts no shadow is lit, and so is what stands behind it: chance decides for which of them the ray is.
-    let casts_shadow = |hit: &Hit| stage.scene.instances[hit.instance as usize].visible.any_of(Rays::SHADOW);
+    let casts_shadow = |hit: &Hit| visible(hit).any_of(Rays::SHADOW);
     let mut ray = emitted.ray;
     let mut shares = 1.0;
     let mut carried = Rgb::ZERO;
     let mut partial = Partial { ends: 0.0, before: 0.0 };
     for bounce in 0..=limits.max_bounces {
-        let passed = std::cell::Cell::new(1.0);
-        let stretch = walk.follow(ray, Rays::BOUNCE, |hit, u| {
-            if bounce > 0 || casts_shadow(hit) {
+        let (passed, left) = (Cell::new(1.0), Cell::new(kinds));
+        let way = if bounce == 0 { PathState::CAMERA.shadow() } else { PathState::BOUNCE };
+        let stretch = walk.follow(ray, Rays::BOUNCE, way, |hit, u| {
+            // What some kinds of bounces do not see lets them pass, and is itself a place where light goes on.
+            let blocks = if bounce == 0 { casts_shadow(hit) } else { visible(hit).all_of(Rays::BOUNCE) };
+            if blocks {
                 return true;
             }
             passed.set(2.0 * passed.get());
-            u < 0.5
+            let stops = u < 0.5;
+            if bounce > 0 && !stops {
+                left.set(left.get().without(visible(hit)));
+            }
+            stops
         });
-        shares *= passed.get();
-        let Some((point, _)) = stretch.end else { break };
+        if bounce == 0 {
+            shares *= passed.get();
+        } else {
+            carried *= passed.get();
+        }
+        let Some((point, hit)) = stretch.end else { break };
         let back = -ray.direction;
         let cos_in = point.geometric_normal.dot(back).abs();
         if cos_in <= 0.0 {
@@ -70,16 +86,17 @@ pub(super) fn trace(
         if is_dark(carried) {
             break;
         }
-        let vertex = Vertex::new(stage, (point, stretch.kept), back, carried, partial);
+        let vertex = Vertex::new(stage, (point, stretch.kept), (back, PathState::BOUNCE), carried, partial, left.get());
+        kinds = visible(&hit);
         let [u2, u3, u_split, u_end] = walk.sampler.next_4d();
         let next = scatter(stage, &vertex, u_split, [u2, u3]);
         ray = vertex.ray(next.as_ref().map_or(back, |n| n.direction));
-        path.push(vertex);
+        path.places.push(vertex);
         let Some(next) = next else { break };
         (carried, partial) = (next.carried, next.partial);
         if bounce + 1 > SURE_BOUNCES {
             // In units of what a light path brings along.
-            let start = path[0].carried.max_element();
+            let start = path.places[0].carried.max_element();
             let go_on = (carried.max_element() / start).min(1.0);
             if u_end >= go_on {
                 break;
@@ -101,9 +118,13 @@ fn scatter(stage: &PreparedScene, vertex: &Vertex, u_split: f32, u: [f32; 2]) ->
     let next = vertex.bsdf.sample(u_split, u)?;
     let d = next.wi;
     if !next.mirror {
-        let (sent, back_pdf) = vertex.sent(stage, d);
+        let (sent, back_pdf) = vertex.sent(stage, d, vertex.way);
         let partial = vertex.partial.scattered(next.pdf, vertex.cos(d), back_pdf);
         return Some(Scattered { direction: d, carried: sent / next.pdf, partial });
+    }
+    let kind = if next.transmitted { Rays::TRANSMISSION } else { Rays::GLOSSY };
+    if !vertex.kinds.any_of(kind) {
+        return None;
     }
     let towards_camera = vertex.seen_from(stage, d);
     let (value, _) = towards_camera.mirror(next.transmitted, vertex.back);
@@ -123,7 +144,7 @@ pub(super) fn splat(
     film: &FilmEnd<'_>,
     limits: &Limits,
     mut sampler: PathSampler,
-    path: &[Vertex],
+    path: &LightPath,
     mut add: impl FnMut(u32, u32, Rgb),
 ) -> u32 {
     let FilmEnd { lens, raster, clip, techniques, way } = *film;
@@ -132,7 +153,10 @@ pub(super) fn splat(
     let place = |p: Vec3A| back.map_or(p, |back| back.transform_point3a(p));
     let mut rays = 0;
     sampler.jump_to(AIM_SETS);
-    for (bounce, vertex) in path.iter().enumerate() {
+    for (bounce, vertex) in path.places.iter().enumerate() {
+        if bounce as u32 > path.most_bounces {
+            break;
+        }
         let [u0, u1, u_column, u_row] = sampler.next_4d();
         let [u_set, ..] = sampler.next_4d();
         let is_seen = stage.scene.instances[vertex.point.instance as usize].visible.any_of(Rays::CAMERA);
@@ -143,7 +167,7 @@ pub(super) fn splat(
         let from = place(vertex.point.position);
         let Some((aim, aim_pdf)) = lens.aim(from, [u0, u1]) else { continue };
         let d = way.map_or(aim, |way| way.transform_vector3a(aim).normalize());
-        let (sent, back_pdf) = vertex.sent(stage, d);
+        let (sent, back_pdf) = vertex.sent(stage, d, PathState::CAMERA);
         if is_dark(sent) {
             continue;
         }
@@ -160,8 +184,7 @@ pub(super) fn splat(
             ray.t_max = way;
         }
         let cone = RayCone::pixel(&stage.scene.viewport);
-        let through =
-            |hit: &Hit| transmittance(&stage.scene, hit, &View::along(&ray, cone, hit.t, PathState::CAMERA.shadow()));
+        let through = |hit: &Hit| passed(&stage.scene, hit, &View::along(&ray, cone, hit.t, PathState::CAMERA));
         rays += 1;
         let open = stage.accel.light_through(&ray, Rays::CAMERA, through);
         let light = light * open;

@@ -4,7 +4,7 @@ use super::weights::Partial;
 use crate::accel::{Hit, Ray, offset_origin};
 use crate::integrator::PreparedScene;
 use crate::integrator::path::{MOST_STEPS, leave, mix, opening};
-use crate::nodes::{self, Layers, PathState, RayCone, View};
+use crate::nodes::{self, Layers, PathState, RayCone, Transparency, View};
 use crate::sampler::PathSampler;
 use crate::scene::Scene;
 use crate::scene::plain::PlainValues;
@@ -34,30 +34,41 @@ pub(super) struct Vertex {
     /// On a path from the camera: weight of radiance that leaves towards it. From the light: the power that arrives.
     pub(super) carried: Rgb,
     pub(super) partial: Partial,
+    /// The state in which a path from the camera comes to the vertex: on a path from the light, which cannot know it, after a diffuse
+    /// reflection.
+    pub(super) way: PathState,
+    /// The kinds of rays of a path from the camera that may leave a vertex of a light path along `back`.
+    pub(super) kinds: Rays,
 }
 
 impl Vertex {
+    /// `back` and the state in which a path from the camera comes to the vertex.
     pub(super) fn new(
         stage: &PreparedScene,
         met: (SurfacePoint, f32),
-        back: Vec3A,
+        (back, way): (Vec3A, PathState),
         carried: Rgb,
         partial: Partial,
+        kinds: Rays,
     ) -> Self {
         let (point, kept) = met;
-        let material = material(stage, &point);
-        let values = material.plain().map(|plain| {
-            let at_point =
-                || nodes::plain_values(material, plain, stage.around(), &point, &bounced(&stage.scene, &point, back));
-            plain.constants.unwrap_or_else(at_point)
-        });
-        let bsdf = VertexSurface::new(stage, values.as_ref(), kept, &point, back);
-        Self { point, values, kept, bsdf, back, carried, partial }
+        let values = plain(stage, &point, back, way);
+        let bsdf = VertexSurface::new(stage, values.as_ref(), kept, &point, back, way);
+        Self { point, values, kept, bsdf, back, carried, partial, way, kinds }
     }
 
     /// The scattering at the vertex, seen from the other end of `d`.
     pub(super) fn seen_from(&self, stage: &PreparedScene, d: Vec3A) -> VertexSurface {
-        VertexSurface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d)
+        VertexSurface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d, self.way)
+    }
+
+    /// The same by the camera itself, or by a path from it that comes in a certain state.
+    fn seen_in(&self, stage: &PreparedScene, d: Vec3A, way: PathState) -> VertexSurface {
+        if way == self.way || !material(stage, &self.point).asks_path {
+            return self.seen_from(stage, d);
+        }
+        let point = self.point.seen_from(d);
+        VertexSurface::new(stage, plain(stage, &point, d, way).as_ref(), self.kept, &point, d, way)
     }
 
     /// Cosine to the triangle's own normal.
@@ -71,12 +82,13 @@ impl Vertex {
     }
 
     /// Power that arrived from a light and leaves along `d`, towards the camera, as radiance times area at right angles
-    /// to the ray; and the density per steradian with which a path from the camera would go on to the light.
+    /// to the ray; and the density per steradian with which a path from the camera, which comes in the state `way`, would go on to the light.
     ///
     /// The scattering function is taken in the camera's sense, as it is not symmetric; the cosines are those that turn
     /// radiance into power and back, of the triangle itself (Veach 1997, section 5.3).
-    pub(super) fn sent(&self, stage: &PreparedScene, d: Vec3A) -> (Rgb, f32) {
-        let (value, pdf) = self.seen_from(stage, d).evaluate(self.back);
+    pub(super) fn sent(&self, stage: &PreparedScene, d: Vec3A, way: PathState) -> (Rgb, f32) {
+        let seen = self.seen_in(stage, d, way);
+        let (value, pdf) = seen.evaluate_kinds(self.back, self.kinds);
         (self.carried * value * (self.cos(d) / self.cos(self.back)), pdf)
     }
 }
@@ -89,24 +101,51 @@ pub(super) enum VertexSurface {
     Layers(Mixture),
 }
 
-/// The view of a point along a ray that bounced before, `wo` towards its origin.
-fn bounced(scene: &Scene, point: &SurfacePoint, wo: Vec3A) -> View {
+/// Inputs of a plain surface; `None` of any other.
+fn plain(stage: &PreparedScene, point: &SurfacePoint, back: Vec3A, way: PathState) -> Option<PlainValues> {
+    let material = material(stage, point);
+    material.plain().map(|plain| {
+        let at_point =
+            || nodes::plain_values(material, plain, stage.around(), point, &seen(&stage.scene, point, back, way));
+        plain.constants.unwrap_or_else(at_point)
+    })
+}
+
+/// The view of a point by a path in a state, `wo` towards the ray's origin. The footprint is that of a pixel that shows the point itself,
+/// whichever end the path began at.
+fn seen(scene: &Scene, point: &SurfacePoint, wo: Vec3A, way: PathState) -> View {
+    let distance = point.position.length();
     let cone = RayCone::pixel(&scene.viewport);
-    View { direction: -wo, distance: 1.0, way: PathState::BOUNCE, moment: point.moment, is_blurry: true, cone }
+    let is_blurry = !way.is_camera();
+    View { direction: -wo, distance, way, moment: point.moment, is_blurry, cone }
 }
 
 impl VertexSurface {
-    fn new(stage: &PreparedScene, values: Option<&PlainValues>, kept: f32, point: &SurfacePoint, wo: Vec3A) -> Self {
+    fn new(
+        stage: &PreparedScene,
+        values: Option<&PlainValues>,
+        kept: f32,
+        point: &SurfacePoint,
+        wo: Vec3A,
+        way: PathState,
+    ) -> Self {
         if let Some((values, tables)) = values.zip(stage.plain_tables[point.material as usize].as_deref()) {
             let mut bsdf = Bsdf::new(tables, values, point, wo);
             bsdf.scale(values.weight * kept);
             return Self::Plain(bsdf);
         }
         let mut layers = Layers::default();
-        nodes::layers(material(stage, point), stage.around(), point, &bounced(&stage.scene, point, wo), &mut layers);
+        nodes::layers(material(stage, point), stage.around(), point, &seen(&stage.scene, point, wo, way), &mut layers);
         let mut mixture = Mixture::empty();
         mix(&mut mixture, stage, &layers, point, wo, kept, None);
         Self::Layers(mixture)
+    }
+}
+
+impl VertexSurface {
+    /// [`Scattering::evaluate`] of what rays of these kinds get.
+    pub(super) fn evaluate_kinds(&self, wi: Vec3A, kinds: Rays) -> (Rgb, f32) {
+        if kinds.all_of(Rays::BOUNCE) { self.evaluate(wi) } else { self.evaluate_some(wi, kinds) }
     }
 }
 
@@ -162,6 +201,12 @@ pub(super) fn material<'a>(stage: &'a PreparedScene, point: &SurfacePoint) -> &'
     &stage.scene.materials[point.material as usize]
 }
 
+/// What a surface lets through unbent of a ray that is no shadow ray.
+pub(super) fn passed(scene: &Scene, hit: &Hit, view: &View) -> Rgb {
+    let point = SurfacePoint::new(scene, hit, view.direction);
+    opening(scene, &point, view).light
+}
+
 /// A ray from one scattering to the next.
 pub(super) struct RayStretch {
     /// The surface interaction at its end, if there is one.
@@ -187,8 +232,14 @@ pub(super) struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Follows a ray over surfaces that let it pass unbent. `stops` may turn a hit away, given a uniform number.
-    pub(super) fn follow(&mut self, ray: Ray, kind: Rays, stops: impl Fn(&Hit, f32) -> bool) -> RayStretch {
+    /// Follows a ray of a path in a state over surfaces that let it pass unbent. `stops` may turn a hit away, given a uniform number.
+    pub(super) fn follow(
+        &mut self,
+        ray: Ray,
+        kind: Rays,
+        way: PathState,
+        stops: impl Fn(&Hit, f32) -> bool,
+    ) -> RayStretch {
         let mut ray = ray;
         let mut distance = 0.0;
         let mut through = Rgb::ONE;
@@ -201,8 +252,8 @@ impl Walk<'_> {
             let [u0, u1, u_light, u_alpha] = self.sampler.next_4d();
             distance += hit.t;
             let scene = &self.stage.scene;
-            let view = View::along(&ray, RayCone::pixel(&scene.viewport), distance, PathState::BOUNCE);
-            let opening = opening(scene, &point, &view);
+            let view = View::along(&ray, RayCone::pixel(&scene.viewport), distance, way);
+            let opening = self.opening(&point, &view);
             let stays = 1.0 - opening.chance;
             if u_alpha >= stays {
                 through *= opening.light / opening.chance;
@@ -215,5 +266,19 @@ impl Walk<'_> {
         }
         let distance = distance + ray.t_max;
         RayStretch { end: None, distance, through, kept: 1.0, u_light: [0.0; 3] }
+    }
+
+    /// What a surface lets through unbent. A ray from a light is a shadow ray for what it passes, and a bounce of the camera's path for what it
+    /// comes to: where the surface tells these apart, chance decides which it is.
+    fn opening(&self, point: &SurfacePoint, view: &View) -> Transparency {
+        let (scene, material) = (&self.stage.scene, material(self.stage, point));
+        if !view.way.is_shadow() || !(material.asks_path || material.shades_fully) {
+            return opening(scene, point, view);
+        }
+        let met = opening(scene, point, &View { way: PathState::BOUNCE, ..*view });
+        let kept = met.kept * (1.0 - met.chance);
+        let light = if material.shades_fully { Rgb::ZERO } else { opening(scene, point, view).light };
+        let chance = if light == Rgb::ZERO { 0.0 } else { 0.5 };
+        Transparency { chance, light, kept: kept / (1.0 - chance), ..met }
     }
 }
