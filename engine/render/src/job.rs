@@ -17,6 +17,7 @@ mod remaining;
 mod report;
 pub mod request;
 mod settings;
+pub mod share;
 
 use crate::camera::clip::Clip;
 use crate::camera::lens::real_lens::RealLens;
@@ -41,6 +42,7 @@ use checkpoint::{Checkpoints, Keeper, Kept, OwnFile};
 use glam::Vec2;
 pub use report::RenderReport;
 pub use settings::{MIN_SAMPLES, Settings, SettingsError};
+use share::Share;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError, RwLock};
@@ -73,6 +75,8 @@ pub struct OutputOptions {
     pub exposure: Option<Exposure>,
     /// The points of a surface that are baked instead of a photograph; no other output is about the camera then.
     pub bake: Option<BakePoints>,
+    /// The tiles that are rendered of those that the picture has.
+    pub share: Share,
 }
 
 /// Statistics of a render.
@@ -115,6 +119,9 @@ struct Shared {
     film: Film,
     /// The tiles that are rendered, in their order, where these have as many samples as others.
     tiles: Vec<usize>,
+    share: Share,
+    /// The tiles of the share, in their order.
+    own: Vec<usize>,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
     /// The decisions by which pixels get as many samples as they need; `None` where all get as many.
@@ -222,7 +229,7 @@ impl Job {
         if let Some(adaptive) = &self.shared.adaptive {
             return adaptive.progress();
         }
-        let tiles = self.shared.tiles.len();
+        let tiles = self.shared.own.len().max(1);
         let taken = self.shared.next.load(Ordering::Relaxed).min(self.shared.passes.len() * tiles);
         // Passes are unequal: count samples.
         let whole: u32 = self.shared.passes[..taken / tiles].iter().map(|p| p.1).sum();
@@ -233,10 +240,10 @@ impl Job {
     /// Samples that every pixel has which is not to have fewer.
     pub fn samples_done(&self) -> u32 {
         let Some(adaptive) = &self.shared.adaptive else {
-            let samples = self.shared.tiles.iter().map(|&tile| self.shared.film.tile(tile).samples);
+            let samples = self.shared.own.iter().map(|&tile| self.shared.film.tile(tile).samples);
             return samples.min().unwrap_or(0);
         };
-        let pass = self.shared.next.load(Ordering::Relaxed) / self.shared.film.tile_count();
+        let pass = self.shared.next.load(Ordering::Relaxed) / self.shared.own.len().max(1);
         adaptive.passes.get(pass).map_or(self.shared.settings.samples, |pass| pass.first)
     }
 
@@ -333,6 +340,7 @@ impl Shared {
         beside: OutputOptions,
     ) -> Result<Self, SettingsError> {
         settings.check()?;
+        beside.share.check(&settings)?;
         let first = cameras.first().ok_or(SettingsError::Camera)?;
         settings.check_integrator(first)?;
         let is_bidirectional = settings.integrator == Integrator::Bidirectional;
@@ -355,11 +363,15 @@ impl Shared {
             .shaded(beside.gains.unwrap_or_default().into());
         let window = settings.window.filter(|_| !is_bidirectional);
         let tiles = film.tiles_about(window.unwrap_or([0, 0, width, height]), spreads);
+        let own = beside.share.of(if adapts { (0..film.tile_count()).collect() } else { tiles.clone() });
+        let own_pixels = own.iter().map(|&tile| u64::from(film.rect(tile).width * film.rect(tile).height)).sum();
         let mut shared = Self {
             tiles,
+            share: beside.share,
+            own,
             raster: Raster::new(width, height, PixelFilter::new(settings.filter))
                 .independent(settings.independent_pixels),
-            adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
+            adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count(), own_pixels)),
             film,
             motion: beside.motion,
             exposure: beside.exposure,
@@ -480,10 +492,10 @@ impl Shared {
             while !stopped() && self.render_next(&shot, adaptive, &stopped).is_some() {}
             return;
         }
-        let tiles = self.tiles.len();
-        loop {
+        let tiles = self.own.len();
+        while tiles > 0 {
             let task = self.next.fetch_add(1, Ordering::Relaxed);
-            let (pass, tile) = (task / tiles, self.tiles[task % tiles]);
+            let (pass, tile) = (task / tiles, self.own[task % tiles]);
             let Some(&(first, count)) = self.passes.get(pass) else { return };
             if self.film.tile(tile).passes > pass as u32 {
                 // Kept from before.
@@ -510,9 +522,9 @@ impl Shared {
 
     /// The next pass of a tile whose pixels get as many samples as they need; `None` at the end, or where `stopped` said so.
     fn render_next(&self, shot: &RenderContext<'_>, adaptive: &Adaptive, stopped: &dyn Fn() -> bool) -> Option<()> {
-        let (s, tiles) = (&self.settings, self.film.tile_count());
+        let (s, tiles) = (&self.settings, self.own.len());
         let task = self.next.fetch_add(1, Ordering::Relaxed);
-        let (pass, tile) = (task / tiles, task % tiles);
+        let (pass, tile) = (task.checked_div(tiles)?, self.own[task % tiles]);
         let now = *adaptive.passes.get(pass)?;
         // What is left to do depends on the pass before, which may still be under way in another thread, and on the decisions after it.
         let before = pass.checked_sub(1).map(|number| (number as u32, adaptive.passes[number]));

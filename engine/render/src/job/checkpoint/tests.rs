@@ -2,7 +2,8 @@
 
 use super::super::tests::{camera, settings, stage};
 use super::super::{Job, OutputOptions, Settings};
-use super::{Checkpoints, Kept, MAGIC, check_file};
+use super::film_file::MAGIC;
+use super::{Checkpoints, Kept, check_file};
 use crate::camera::Model;
 use crate::film::cryptomatte::MatteLayer;
 use crate::film::data::DataPass;
