@@ -12,7 +12,7 @@ from support.places import ROOT, TESTS
 #: A lens file whose glass stands in a catalogue beside it.
 LENS = """\
 # name: Doublet of its own glass
-# catalogue: glasses/own.agf
+# catalogue: own.agf
 #radius thickness glass diameter conic isstop
 50 4 OWN 20 0 0
 -50 5 air 20 0 0
@@ -125,9 +125,11 @@ os._exit(0)
 
 def save(folder: Path) -> None:
     """Saves shots/scene/shot.blend, small.blend and catcher.blend with all that they name."""
-    (folder / "shots/glasses").mkdir(parents=True)
+    (folder / "shots").mkdir(parents=True)
     (folder / "shots/own.lens").write_text(LENS)
-    (folder / "shots/glasses/own.agf").write_text(CATALOGUE)
+    (folder / "shots/own.agf").write_text(CATALOGUE)
     script = MAKE.format(tests=str(TESTS), folder=str(folder))
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=120, cwd=ROOT)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=120, cwd=ROOT
+    )
     assert (folder / "shots/scene/catcher.blend").exists(), done.stdout + done.stderr

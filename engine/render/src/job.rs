@@ -11,7 +11,9 @@ pub mod checkpoint;
 pub mod denoise;
 mod develop;
 mod error;
+mod film_file;
 pub mod forecast;
+pub mod joining;
 mod parts;
 mod remaining;
 mod report;
@@ -77,6 +79,21 @@ pub struct OutputOptions {
     pub bake: Option<BakePoints>,
     /// The tiles that are rendered of those that the picture has.
     pub share: Share,
+}
+
+impl OutputOptions {
+    /// The data that the film of a render keeps.
+    fn channels(&self, stage: &PreparedScene, settings: &Settings) -> FilmChannels {
+        FilmChannels {
+            surfaces: settings.with_data,
+            vectors: self.motion.is_some(),
+            mattes: Mattes::new(&stage.scene, &self.mattes, self.matte_levels),
+            halves: settings.noise_threshold > 0.0,
+            groups: self.light_groups,
+            parts: self.parts.list().len(),
+            variance: true,
+        }
+    }
 }
 
 /// Statistics of a render.
@@ -347,24 +364,13 @@ impl Shared {
         let pipeline = aimed::pipeline(&stage, &cameras, first, &settings, beside.exposure.as_ref());
         let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
         let (width, height) = (settings.width, settings.height);
-        let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
         let adapts = settings.noise_threshold > 0.0;
-        let keep = FilmChannels {
-            surfaces: settings.with_data,
-            vectors: beside.motion.is_some(),
-            mattes,
-            halves: adapts,
-            groups: beside.light_groups,
-            parts: beside.parts.list().len(),
-            variance: true,
-        };
-        let film = Film::keeping(width, height, spreads, keep)
+        let film = Film::keeping(width, height, spreads, beside.channels(&stage, &settings))
             .exposed(settings.film_exposure)
             .shaded(beside.gains.unwrap_or_default().into());
         let window = settings.window.filter(|_| !is_bidirectional);
         let tiles = film.tiles_about(window.unwrap_or([0, 0, width, height]), spreads);
-        let own = beside.share.of(if adapts { (0..film.tile_count()).collect() } else { tiles.clone() });
-        let own_pixels = own.iter().map(|&tile| u64::from(film.rect(tile).width * film.rect(tile).height)).sum();
+        let (own, own_pixels) = share::own(beside.share, &film, &tiles);
         let mut shared = Self {
             tiles,
             share: beside.share,
@@ -493,7 +499,10 @@ impl Shared {
             return;
         }
         let tiles = self.own.len();
-        while tiles > 0 {
+        if tiles == 0 {
+            return;
+        }
+        loop {
             let task = self.next.fetch_add(1, Ordering::Relaxed);
             let (pass, tile) = (task / tiles, self.own[task % tiles]);
             let Some(&(first, count)) = self.passes.get(pass) else { return };

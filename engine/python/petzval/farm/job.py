@@ -273,7 +273,7 @@ def _natural(value: Any) -> int:
 def _limit(value: Any) -> float | None:
     if value is not None and (type(value) not in (int, float) or not 0.0 < value < 1e12):
         raise ValueError(f"{ascii(value)} is no limit")
-    return value
+    return None if value is None else float(value)
 
 
 def _text(value: Any) -> str:

@@ -135,7 +135,7 @@ class Packer:
         self._bpy.ops.wm.save_as_mainfile(filepath=str(place), copy=True, relative_remap=False, check_existing=False)
 
     def _absolute(self, path: str, library: Any) -> str:
-        return os.path.normpath(self._bpy.path.abspath(path, library=library))
+        return os.path.normpath(str(self._bpy.path.abspath(path, library=library)))
 
     @staticmethod
     def _is_packed(block: Any) -> bool:
@@ -151,18 +151,13 @@ class Packer:
 
 
 def lens_files(lens: str) -> list[str]:
-    """A lens file with the catalogues of glasses that it names."""
+    """A lens file with the catalogues of glasses that it names, which lie beside it."""
     if not lens:
         return []
-    found, folder = [lens], os.path.dirname(lens)
     try:
         text = Path(lens).read_text(encoding="utf-8", errors="replace")
     except OSError:
-        return found
-    for name in re.findall(r"^#\s*catalogue:\s*(.+?)\s*$", text, flags=re.MULTILINE):
-        catalogue = os.path.normpath(os.path.join(folder, name))
-        if os.path.isabs(name):
-            raise OSError(f"{lens} names a catalogue by an absolute path, {name}: put it beside the lens")
-        if os.path.isfile(catalogue):
-            found.append(catalogue)
-    return found
+        return [lens]
+    names = re.findall(r"^#\s*catalogue:\s*(\S+)\s*$", text, flags=re.MULTILINE)
+    beside = [os.path.join(os.path.dirname(lens), name) for name in names if os.path.basename(name) == name]
+    return [lens, *(file for file in dict.fromkeys(beside) if os.path.isfile(file))]

@@ -125,18 +125,12 @@ def _processor(asked: str | None) -> str:
 
 def _copy(file: Path, folder: Path) -> list[str]:
     """Copies a lens with its catalogues, or a picture, into a folder; names of the copies, the file's first."""
-    names = []
+    files = packing.lens_files(str(file)) if file.suffix.lower() == ".lens" else [str(file)]
     try:
-        for one in map(Path, packing.lens_files(str(file)) if file.suffix.lower() == ".lens" else [str(file)]):
-            if not one.is_relative_to(file.parent):
-                raise CommandError(f"{file} names {one}, which lies outside of its folder: put it beside the lens")
-            inside = one.relative_to(file.parent)
-            (folder / inside).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(one, folder / inside)
-            names.append(inside.as_posix())
+        folder.mkdir(parents=True, exist_ok=True)
+        return [Path(shutil.copyfile(one, folder / Path(one).name)).name for one in files]
     except OSError as failed:
         raise CommandError(f"cannot copy {file}: {failed.strerror or failed}") from None
-    return names
 
 
 def _write(job: Job, wanted: list[str]) -> None:

@@ -19,7 +19,8 @@ def slots_of(tiles: int, parts: int) -> int:
 def cut(slots: int, parts: int) -> list[tuple[int, int]]:
     """The slots of each part, begin and end: all of them, one at least, as nearly in even steps from large to small as whole numbers go."""
     weights = [1.0 + (_TAPER - 1.0) * (parts - 1 - i) / max(parts - 1, 1) for i in range(parts)]
-    ends, done = [], 0.0
+    ends: list[int] = []
+    done = 0.0
     for i, weight in enumerate(weights):
         done += weight
         # At least one for this part, and one is left for each that follows.

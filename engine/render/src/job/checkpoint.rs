@@ -5,12 +5,10 @@
 //! picture depends on which passes have been added alone. A checkpoint is the film between passes. The threads stand still
 //! while it is copied, not while it is written; a new file takes the place of the old one when it is whole.
 
-pub(super) mod film_file;
-
+pub use super::film_file::check_file;
+use super::film_file::{self, CheckpointBody, CheckpointHeader, Unusable};
 use super::share::Share;
 use super::{Shared, lock};
-pub use film_file::check_file;
-use film_file::{CheckpointBody, CheckpointHeader, Unusable};
 use petzval_files::Identity;
 use serde::Serialize;
 use std::path::PathBuf;

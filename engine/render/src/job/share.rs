@@ -1,14 +1,8 @@
-//! Shares of a picture: each of several machines renders some of its tiles, and one of them joins what they found.
-//!
-//! The joined film is that of one render of the whole picture, to its bits, in all passes and with a noise threshold, too: a tile's sums are of
-//! its own samples alone and come in the order of its passes, light that falls far away is added in whole quanta, and counts of
-//! samples are decided block by block. So denoising and stray light follow as after one render.
+//! Shares of a picture: some of its tiles, for one of several machines.
 
-use super::checkpoint::film_file::{self, CheckpointHeader, Unusable};
-use super::{Job, Settings, SettingsError, Shared, lock};
+use super::{Settings, SettingsError};
+use crate::film::Film;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
-use std::time::Duration;
 
 /// Some tiles of a picture. Its tiles are dealt in turns to slots, in their order from the middle outwards, so that each slot has tiles from all
 /// over the picture; a share is the slots from `first` to before `end`.
@@ -48,70 +42,25 @@ impl Share {
     }
 }
 
-/// A film that cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum KeepError {
-    /// The render was stopped, or goes on.
-    #[error("the render is not finished")]
-    Unfinished,
-    /// The disk refuses.
-    #[error(transparent)]
-    Io(#[from] std::io::Error),
-}
-
-impl Job {
-    /// Writes the film of a finished share, for [`Self::join_film`] of a render of the same fingerprint.
-    ///
-    /// # Errors
-    /// [`KeepError`]; a file that was there stays then.
-    pub fn write_film(&self, file: &Path, fingerprint: &str) -> Result<(), KeepError> {
-        let shared = &self.shared;
-        if !self.wait(Duration::ZERO) || !shared.own.iter().all(|&tile| shared.is_complete(tile)) {
-            return Err(KeepError::Unfinished);
-        }
-        let header = CheckpointHeader::new(fingerprint, shared.share, true);
-        Ok(film_file::write(file, &header, &shared.body(0.0).0)?)
-    }
-
-    /// Adds the film of another share, once this render has ended; the reason why it is not taken, if there is one: the film is as it was then.
-    pub fn join_film(&self, file: &Path, fingerprint: &str, share: Share) -> Option<String> {
-        self.wait(Duration::MAX);
-        self.shared.join_film(file, fingerprint, share).err().map(|why| why.to_string())
-    }
-}
-
-impl Shared {
-    /// True if all passes of a tile are there.
-    fn is_complete(&self, tile: usize) -> bool {
-        let passes = self.adaptive.as_ref().map_or(self.passes.len(), |adaptive| adaptive.passes.len());
-        self.film.tile(tile).passes as usize == passes
-    }
-
-    fn join_film(&self, file: &Path, fingerprint: &str, share: Share) -> Result<(), Unusable> {
-        let nothing = || std::io::Error::from(std::io::ErrorKind::NotFound);
-        let (header, body, _) = film_file::read(file, fingerprint)?.ok_or_else(nothing)?;
-        if header.share != share {
-            return Err(Unusable::Share);
-        }
-        if !header.is_complete {
-            return Err(Unusable::Unfinished);
-        }
-        let of_picture =
-            if self.adaptive.is_some() { (0..self.film.tile_count()).collect() } else { self.tiles.clone() };
-        let tiles = share.of(of_picture);
-        let is_adaptive = body.adaptive.is_some() == self.adaptive.is_some();
-        if !is_adaptive || self.film.join_state(body.film, &tiles).is_err() {
-            return Err(Unusable::Damaged);
-        }
-        if let (Some(adaptive), Some(state)) = (&self.adaptive, &body.adaptive)
-            && !adaptive.join(state, &tiles)
-        {
-            return Err(Unusable::Damaged);
-        }
-        lock(&self.counts).add(&body.counts);
-        Ok(())
-    }
+/// The tiles that a render of a share takes, and how many pixels they have.
+pub(super) fn own(share: Share, film: &Film, tiles: &[usize]) -> (Vec<usize>, u64) {
+    let all = if film.has_halves() { (0..film.tile_count()).collect() } else { tiles.to_vec() };
+    let own = share.of(all);
+    let pixels = own.iter().map(|&tile| u64::from(film.rect(tile).width * film.rect(tile).height)).sum();
+    (own, pixels)
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::super::tests::settings;
+    use super::*;
+
+    #[test]
+    fn shares_are_checked() {
+        let settings = settings(4, 1);
+        for (first, end, of) in [(0, 0, 0), (2, 1, 3), (0, 4, 3)] {
+            assert!(matches!(Share { first, end, of }.check(&settings), Err(SettingsError::Share { .. })));
+        }
+        assert_eq!(Share { first: 1, end: 3, of: 4 }.of((10..20).collect()), [11, 12, 15, 16, 19]);
+    }
+}

@@ -1,8 +1,8 @@
 //! Shares of a picture, joined, are the whole to its bits; what is no share of it is refused and changes nothing.
 
+use super::super::share::Share;
 use super::super::tests::{camera, settings, stage};
-use super::super::{Job, OutputOptions, Settings, SettingsError};
-use super::Share;
+use super::super::{Job, OutputOptions, Settings};
 use crate::camera::Model;
 use crate::film::cryptomatte::MatteLayer;
 use crate::film::data::DataPass;
@@ -118,13 +118,4 @@ fn what_is_no_share_of_it_is_refused() {
     job.stop();
     job.wait(Duration::MAX);
     assert!(job.write_film(&folder.0.join("stopped"), "one").is_err() && !folder.0.join("stopped").exists());
-}
-
-#[test]
-fn shares_are_checked() {
-    let settings = settings(4, 1);
-    for (first, end, of) in [(0, 0, 0), (2, 1, 3), (0, 4, 3)] {
-        assert!(matches!(Share { first, end, of }.check(&settings), Err(SettingsError::Share { .. })));
-    }
-    assert_eq!(Share { first: 1, end: 3, of: 4 }.of((10..20).collect()), [11, 12, 15, 16, 19]);
 }
