@@ -15,6 +15,7 @@ from .data import favourites
 from .drawing import gizmos, live_drawing, overlay, thumbnails
 from .operators import common as operators
 from .operators import cost as cost_operator
+from .operators import farm as farm_operator
 from .operators import focus as focus_operators
 from .operators import focus_picking
 from .operators import framing as framing_operator
@@ -50,6 +51,7 @@ PARTS = (
     preset_operators,
     select_operator,
     engine,
+    farm_operator,
     overlay,
     gizmos,
     ui,
