@@ -15,6 +15,7 @@ from .data import favourites
 from .drawing import gizmos, live_drawing, overlay, thumbnails
 from .operators import common as operators
 from .operators import cost as cost_operator
+from .operators import farm as farm_operator
 from .operators import focus as focus_operators
 from .operators import focus_picking
 from .operators import framing as framing_operator
@@ -52,6 +53,7 @@ PARTS = (
     sampling_operators,
     select_operator,
     engine,
+    farm_operator,
     overlay,
     gizmos,
     ui,

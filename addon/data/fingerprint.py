@@ -34,6 +34,8 @@ class Watched:
 
     def __init__(self, builder: Any, digest: Any, pieces: Pieces | None) -> None:
         self._builder, self._digest, self._pieces = builder, digest, pieces
+        #: What the pieces that were sent are called, for people.
+        self.names: dict[tuple[str, int], str] = {}
 
     def __getattr__(self, name: str) -> Any:
         target = getattr(self._builder, name)
@@ -50,6 +52,7 @@ class Watched:
             given = target(*arguments, **named)
             if name in _ADDS:
                 pieces[_ADDS[name], given] = digest.digest()
+                self.names[_ADDS[name], given] = next((one for one in arguments if type(one) is str), "")
             return given
 
         return call

@@ -20,6 +20,9 @@ LEAST_UNITS = 1e-4
 #: A rounded surface is divided as Catmull and Clark until it has so many faces, but no more than so often; further pieces lie on these.
 ROUND_FACES = 4096
 MOST_LEVELS = 6
+#: The engine makes no more triangles of a scene (engine/render/src/scene/dicing.rs), so that more room is the same to it, and a render of
+#: the same picture is known by the same numbers.
+MOST_TRIANGLES = 12_000_000
 
 
 def of_scene(scene: bpy.types.Scene, is_render: bool) -> tuple[float, float, int]:
@@ -73,7 +76,7 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: 
         length = max(modifier.adaptive_object_edge_length, LEAST_UNITS)
     else:
         length = max(rate * pixels, LEAST_PIXELS)
-    return not is_in_units, length, off_screen, most, room.left_triangles()
+    return not is_in_units, length, off_screen, most, min(room.left_triangles(), MOST_TRIANGLES)
 
 
 def _is_displaced(material: bpy.types.Material | None) -> bool:

@@ -13,7 +13,7 @@ from typing import Any
 
 import bpy
 
-from petzval.description import flat
+from petzval.description import CameraDescription, flat
 
 from ..data.fingerprint import Pieces, Watched, feed
 from ..export.stereo import View
@@ -30,22 +30,26 @@ KEPT_DAYS = 30.0
 def of(depsgraph: bpy.types.Depsgraph, view: View, *, is_part: bool) -> Checkpoint | None:
     """That of a view of a view layer; None where nothing is to be kept, and the picture is no part of another one."""
     file = _file(depsgraph, view)
+    is_part = is_part or loop.WATCH.share is not None
     return None if file is None and not is_part else Checkpoint(file)
 
 
 def _file(depsgraph: bpy.types.Depsgraph, view: View) -> str | None:
     """The file in which the render of a view of a view layer is kept; None where it is not."""
-    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+    scene = depsgraph.scene_eval
     asked = loop.WATCH.checkpoint
     if asked is None:
         if not scene.petzval.use_checkpoints:
             return None
         asked = str(_own_file(scene))
-    if not asked:
-        return None
-    # Each layer and view has its own, and the only one has the name as it is.
+    return of_view(asked, depsgraph, view) if asked else None
+
+
+def of_view(file: str, depsgraph: bpy.types.Depsgraph, view: View) -> str:
+    """The file of a view of a view layer: each has its own, and the only one has the name as it is."""
+    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     is_alone = sum(one.use for one in scene.view_layers) < 2
-    of_layer = asked if is_alone else f"{asked}.{_short(layer.name)}"
+    of_layer = file if is_alone else f"{file}.{_short(layer.name)}"
     return of_layer if view.count < 2 else f"{of_layer}.{_short(view.name)}"
 
 
@@ -84,28 +88,43 @@ class Checkpoint:
     def __init__(self, file: str | None) -> None:
         self.file = file
         self._scene = hashlib.blake2b(digest_size=32)
+        self._told: Watched | None = None
+        self._pieces: Pieces = {}
 
     def watched(self, scene: KeptScene) -> Watched:
         """The engine's `SceneBuilder`, all of whose calls leave their mark in the fingerprint or in those of its pieces."""
-        return Watched(scene.builder, self._scene, scene.fingerprints)
+        self._told = Watched(scene.builder, self._scene, scene.fingerprints)
+        return self._told
 
     def add(self, pieces: Pieces) -> None:
         """Adds the fingerprints of all images, materials and meshes, sent now or before."""
-        for piece in sorted(pieces.items()):
+        self._pieces = dict(sorted(pieces.items()))
+        for piece in self._pieces.items():
             feed(self._scene, piece)
 
-    def arguments(self, settings: Any, camera: Any, *others: Any) -> tuple[str, str, float] | None:
-        """The engine's `checkpoint` for a job of these settings, camera, and whatever else decides its picture; None where the render
-        is not kept."""
+    def pieces(self) -> dict[str, str]:
+        """Short digests of the images, materials and meshes, by what they are called."""
+        names = {} if self._told is None else self._told.names
+        return {
+            f"{kind} {index} '{names.get((kind, index), '')}'": digest.hex()[:16]
+            for (kind, index), digest in self._pieces.items()
+        }
+
+    def fingerprint(self, settings: Any, camera: Any, *others: Any) -> str:
+        """The fingerprint of a job of these settings, camera, and whatever else decides its picture."""
+        digest = self._scene.copy()
+        # The number of threads does not; the lens does, with the glasses of other files that it names, wherever it lies.
+        feed(digest, dataclasses.replace(settings, threads=0))
+        feed(digest, (_placeless(camera), _lens(camera)))
+        feed(digest, _placeless(others))
+        return digest.hexdigest()
+
+    def arguments(self, fingerprint: str) -> tuple[str, str, float] | None:
+        """The engine's `checkpoint` for a job of that fingerprint; None where the render is not kept."""
         if self.file is None:
             return None
-        digest = self._scene.copy()
-        # The number of threads does not; the lens does, with the glasses of other files that it names.
-        feed(digest, dataclasses.replace(settings, threads=0))
-        feed(digest, (camera, _lens(camera)))
-        feed(digest, others)
         every = EVERY_S if loop.WATCH.checkpoint_every_s is None else loop.WATCH.checkpoint_every_s
-        return self.file, digest.hexdigest(), every
+        return self.file, fingerprint, every
 
     def picture(self, settings: Any, camera: Any, **others: Any) -> dict[str, str]:
         """What decides the picture, whichever of its samples are taken: names with short values or digests. Parts of one picture
@@ -119,6 +138,17 @@ class Checkpoint:
         return (
             {"scene": self._scene.hexdigest()[:16]} | {name: _digest(value) for name, value in digests.items()} | told
         )
+
+
+def _placeless(value: Any) -> Any:
+    """A value whose cameras do not say where their lenses lie."""
+    if isinstance(value, CameraDescription):
+        return dataclasses.replace(value, lens_path="")
+    if isinstance(value, (tuple, list)):
+        return [_placeless(one) for one in value]
+    if isinstance(value, dict):
+        return {name: _placeless(one) for name, one in value.items()}
+    return value
 
 
 def _lens(camera: Any) -> str | None:

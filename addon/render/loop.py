@@ -6,7 +6,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from ..data.tiles import Tile
@@ -38,6 +38,29 @@ class Subject:
     sync_seconds: float
 
 
+@dataclass
+class Share:
+    """A part of a picture that is rendered on several machines, or what is to be joined of them."""
+
+    #: The tiles that are rendered: from one slot to before another, of so many; see the engine's `Job`.
+    slots: tuple[int, int, int]
+    #: The file that the film is written to; empty: none. View layers and what they need beside have files of their own, named after it.
+    film: str = ""
+    #: The file that says which scene the parts are of: the first of them writes it, the others agree with it. Named as `film` is.
+    agreement: str = ""
+    #: The films that are joined: number of the part, file and slots.
+    joined: list[tuple[int, str, tuple[int, int, int]]] = field(default_factory=list)
+    #: Whether the films that are joined are to be the whole picture: only then is it denoised, and stray light laid over it.
+    is_whole: bool = False
+    #: The films that were written.
+    written: list[str] = field(default_factory=list)
+    #: Parts that were not taken, each with the reason; and how many films were.
+    refused: dict[int, str] = field(default_factory=dict)
+    taken: int = 0
+    #: The reason why a film could not be written.
+    problem: str = ""
+
+
 class Watch:
     """For a program that drives Blender from outside: it may ask to stop, and be told of the progress."""
 
@@ -52,6 +75,8 @@ class Watch:
         self.written_checkpoints: list[Any] = []
         #: Instead of a render: is handed what would be rendered, once for each view layer.
         self.study: Callable[[Subject], None] | None = None
+        #: The part of the picture that is rendered; None: all of it.
+        self.share: Share | None = None
 
 
 #: Read by every render of this process.

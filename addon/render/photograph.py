@@ -21,7 +21,7 @@ from ..export import world as world_export
 from ..export.motion import Frame, Motion
 from ..export.report import Report
 from ..native import engine
-from . import checkpoints, loop, messages, persistent, planning, progress, staging, statistics
+from . import checkpoints, loop, messages, persistent, planning, progress, shares, staging, statistics
 from .results import Results, deliver_black
 
 # Samples: with fewer, the time that a forecast takes would be seen.
@@ -146,11 +146,16 @@ class Photograph:
             "occlusion_distance": world_export.occlusion_distance(self.scene.world),
         }
         picture_of: dict[str, str] = {}
+        share, fingerprint = loop.WATCH.share, ""
         if checkpoint:
             decided = [(row["effect"], row["decision"]) for row in self.told["effects"]]
             others = {name: value for name, value in beside.items() if name != "plan"}
-            beside["checkpoint"] = checkpoint.arguments(settings, camera, moving, decided, others)
+            fingerprint = checkpoint.fingerprint(settings, camera, moving, decided, others)
+            beside["checkpoint"] = checkpoint.arguments(fingerprint)
             picture_of = checkpoint.picture(settings, camera, effects=decided, shutter=(moving, opened))
+        if share is not None and checkpoint is not None:
+            shares.agree(share, checkpoint, fingerprint, self.depsgraph, self.view)
+        beside |= shares.for_job(share)
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         limit_s = wanted.time_limit_s
         self.progress = progress.Progress(job, limit_s)
@@ -158,6 +163,12 @@ class Photograph:
             job, stop_asked=self._stop_asked, show=self.results.show, tell=self._progress, limit_s=limit_s
         )
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
+        if share is not None:
+            shares.after(share, job, fingerprint, (self.depsgraph, self.view), stopped)
+        # Denoising and stray light belong to the whole picture.
+        is_whole = share is None or share.is_whole
+        if not is_whole:
+            how = None
         if how is not None and not stopped:
             self._denoise(job, how)
         strays = [name for name in effects.STRAYS if self._is_on(name)]
@@ -166,24 +177,20 @@ class Photograph:
                 {"WARNING"},
                 f"Mergeable parts hold no {', '.join(strays)}: these are found in a whole picture; render it without Mergeable for them",
             )
-        elif strays and not stopped:
+        elif strays and is_whole and not stopped:
             self._develop(job)
-        pictures = {passes.COMBINED.name: job.image()}
-        if self.results.is_denoised:
-            pictures[passes.NOISY.name] = job.noisy_image()
+        beside_it = None
         if catches and not stopped:
             others = functools.partial(
-                self._beside_all, native, camera, settings, moving, size, place, blur, opened, how
+                self._beside_all, native, camera, settings, moving, size, place, blur, opened, how, fingerprint
             )
-            is_opaque, is_apart = not self.scene.render.film_transparent, self.results.has_shadow
-            alone, sky = others(is_sky=False), others(is_sky=True) if is_opaque and not is_apart else None
-            for name in pictures:
-                is_noisy = name == passes.NOISY.name
-                pictures[name] = job.over_photograph(
-                    alone, sky, is_opaque=is_opaque, is_apart=is_apart, is_noisy=is_noisy
-                )
-            pictures[passes.SHADOW.name] = job.shadow(alone)
-        self.results.show_all(job, pictures, self.told, picture_of)
+            needs_sky = not self.scene.render.film_transparent and not self.results.has_shadow
+            beside_it = (others(is_sky=False), others(is_sky=True) if needs_sky else None)
+        if share is not None and share.film:
+            # What the part found is in its film.
+            deliver_black(self.host, self.depsgraph, self.view.name)
+        else:
+            self._show_all(job, picture_of, beside_it)
         for warning in scene.warnings():
             if warning not in self.report.warnings:
                 self.report.warn(warning)
@@ -201,6 +208,22 @@ class Photograph:
         if warning not in self.said:
             self.said.add(warning)
             self.host.report({"WARNING"}, warning)
+
+    def _show_all(self, job, picture_of: dict[str, str], beside: tuple | None) -> None:
+        """Hands over the finished picture. `beside`: the renders of what catches shadows alone, and of the sky, where things catch shadows."""
+        pictures = {passes.COMBINED.name: job.image()}
+        if self.results.is_denoised:
+            pictures[passes.NOISY.name] = job.noisy_image()
+        if beside is not None:
+            alone, sky = beside
+            is_opaque, is_apart = not self.scene.render.film_transparent, self.results.has_shadow
+            for name in pictures:
+                is_noisy = name == passes.NOISY.name
+                pictures[name] = job.over_photograph(
+                    alone, sky, is_opaque=is_opaque, is_apart=is_apart, is_noisy=is_noisy
+                )
+            pictures[passes.SHADOW.name] = job.shadow(alone)
+        self.results.show_all(job, pictures, self.told, picture_of)
 
     def _is_on(self, effect: str) -> bool:
         return any(row["effect"] == effect and row["decision"] == "on" for row in self.told["effects"])
@@ -254,7 +277,9 @@ class Photograph:
         except engine().PetzvalError as error:
             self.host.report({"WARNING"}, f"Not denoised: {error}")
 
-    def _beside_all(self, native, camera, settings, moving, size, place, blur, opened, how, *, is_sky: bool):
+    def _beside_all(
+        self, native, camera, settings, moving, size, place, blur, opened, how, fingerprint, *, is_sky: bool
+    ):
         """The finished render of what catches shadows without anything that throws them, or of the sky alone."""
         builder = native.SceneBuilder()
         if is_sky:
@@ -274,11 +299,14 @@ class Photograph:
         # A sky that the camera sees is none of the light on what catches shadows.
         settings = dataclasses.replace(settings, transparent_film=not is_sky)
         scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
-        parts = self.results.guides
-        make = lambda: native.Job(scene, camera, settings, moving, plan=self.plan, shutter=opened, parts=parts)  # noqa: E731
+        kept = {"parts": self.results.guides, "plan": self.plan, "shutter": opened, **shares.for_job(loop.WATCH.share)}
+        make = lambda: native.Job(scene, camera, settings, moving, **kept)  # noqa: E731
         job = loop.stoppable(make, self._stop_asked)
         tell = lambda part, _: self._tell("Shadow catcher background", part)  # noqa: E731
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
+        if loop.WATCH.share is not None:
+            what = ".sky" if is_sky else ".catchers"
+            shares.after(loop.WATCH.share, job, fingerprint, (self.depsgraph, self.view), stopped, beside=what)
         if how is not None and not stopped:
             self._denoise(job, how)
         return job

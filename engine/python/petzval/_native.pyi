@@ -519,6 +519,9 @@ class Job:
         shutter: ShutterDescription | None = None,  # where anything but the lens moves
         occlusion_distance: float | None = None,  # length of the rays of AMBIENT_OCCLUSION; None: without end
         bake: _Bake | None = None,  # instead of a picture; of what else is asked only camera and settings count then
+        share: tuple[
+            int, int, int
+        ] = ...,  # the tiles that are rendered: from one slot to before another, of so many; 0, 1, 1
     ) -> Job:
         """`over_the_shutter`: the camera at the middles of equal parts of the exposure, where it changes meanwhile.
 
@@ -586,6 +589,11 @@ class Job:
         """A part of that light, of shape (height, width, 3), already in `image`: GHOSTS, GLARE or DIFFRACTION; black where it was not found."""
     def end_checkpoints(self) -> Checkpoint | None:
         """Waits, after the end, until the last checkpoint is written; the checkpoint that this render has written or taken up."""
+    def write_film(self, file: str, fingerprint: str) -> None:
+        """Writes the film of a finished share, for `join_film` of a job of the same fingerprint. Raises `OSError`."""
+    def join_film(self, file: str, fingerprint: str, share: tuple[int, int, int]) -> str | None:
+        """After the end: adds the film of another share; the reason why it is not taken, if there is one. A job that joins shares renders none
+        itself: its own is 0, 0, 1."""
     def stats_json(self) -> str:
         """{"seconds": {"bvh", "render", "plan"}, "samples" (that every pixel has), "samples_mean", "samples_most", "camera_rays", "camera_rays_lost", "rays",
         "lens_share" (part of the render time spent in the lens), "non_finite_samples", "seed", "threads",

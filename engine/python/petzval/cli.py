@@ -29,6 +29,7 @@ COMMANDS = {
     "surface": ("surface_command", "trace rays at single surfaces"),
     "render": ("render_command", "render a .blend through a lens"),
     "plan": ("plan_command", "say what a render would simulate of the lens, and why"),
+    "farm": ("farm_command", "one picture on many machines: plan it in parts, render a part, merge them"),
     "merge": ("merge_command", "join renders of one picture with other samples"),
     "cost": ("cost_command", "measure what accuracy costs: one picture by every camera, timed and compared"),
 }

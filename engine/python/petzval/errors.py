@@ -7,6 +7,14 @@ import sys
 _LONGEST_WORD, _LONGEST_MESSAGE = 200, 2000
 
 
+#: Exit status of a command that may succeed when it is tried again: the disk is full, the time is over.
+AGAIN = 75
+
+
+class TryAgain(Exception):
+    """A render that failed for a reason which may be gone at another try. The message is one line."""
+
+
 class CommandError(Exception):
     """The message is one line: what, where, what to do. The command line prints it and exits with `status`."""
 

@@ -18,6 +18,26 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     """Adds `render`."""
     p = subparsers.add_parser("render", help="render a .blend through a lens", allow_abbrev=False)
     scene_options.add(p)
+    add_options(p)
+    p.add_argument(
+        "--checkpoint",
+        metavar="FILE|off",
+        help="where the render is kept while it goes on, to be taken up by the same command; default: OUT.checkpoint",
+    )
+    p.add_argument(
+        "--checkpoint-every",
+        type=types.positive,
+        default=None,
+        metavar="S",
+        help="seconds; default: 8, and the writing",
+    )
+    add_frames(p)
+    p.add_argument("-o", "--output", metavar="OUT.exr|png", help="default: SCENE.png where you are")
+    p.add_argument("--stats", metavar="STATS.json", help="write what was done, and what it took")
+
+
+def add_options(p: argparse.ArgumentParser) -> None:
+    """Adds what decides the picture beside the scene's options: samples, noise, passes."""
     p.add_argument(
         "--samples",
         type=types.count,
@@ -59,26 +79,16 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         action="store_true",
         help="an EXR of many layers: all passes that the scene's view layers ask for, as Blender names them",
     )
-    p.add_argument(
-        "--checkpoint",
-        metavar="FILE|off",
-        help="where the render is kept while it goes on, to be taken up by the same command; default: OUT.checkpoint",
-    )
-    p.add_argument(
-        "--checkpoint-every",
-        type=types.positive,
-        default=None,
-        metavar="S",
-        help="seconds; default: 8, and the writing",
-    )
+
+
+def add_frames(p: argparse.ArgumentParser) -> None:
+    """Adds the frames of an animation."""
     p.add_argument(
         "--frames",
         type=types.frames,
         metavar="FIRST-LAST[,STEP]",
         help="an animation, a picture a frame; their numbers stand in the names of --output and --stats for ####, else at the end",
     )
-    p.add_argument("-o", "--output", metavar="OUT.exr|png", help="default: SCENE.png where you are")
-    p.add_argument("--stats", metavar="STATS.json", help="write what was done, and what it took")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -98,6 +108,13 @@ def options_of(a: argparse.Namespace) -> dict[str, Any]:
     """The options as plain data, checked, as `render_in_blender.render` takes them."""
     options = scene_options.checked(a)
     output = Path(a.output) if a.output else Path(f"{Path(a.scene).stem}.png")
+    check_picture(a, output)
+    takes = [_take(a, options, output, frame) for frame in a.frames or [None]]
+    return options | {"takes": takes}
+
+
+def check_picture(a: argparse.Namespace, output: Path) -> None:
+    """Raises `CommandError` where what is asked for cannot stand in a picture of that name."""
     if output.suffix.lower() not in _SUFFIXES:
         raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
     for name in ("mergeable", "passes"):
@@ -106,8 +123,6 @@ def options_of(a: argparse.Namespace) -> dict[str, Any]:
     scene_options.check_name(output)
     if a.frames and a.frame is not None:
         a.usage_error("--frame is one of --frames: leave out the one or the other")
-    takes = [_take(a, options, output, frame) for frame in a.frames or [None]]
-    return options | {"takes": takes}
 
 
 def _take(a: argparse.Namespace, options: dict[str, Any], output: Path, frame: int | None) -> dict[str, Any]:

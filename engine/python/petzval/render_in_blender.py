@@ -30,7 +30,7 @@ class _Options(dict[str, Any]):
 _INTEGRATORS = {"path": "PATH", "bdpt": "BIDIRECTIONAL"}
 
 
-class _OutOfRange(Exception):
+class OutOfRange(Exception):
     """A value that Blender would silently clamp; the message says from where to where values go."""
 
 
@@ -56,7 +56,7 @@ class _Strict:
         for asked, got in zip(values, kept_values, strict=False):
             # Blender's numbers are of single precision.
             if type(asked) in (int, float) and not math.isclose(asked, got, rel_tol=1e-6, abs_tol=1e-12):
-                raise _OutOfRange(self._said(name, asked))
+                raise OutOfRange(self._said(name, asked))
 
     def _said(self, name: str, asked: float) -> str:
         kind = self._owner.bl_rna.properties[name]
@@ -70,14 +70,19 @@ class _Strict:
 def render(options: dict[str, Any]) -> int:
     """Renders as `render_command` has checked the options, or plans as `plan_command` has, or measures as `cost_command`
     has; gives the exit status and has said what went wrong."""
+    from petzval.errors import AGAIN, TryAgain
+
     voice = _own_stderr(options.get("stderr_fd"))
     try:
         error, interrupted = _render(_Options(options), voice)
     except KeyboardInterrupt:
         return _INTERRUPTED
-    except _OutOfRange as refused:
+    except OutOfRange as refused:
         print("petzval:", refused, file=voice, flush=True)
         return _BAD_USAGE
+    except TryAgain as failed:
+        print("petzval:", _one_line(failed), file=voice, flush=True)
+        return AGAIN
     if error:
         print("petzval:", " ".join(error.split()), file=voice, flush=True)
         return 1
@@ -121,16 +126,21 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
     watch = addon.render.loop.WATCH
     watch.study = study = _study(options.get("study"), scene, watch)
     watch.checkpoint_every_s = options["checkpoint_every"]
+    watch.share = None
     if voice.isatty() and (study is None or study.is_long):
         watch.on_progress = ProgressBar(voice)
     interrupts.ask(watch.stop.set)
     if study is not None:
         watch.checkpoint = ""
-        problem = _apply(scene, options, addon, {}) or _take(scene, watch, writes=False)
+        problem = apply(scene, options, addon, {}) or take(scene, watch, writes=False)
         return problem or _save(study, options["answer"], watch.stop.is_set()), watch.stop.is_set()
+    if options["farm"]:
+        from petzval.farm import in_blender
+
+        return in_blender.run(scene, options, addon, voice), watch.stop.is_set()
     problem = None
-    for take in options["takes"]:
-        problem = _picture(scene, _Options(options | take), addon, voice)
+    for one in options["takes"]:
+        problem = _picture(scene, _Options(options | one), addon, voice)
         if problem or watch.stop.is_set():
             break
     return problem, watch.stop.is_set()
@@ -141,13 +151,13 @@ def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> 
     watch = addon.render.loop.WATCH
     found: dict[str, Any] = {}
     # For each frame: what is animated is set anew by it.
-    wrong = _apply(scene, options, addon, found)
+    wrong = apply(scene, options, addon, found)
     if wrong:
         return wrong
     watch.checkpoint = options["checkpoint"] or ""
     watch.written_checkpoints.clear()
     addon.render.statistics.forget()
-    problem = _render_into(options["output"], scene, addon, options, voice)
+    problem = render_into(options["output"], scene, addon, options, voice)
     last = addon.render.statistics.last(scene.name)
     if problem is None and options["stats"] and last is not None:
         try:
@@ -158,7 +168,7 @@ def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> 
     return problem
 
 
-def _take(scene: Any, watch: Any, *, writes: bool) -> str | None:
+def take(scene: Any, watch: Any, *, writes: bool) -> str | None:
     """Renders the scene, into its file where it `writes`; the error, if any."""
     import bpy
 
@@ -176,7 +186,7 @@ class _NothingToKeep(Exception):
     """The render was broken off before its first sample."""
 
 
-def _render_into(output: str, scene: Any, addon: Any, options: dict[str, Any], voice: TextIO) -> str | None:
+def render_into(output: str, scene: Any, addon: Any, options: dict[str, Any], voice: TextIO) -> str | None:
     """Renders into a file that is replaced only by a whole picture; the error, if any."""
     from petzval import view_files
 
@@ -187,7 +197,7 @@ def _render_into(output: str, scene: Any, addon: Any, options: dict[str, Any], v
     try:
         with view_files.replacing(Path(output), scene.render, lambda part: _check_picture(part, output)) as part:
             _write_into(scene.render, str(part))
-            problem = _take(scene, watch, writes=True)
+            problem = take(scene, watch, writes=True)
             last = addon.render.statistics.last(scene.name)
             if problem is None and last is None and not watch.stop.is_set():
                 problem = f"nothing was rendered: {options['scene']}: look at what Blender said"
@@ -263,7 +273,7 @@ def _save(study: Any, file: str, interrupted: bool) -> str | None:
     return None
 
 
-def _apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> str | None:
+def apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> str | None:
     """Sets what the command line asked for; the error, if any. What had to be found goes into `found`."""
     r, own = _Strict(scene.render), _Strict(scene.petzval)
     if scene.camera is None:
@@ -512,9 +522,11 @@ def _main() -> None:
     interrupts.listen_by_handlers()
     # Signals that come earlier are heard by the program before this one.
     os.write(options["ready_fd"], b".")
-    # As render_command reads it.
+    # As scene_options reads it.
     status = render(options)
-    finish({0: 70, 1: 71, _BAD_USAGE: 72}.get(status, status))
+    from petzval.errors import AGAIN
+
+    finish({0: 70, 1: 71, _BAD_USAGE: 72, AGAIN: 73}.get(status, status))
 
 
 if __name__ == "__main__":

@@ -21,12 +21,12 @@ from typing import Any, TextIO
 from . import argument_types as types
 from . import interrupts
 from .description import MOST_BLADES
-from .errors import CommandError
+from .errors import AGAIN, CommandError
 from .interrupts import INTERRUPTED
 from .places import find_lens
 
 #: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
-_OWN_STATUS = {70: 0, 71: 1, 72: 2, INTERRUPTED: INTERRUPTED}
+_OWN_STATUS = {70: 0, 71: 1, 72: 2, 73: AGAIN, INTERRUPTED: INTERRUPTED}
 
 
 #: Attributes of parsed arguments that are no option of the half in Blender.

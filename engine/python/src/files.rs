@@ -11,7 +11,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// An error of the system as Python has it: its number, its words and the file.
-fn os_error(error: &io::Error, file: &Path) -> PyErr {
+pub(crate) fn os_error(error: &io::Error, file: &Path) -> PyErr {
     let text = error.to_string();
     match error.raw_os_error() {
         Some(number) => {

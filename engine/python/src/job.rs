@@ -3,7 +3,7 @@
 use crate::bake::{PyBake, request};
 use crate::described::Described;
 use crate::error::{Error, invalid, json};
-use crate::files::Checkpoint;
+use crate::files::{Checkpoint, os_error};
 use crate::gil::without_gil;
 use crate::parts::part;
 use crate::plan::Plan;
@@ -17,7 +17,9 @@ use petzval_render::film::data::DataPass;
 use petzval_render::job::catcher::Laying;
 use petzval_render::job::checkpoint::Checkpoints;
 use petzval_render::job::denoise::Denoising;
+use petzval_render::job::joining::KeepError;
 use petzval_render::job::request::JobRequest;
+use petzval_render::job::share::Share;
 use petzval_render::job::{self as engine, Settings};
 use petzval_render::stray::StrayPass;
 use pyo3::prelude::*;
@@ -52,7 +54,7 @@ impl Job {
     #[pyo3(signature = (
         scene, camera, settings, over_the_shutter=Vec::new(), *, plan=None, mattes=Vec::new(), matte_levels=6,
         neighbours=None, light_groups=0, parts=Vec::new(), mist=[0.0, 1.0, 1.0], catches=false, checkpoint=None,
-        shutter=None, occlusion_distance=None, bake=None
+        shutter=None, occlusion_distance=None, bake=None, share=[0, 1, 1]
     ))]
     #[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
     fn new(
@@ -73,6 +75,7 @@ impl Job {
         shutter: Option<Described<Shutter>>,
         occlusion_distance: Option<f32>,
         bake: Option<PyBake<'_>>,
+        share: [u32; 3],
     ) -> Result<Self, Error> {
         let checkpoints = match checkpoint {
             Some((file, fingerprint, every_s)) => {
@@ -96,6 +99,7 @@ impl Job {
             mist,
             catches,
             checkpoints,
+            share: as_share(share),
             occlusion_distance,
             bake: bake.map(request).transpose()?,
         };
@@ -284,6 +288,24 @@ impl Job {
         Ok(without_gil(py, || self.job.end_checkpoints())?.map(Checkpoint))
     }
 
+    fn write_film(&self, py: Python<'_>, file: PathBuf, fingerprint: &str) -> Result<(), Error> {
+        match without_gil(py, || self.job.write_film(&file, fingerprint))? {
+            Ok(()) => Ok(()),
+            Err(KeepError::Io(error)) => Err(os_error(&error, &file).into()),
+            Err(error) => Err(invalid(error.to_string())),
+        }
+    }
+
+    fn join_film(
+        &self,
+        py: Python<'_>,
+        file: PathBuf,
+        fingerprint: &str,
+        share: [u32; 3],
+    ) -> Result<Option<String>, Error> {
+        without_gil(py, || self.job.join_film(&file, fingerprint, as_share(share)))
+    }
+
     fn stats_json(&self) -> Result<String, Error> {
         json(&self.job.report())
     }
@@ -295,6 +317,10 @@ impl Job {
         let flat = PyArray1::from_vec(py, pixels.into_flattened());
         Ok(flat.reshape([height as usize, width as usize, 3])?)
     }
+}
+
+fn as_share([first, end, of]: [u32; 3]) -> Share {
+    Share { first, end, of }
 }
 
 fn keeps_no_shadows() -> Error {

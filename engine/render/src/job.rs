@@ -11,12 +11,15 @@ pub mod checkpoint;
 pub mod denoise;
 mod develop;
 mod error;
+mod film_file;
 pub mod forecast;
+pub mod joining;
 mod parts;
 mod remaining;
 mod report;
 pub mod request;
 mod settings;
+pub mod share;
 
 use crate::camera::clip::Clip;
 use crate::camera::lens::real_lens::RealLens;
@@ -41,6 +44,7 @@ use checkpoint::{Checkpoints, Keeper, Kept, OwnFile};
 use glam::Vec2;
 pub use report::RenderReport;
 pub use settings::{MIN_SAMPLES, Settings, SettingsError};
+use share::Share;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError, RwLock};
@@ -73,6 +77,23 @@ pub struct OutputOptions {
     pub exposure: Option<Exposure>,
     /// The points of a surface that are baked instead of a photograph; no other output is about the camera then.
     pub bake: Option<BakePoints>,
+    /// The tiles that are rendered of those that the picture has.
+    pub share: Share,
+}
+
+impl OutputOptions {
+    /// The data that the film of a render keeps.
+    fn channels(&self, stage: &PreparedScene, settings: &Settings) -> FilmChannels {
+        FilmChannels {
+            surfaces: settings.with_data,
+            vectors: self.motion.is_some(),
+            mattes: Mattes::new(&stage.scene, &self.mattes, self.matte_levels),
+            halves: settings.noise_threshold > 0.0,
+            groups: self.light_groups,
+            parts: self.parts.list().len(),
+            variance: true,
+        }
+    }
 }
 
 /// Statistics of a render.
@@ -115,6 +136,9 @@ struct Shared {
     film: Film,
     /// The tiles that are rendered, in their order, where these have as many samples as others.
     tiles: Vec<usize>,
+    share: Share,
+    /// The tiles of the share, in their order.
+    own: Vec<usize>,
     /// First sample and count of each pass.
     passes: Vec<(u32, u32)>,
     /// The decisions by which pixels get as many samples as they need; `None` where all get as many.
@@ -222,7 +246,7 @@ impl Job {
         if let Some(adaptive) = &self.shared.adaptive {
             return adaptive.progress();
         }
-        let tiles = self.shared.tiles.len();
+        let tiles = self.shared.own.len().max(1);
         let taken = self.shared.next.load(Ordering::Relaxed).min(self.shared.passes.len() * tiles);
         // Passes are unequal: count samples.
         let whole: u32 = self.shared.passes[..taken / tiles].iter().map(|p| p.1).sum();
@@ -233,10 +257,10 @@ impl Job {
     /// Samples that every pixel has which is not to have fewer.
     pub fn samples_done(&self) -> u32 {
         let Some(adaptive) = &self.shared.adaptive else {
-            let samples = self.shared.tiles.iter().map(|&tile| self.shared.film.tile(tile).samples);
+            let samples = self.shared.own.iter().map(|&tile| self.shared.film.tile(tile).samples);
             return samples.min().unwrap_or(0);
         };
-        let pass = self.shared.next.load(Ordering::Relaxed) / self.shared.film.tile_count();
+        let pass = self.shared.next.load(Ordering::Relaxed) / self.shared.own.len().max(1);
         adaptive.passes.get(pass).map_or(self.shared.settings.samples, |pass| pass.first)
     }
 
@@ -333,33 +357,27 @@ impl Shared {
         beside: OutputOptions,
     ) -> Result<Self, SettingsError> {
         settings.check()?;
+        beside.share.check(&settings)?;
         let first = cameras.first().ok_or(SettingsError::Camera)?;
         settings.check_integrator(first)?;
         let is_bidirectional = settings.integrator == Integrator::Bidirectional;
         let pipeline = aimed::pipeline(&stage, &cameras, first, &settings, beside.exposure.as_ref());
         let spreads = is_bidirectional || pipeline != Pipeline::FilmFirst;
         let (width, height) = (settings.width, settings.height);
-        let mattes = Mattes::new(&stage.scene, &beside.mattes, beside.matte_levels);
         let adapts = settings.noise_threshold > 0.0;
-        let keep = FilmChannels {
-            surfaces: settings.with_data,
-            vectors: beside.motion.is_some(),
-            mattes,
-            halves: adapts,
-            groups: beside.light_groups,
-            parts: beside.parts.list().len(),
-            variance: true,
-        };
-        let film = Film::keeping(width, height, spreads, keep)
+        let film = Film::keeping(width, height, spreads, beside.channels(&stage, &settings))
             .exposed(settings.film_exposure)
             .shaded(beside.gains.unwrap_or_default().into());
         let window = settings.window.filter(|_| !is_bidirectional);
         let tiles = film.tiles_about(window.unwrap_or([0, 0, width, height]), spreads);
+        let (own, own_pixels) = share::own(beside.share, &film, &tiles);
         let mut shared = Self {
             tiles,
+            share: beside.share,
+            own,
             raster: Raster::new(width, height, PixelFilter::new(settings.filter))
                 .independent(settings.independent_pixels),
-            adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count())),
+            adaptive: adapts.then(|| Adaptive::new(&settings, film.tile_count(), own_pixels)),
             film,
             motion: beside.motion,
             exposure: beside.exposure,
@@ -482,10 +500,13 @@ impl Shared {
             while !stopped() && self.render_next(&shot, adaptive, &stopped).is_some() {}
             return;
         }
-        let tiles = self.tiles.len();
+        let tiles = self.own.len();
+        if tiles == 0 {
+            return;
+        }
         loop {
             let task = self.next.fetch_add(1, Ordering::Relaxed);
-            let (pass, tile) = (task / tiles, self.tiles[task % tiles]);
+            let (pass, tile) = (task / tiles, self.own[task % tiles]);
             let Some(&(first, count)) = self.passes.get(pass) else { return };
             if self.film.tile(tile).passes > pass as u32 {
                 // Kept from before.
@@ -512,9 +533,9 @@ impl Shared {
 
     /// The next pass of a tile whose pixels get as many samples as they need; `None` at the end, or where `stopped` said so.
     fn render_next(&self, shot: &RenderContext<'_>, adaptive: &Adaptive, stopped: &dyn Fn() -> bool) -> Option<()> {
-        let (s, tiles) = (&self.settings, self.film.tile_count());
+        let (s, tiles) = (&self.settings, self.own.len());
         let task = self.next.fetch_add(1, Ordering::Relaxed);
-        let (pass, tile) = (task / tiles, task % tiles);
+        let (pass, tile) = (task.checked_div(tiles)?, self.own[task % tiles]);
         let now = *adaptive.passes.get(pass)?;
         // What is left to do depends on the pass before, which may still be under way in another thread, and on the decisions after it.
         let before = pass.checked_sub(1).map(|number| (number as u32, adaptive.passes[number]));

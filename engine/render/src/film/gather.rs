@@ -115,8 +115,9 @@ impl Film {
             let (x, y) = (rect.x as usize + i % rect.width as usize, rect.y as usize + i / rect.width as usize);
             y * self.width as usize + x
         };
-        if !self.far.is_empty() {
-            let by = f64::from(own.max(1)) / divisor;
+        // A tile that has not begun is black; how the light that falls there is to be divided is not known yet.
+        if !self.far.is_empty() && own > 0 {
+            let by = f64::from(own) / divisor;
             for (i, pixel) in out.iter_mut().enumerate() {
                 pixel.iter_mut().zip(self.far.get(number(i))).for_each(|(p, s)| *p += s / by);
             }

@@ -356,6 +356,11 @@ impl Film {
         if near.is_empty() { vec![0] } else { near }
     }
 
+    /// True if counts of samples may differ, in [`halves`].
+    pub fn has_halves(&self) -> bool {
+        self.keep.halves
+    }
+
     /// The rectangle of a tile.
     pub fn rect(&self, tile: usize) -> TileRect {
         self.tiles[tile].0

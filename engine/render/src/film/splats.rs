@@ -69,6 +69,23 @@ impl<const CHANNELS: usize> SplatSums<CHANNELS> {
         Some(sums)
     }
 
+    /// True if kept sums are of as many pixels.
+    pub fn fits(&self, state: &SplatState) -> bool {
+        let length = CHANNELS * self.pixels;
+        [&state.fine, &state.coarse].into_iter().flatten().all(|values| values.len() == length)
+    }
+
+    /// Adds kept sums of as many pixels.
+    pub fn join(&self, state: &SplatState) {
+        for (sums, values) in [(&self.fine, &state.fine), (&self.coarse, &state.coarse)] {
+            let Some(values) = values else { continue };
+            let sums = sums.get_or_init(|| (0..CHANNELS * self.pixels).map(|_| AtomicI64::new(0)).collect());
+            for (sum, add) in sums.iter().zip(values) {
+                sum.fetch_add(*add, Ordering::Relaxed);
+            }
+        }
+    }
+
     /// True if nothing has arrived anywhere.
     pub fn is_empty(&self) -> bool {
         self.fine.get().is_none() && self.coarse.get().is_none()
@@ -116,5 +133,10 @@ mod tests {
         let exact: f64 = values.iter().map(|&v| f64::from(v)).sum();
         assert!((a.get(1)[0] / exact - 1.0).abs() < 1e-7 && a.get(1)[2] == 10_000.0);
         assert_eq!(a.get(0), [0.0; 3]);
+        // Nor where the sum is parted.
+        let whole: SplatSums = SplatSums::new(2);
+        [&a, &b].into_iter().for_each(|part| whole.join(&part.state()));
+        assert_eq!(whole.get(1), a.get(1).map(|sum| 2.0 * sum));
+        assert!(whole.fits(&a.state()) && !SplatSums::<3>::new(3).fits(&a.state()));
     }
 }

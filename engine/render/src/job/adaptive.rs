@@ -64,14 +64,13 @@ pub(super) struct Adaptive {
 }
 
 impl Adaptive {
-    /// The decisions for a film in halves.
-    pub(super) fn new(settings: &Settings, tiles: usize) -> Self {
+    /// The decisions for a film in halves of which so many pixels are rendered.
+    pub(super) fn new(settings: &Settings, tiles: usize, pixels: u64) -> Self {
         let most = settings.samples;
         let least = if settings.min_samples == 0 { MIN_SAMPLES } else { settings.min_samples }.max(FIRST_BATCHES);
         let has_looks = least < most;
         let first = least.min(most);
         let plan = BlockPlan { ends: [first; 2], open: [has_looks; 2], look: first };
-        let pixels = u64::from(settings.width) * u64::from(settings.height);
         Self {
             passes: passes(least, most),
             threshold: settings.noise_threshold * settings.noise_threshold,
@@ -137,6 +136,15 @@ impl Adaptive {
         let fits = state.plans.len() == self.plans.len();
         self.plans = state.plans.into_iter().map(Mutex::new).collect();
         (self.done, self.planned) = (AtomicU64::new(state.done), AtomicU64::new(state.planned));
+        fits
+    }
+
+    /// Takes over what was decided of some of the tiles; false, with nothing changed, if that is of another picture.
+    pub(super) fn join(&self, state: &AdaptiveState, tiles: &[usize]) -> bool {
+        let fits = state.plans.len() == self.plans.len();
+        for &tile in tiles.iter().filter(|_| fits) {
+            *lock(&self.plans[tile]) = state.plans[tile];
+        }
         fits
     }
 

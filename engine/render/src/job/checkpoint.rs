@@ -5,30 +5,16 @@
 //! picture depends on which passes have been added alone. A checkpoint is the film between passes. The threads stand still
 //! while it is copied, not while it is written; a new file takes the place of the old one when it is whole.
 
-use super::adaptive::AdaptiveState;
+pub use super::film_file::check_file;
+use super::film_file::{self, CheckpointBody, CheckpointHeader, Unusable};
+use super::share::Share;
 use super::{Shared, lock};
-use crate::film::FilmState;
-use crate::pipeline::Counts;
 use petzval_files::Identity;
-use serde::{Deserialize, Serialize};
-use std::fs::File;
-use std::io::{BufReader, ErrorKind, Read, Write};
-use std::path::{Path, PathBuf};
+use serde::Serialize;
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-
-/// The beginning of each file; another layout has another number. Then come the length of the header, the header, its checksum, the
-/// [`CheckpointBody`], and the body's length and checksum. Numbers are little-endian.
-const MAGIC: &[u8; 16] = b"Petzval film   3";
-/// The part of [`MAGIC`] that all layouts share.
-const MAGIC_STEM: &[u8] = b"Petzval film";
-/// Length of the longest header, bytes; it has a version and a fingerprint.
-const LONGEST_HEADER: u32 = 1 << 16;
-/// The bytes after the body: its length and its checksum.
-const TAIL_BYTES: u64 = 12;
-/// Version of the engine, and true if products and sums are rounded together: besides the fingerprint, these decide the bits of a picture.
-const MADE_BY: (&str, bool) = (env!("CARGO_PKG_VERSION"), cfg!(target_feature = "fma"));
 
 /// The file in which a render is kept, and the interval.
 #[derive(Clone, Debug)]
@@ -74,6 +60,8 @@ impl OwnFile {
 /// The keeper of a render's checkpoints.
 pub(super) struct Keeper {
     settings: Checkpoints,
+    /// The tiles that are rendered.
+    share: Share,
     kept: Mutex<Kept>,
     /// The file as this render has last written it or taken it up.
     own: Mutex<Option<OwnFile>>,
@@ -81,107 +69,12 @@ pub(super) struct Keeper {
     seconds: f64,
 }
 
-/// The first part of a file: whose it is.
-#[derive(Serialize, Deserialize)]
-struct CheckpointHeader {
-    made_by: (String, bool),
-    fingerprint: String,
-}
-
-/// The second part of a file: the state of the render.
-#[derive(Serialize, Deserialize)]
-struct CheckpointBody {
-    seconds: f64,
-    counts: Counts,
-    film: FilmState,
-    adaptive: Option<AdaptiveState>,
-}
-
-#[derive(Debug, thiserror::Error)]
-enum Unusable {
-    #[error("{0}")]
-    Io(#[from] std::io::Error),
-    #[error("it is no checkpoint, and is left as it is: name another file")]
-    Foreign,
-    #[error("it is damaged")]
-    Damaged,
-    #[error("it is of another version of Petzval")]
-    Version,
-    #[error("it is of another picture: the scene or a setting is not the same")]
-    Picture,
-}
-
-/// Checks that a file may be replaced by a checkpoint: there is none, or it is empty or a checkpoint of any version.
-///
-/// # Errors
-/// One line that says what the file is.
-pub fn check_file(file: &Path) -> Result<(), String> {
-    begin(file).map(drop).map_err(|why| why.to_string())
-}
-
-/// The file behind its magic; `None` where there is nothing to take up.
-fn begin(path: &Path) -> Result<Option<BufReader<File>>, Unusable> {
-    match path.metadata() {
-        // Opening a pipe would wait for its other end.
-        Ok(metadata) if !metadata.is_file() => return Err(Unusable::Foreign),
-        Ok(metadata) if metadata.len() == 0 => return Ok(None),
-        Ok(_) => {}
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error.into()),
-    }
-    let mut file = BufReader::with_capacity(1 << 20, File::open(path)?);
-    let mut magic = [0; MAGIC.len()];
-    match file.read_exact(&mut magic) {
-        Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Err(Unusable::Foreign),
-        read => read?,
-    }
-    if !magic.starts_with(MAGIC_STEM) {
-        return Err(Unusable::Foreign);
-    }
-    Ok((magic == *MAGIC).then_some(file))
-}
-
-/// A part of a file of so many bytes.
-fn part(file: &mut impl Read, bytes: u64) -> Result<Vec<u8>, Unusable> {
-    let mut part = Vec::new();
-    file.take(bytes).read_to_end(&mut part)?;
-    if part.len() as u64 == bytes { Ok(part) } else { Err(Unusable::Damaged) }
-}
-
-fn number<const N: usize>(file: &mut impl Read) -> Result<[u8; N], Unusable> {
-    part(file, N as u64)?.try_into().map_err(|_| Unusable::Damaged)
-}
-
-/// A writer that counts and sums up its bytes.
-struct Summed<W> {
-    inner: W,
-    length: u64,
-    checksum: crc32fast::Hasher,
-    /// The first error of the inner writer.
-    failed: Option<std::io::Error>,
-}
-
-impl<W: Write> Write for Summed<W> {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let written = self.inner.write(bytes).inspect_err(|error| {
-            let same = error.raw_os_error().map_or_else(|| error.kind().into(), std::io::Error::from_raw_os_error);
-            self.failed.get_or_insert(same);
-        })?;
-        self.length += written as u64;
-        self.checksum.update(&bytes[..written]);
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.inner.flush()
-    }
-}
-
 impl Keeper {
     /// Takes up what was kept of the same picture, before the first thread starts. A file that is no checkpoint ends the render: it
     /// is not to be replaced.
     pub(super) fn new(settings: Checkpoints, shared: &mut Shared) -> Self {
-        let mut keeper = Self { settings, kept: Mutex::default(), own: Mutex::default(), seconds: 0.0 };
+        let (kept, own) = (Mutex::default(), Mutex::default());
+        let mut keeper = Self { settings, share: shared.share, kept, own, seconds: 0.0 };
         match keeper.read() {
             Ok(None) => {}
             Ok(Some(body)) => keeper.take_up(body, shared),
@@ -193,38 +86,13 @@ impl Keeper {
 
     fn read(&self) -> Result<Option<CheckpointBody>, Unusable> {
         let path = &self.settings.file;
-        let Some(mut file) = begin(path)? else {
-            // Another version's, unless there is none.
-            return if path.metadata().is_ok_and(|m| m.len() > 0) { Err(Unusable::Version) } else { Ok(None) };
+        let Some((header, body, identity)) = film_file::read(path, &self.settings.fingerprint)? else {
+            return Ok(None);
         };
-        let metadata = file.get_ref().metadata()?;
-        let header_bytes = u32::from_le_bytes(number(&mut file)?);
-        if header_bytes > LONGEST_HEADER {
-            return Err(Unusable::Damaged);
+        // A whole render takes up any part of its picture.
+        if header.share != self.share && self.share != Share::default() {
+            return Err(Unusable::Share);
         }
-        let header = part(&mut file, header_bytes.into())?;
-        if crc32fast::hash(&header) != u32::from_le_bytes(number(&mut file)?) {
-            return Err(Unusable::Damaged);
-        }
-        let header: CheckpointHeader = postcard::from_bytes(&header).map_err(|_| Unusable::Damaged)?;
-        if (header.made_by.0.as_str(), header.made_by.1) != MADE_BY {
-            return Err(Unusable::Version);
-        }
-        if header.fingerprint != self.settings.fingerprint {
-            return Err(Unusable::Picture);
-        }
-        let before = MAGIC.len() as u64 + 4 + u64::from(header_bytes) + 4;
-        let length = metadata.len().checked_sub(before + TAIL_BYTES).ok_or(Unusable::Damaged)?;
-        let body = part(&mut file, length)?;
-        let told = (u64::from_le_bytes(number(&mut file)?), u32::from_le_bytes(number(&mut file)?));
-        if told != (length, crc32fast::hash(&body)) {
-            return Err(Unusable::Damaged);
-        }
-        let (body, rest) = postcard::take_from_bytes::<CheckpointBody>(&body).map_err(|_| Unusable::Damaged)?;
-        if !rest.is_empty() {
-            return Err(Unusable::Damaged);
-        }
-        let identity = Identity::of_metadata(&metadata);
         *lock(&self.own) = Some(OwnFile { path: path.clone(), identity });
         Ok(Some(body))
     }
@@ -272,19 +140,11 @@ impl Keeper {
     }
 
     fn write(&self, shared: &Shared) {
-        let body = {
-            let _alone = shared.gate.write().unwrap_or_else(PoisonError::into_inner);
-            let began = Instant::now();
-            let body = CheckpointBody {
-                seconds: self.seconds + shared.started.elapsed().as_secs_f64(),
-                counts: *lock(&shared.counts),
-                film: shared.film.state(),
-                adaptive: shared.adaptive.as_ref().map(super::adaptive::Adaptive::state),
-            };
+        let (body, stop_s) = shared.body(self.seconds);
+        {
             let mut kept = lock(&self.kept);
-            kept.longest_stop_s = kept.longest_stop_s.max(began.elapsed().as_secs_f64());
-            body
-        };
+            kept.longest_stop_s = kept.longest_stop_s.max(stop_s);
+        }
         match self.write_file(&body) {
             Ok(()) => lock(&self.kept).written += 1,
             Err(error) => self.complain(format!("cannot be written: {error}")),
@@ -294,25 +154,8 @@ impl Keeper {
     fn write_file(&self, body: &CheckpointBody) -> std::io::Result<()> {
         // Another program may have put a file of its own there.
         check_file(&self.settings.file).map_err(std::io::Error::other)?;
-        let header = CheckpointHeader {
-            made_by: (MADE_BY.0.to_owned(), MADE_BY.1),
-            fingerprint: self.settings.fingerprint.clone(),
-        };
-        let header = postcard::to_stdvec(&header).map_err(std::io::Error::other)?;
-        petzval_files::write(&self.settings.file, |file| {
-            file.write_all(MAGIC)?;
-            file.write_all(&(header.len() as u32).to_le_bytes())?;
-            file.write_all(&header)?;
-            file.write_all(&crc32fast::hash(&header).to_le_bytes())?;
-            let mut summed = Summed { inner: &mut *file, length: 0, checksum: crc32fast::Hasher::new(), failed: None };
-            // The serialiser forgets why its writer failed.
-            if let Err(error) = postcard::to_io(body, &mut summed) {
-                return Err(summed.failed.unwrap_or_else(|| std::io::Error::other(error)));
-            }
-            let (length, checksum) = (summed.length, summed.checksum.finalize());
-            file.write_all(&length.to_le_bytes())?;
-            file.write_all(&checksum.to_le_bytes())
-        })?;
+        let header = CheckpointHeader::new(&self.settings.fingerprint, self.share, false);
+        film_file::write(&self.settings.file, &header, body)?;
         let identity = Identity::of(&self.settings.file)?;
         *lock(&self.own) = Some(OwnFile { path: self.settings.file.clone(), identity });
         Ok(())
@@ -320,6 +163,19 @@ impl Keeper {
 }
 
 impl Shared {
+    /// The state of the render, `before` s having passed before it, and how long the threads stood still for it, s.
+    pub(super) fn body(&self, before: f64) -> (CheckpointBody, f64) {
+        let _alone = self.gate.write().unwrap_or_else(PoisonError::into_inner);
+        let began = Instant::now();
+        let body = CheckpointBody {
+            seconds: before + self.started.elapsed().as_secs_f64(),
+            counts: *lock(&self.counts),
+            film: self.film.state(),
+            adaptive: self.adaptive.as_ref().map(super::adaptive::Adaptive::state),
+        };
+        (body, began.elapsed().as_secs_f64())
+    }
+
     /// The life of the thread that keeps the render: also what is there at the end, if that came late enough.
     pub(super) fn keep(&self) {
         let Some(keeper) = &self.keeper else { return };

@@ -4,6 +4,7 @@ use super::bake::{BakeRequest, Prepared};
 use super::checkpoint::Checkpoints;
 pub use super::error::RequestError;
 use super::forecast::{self, Forecast};
+use super::share::Share;
 use super::{Job, OutputOptions, Settings, catcher};
 use crate::camera::clip::Clip;
 use crate::camera::shutter::{Exposure, Shutter};
@@ -49,6 +50,8 @@ pub struct JobRequest {
     pub catches: bool,
     /// The file in which the render is kept while it goes on.
     pub checkpoints: Option<Checkpoints>,
+    /// The tiles that are rendered.
+    pub share: Share,
     /// Length of the rays of the ambient occlusion pass, Blender units; `None`: without end.
     pub occlusion_distance: Option<f32>,
     /// The surface that is baked instead of a photograph: plan, shutter, mattes and groups then count nothing, and parts only guide a denoiser.
@@ -101,6 +104,7 @@ impl Job {
             light_groups: asked.light_groups,
             parts: Parts::new(&passes, seen).occluded_within(asked.occlusion_distance),
             checkpoints: asked.checkpoints,
+            share: asked.share,
             exposure: exposure(asked.shutter.as_ref().filter(|_| is_moving), &now, origin),
             bake: None,
         };

@@ -149,6 +149,21 @@ pub enum SettingsError {
         /// Factor of the light.
         factor: f32,
     },
+    /// A share of the tiles is none.
+    #[error("share {first} to {end} of {of} of a picture: its end is not before its begin, nor beyond the whole")]
+    Share {
+        /// The first slot.
+        first: u32,
+        /// The slot behind the last.
+        end: u32,
+        /// The number of slots.
+        of: u32,
+    },
+    /// The noise after denoising is known of whole pictures alone.
+    #[error(
+        "a noise threshold after denoising looks at the whole picture: turn After Denoising off, or render the picture in one part"
+    )]
+    ShareAfterDenoising,
     /// No camera is given.
     #[error("no camera: give one")]
     Camera,

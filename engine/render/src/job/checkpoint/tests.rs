@@ -1,8 +1,9 @@
 //! A render that was broken off, however often, comes to the bits of one that was not.
 
+use super::super::film_file::MAGIC;
 use super::super::tests::{camera, settings, stage};
 use super::super::{Job, OutputOptions, Settings};
-use super::{Checkpoints, Kept, MAGIC, check_file};
+use super::{Checkpoints, Kept, check_file};
 use crate::camera::Model;
 use crate::film::cryptomatte::MatteLayer;
 use crate::film::data::DataPass;

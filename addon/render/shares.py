@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts of a picture that are rendered on several machines: their films, written and joined."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from typing import Any
+
+import bpy
+
+from ..export.errors import ExportError
+from ..export.stereo import View
+from . import loop
+from .checkpoints import Checkpoint, of_view
+
+#: Another machine's file may be seen before it is whole.
+_TRIES, _PAUSE_S = 20, 0.1
+#: Pieces that are named.
+_MOST_NAMED = 5
+
+
+def for_job(share: loop.Share | None) -> dict[str, Any]:
+    """What the engine's `Job` is told of it."""
+    return {} if share is None else {"share": share.slots}
+
+
+def agree(
+    share: loop.Share, checkpoint: Checkpoint, fingerprint: str, depsgraph: bpy.types.Depsgraph, view: View
+) -> None:
+    """Raises `ExportError` where the scene is not the one of the part that came first: then the parts would not make one picture."""
+    if not share.agreement:
+        return
+    file = of_view(share.agreement, depsgraph, view)
+    pieces = checkpoint.pieces()
+    try:
+        try:
+            with open(file, "x", encoding="utf-8") as out:
+                json.dump({"fingerprint": fingerprint, "pieces": pieces}, out)
+            return
+        except FileExistsError:
+            told = _read(file)
+    except OSError as failed:
+        share.problem = f"cannot write {file}: {failed.strerror or failed}"
+        raise ExportError(share.problem) from None
+    if told is None:
+        os.replace(file, f"{file}.damaged")
+        return agree(share, checkpoint, fingerprint, depsgraph, view)
+    if told["fingerprint"] == fingerprint:
+        return
+    others = told["pieces"]
+    differing = [name for name in dict.fromkeys([*others, *pieces]) if others.get(name) != pieces.get(name)]
+    what = ", ".join(differing[:_MOST_NAMED]) or "lights, settings or places of objects"
+    more = f" and {len(differing) - _MOST_NAMED} more" if len(differing) > _MOST_NAMED else ""
+    raise ExportError(
+        f"the scene is not the one of the parts before: {what}{more} differ: something in it is random in each process (a texture of type "
+        f"Noise), was simulated without a baked cache, or is missing on a machine; if the parts before are wrong, delete {file}"
+    )
+
+
+def _read(file: str) -> dict[str, Any] | None:
+    """What the first part wrote; None where it never became whole."""
+    for _ in range(_TRIES):
+        try:
+            with open(file, encoding="utf-8") as stream:
+                told = json.load(stream)
+            if isinstance(told, dict) and isinstance(told.get("pieces"), dict) and "fingerprint" in told:
+                return told
+        except ValueError:
+            pass
+        time.sleep(_PAUSE_S)
+    return None
+
+
+def after(
+    share: loop.Share,
+    job: Any,
+    fingerprint: str,
+    of: tuple[bpy.types.Depsgraph, View],
+    stopped: bool,
+    *,
+    beside: str = "",
+) -> None:
+    """Writes the film of a render that has ended, or joins the others to it. `beside`: what the render is, where it is none of the picture
+    but of something that the picture needs."""
+    fingerprint += beside
+
+    def own(file: str) -> str:
+        return of_view(file, *of) + beside
+
+    if share.film and not stopped:
+        try:
+            loop.stoppable(lambda: job.write_film(own(share.film), fingerprint), lambda: False)
+            share.written.append(own(share.film))
+        except OSError as failed:
+            share.problem = f"cannot write {own(share.film)}: {failed.strerror or failed}"
+    for part, file, slots in share.joined:
+        refused = loop.stoppable(
+            lambda file=file, slots=slots: job.join_film(own(file), fingerprint, slots), lambda: False
+        )
+        if refused is None:
+            share.taken += 1
+        else:
+            share.refused.setdefault(part, refused)
+            share.is_whole = False

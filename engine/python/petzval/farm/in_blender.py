@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The half of `petzval farm` that runs where Blender is: packs a scene, renders a part, joins the parts of frames."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import Any, TextIO
+
+from petzval import atomic_files
+from petzval import render_in_blender as rendering
+from petzval.errors import TryAgain
+from petzval.farm import packing, sizes
+
+
+def run(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> str | None:
+    """Does what the options ask for; the error, if any. What was found goes to the file `answer`. Raises `TryAgain`."""
+    asked = options["farm"]
+    work = {"pack": _pack, "part": _part, "merge": _merge}[asked["what"]]
+    try:
+        found = work(scene, options, addon, voice)
+    except rendering.OutOfRange as refused:
+        return str(refused)
+    if isinstance(found, str):
+        return found
+    atomic_files.write_json(Path(options["answer"]), found)
+    return None
+
+
+def _pack(scene: Any, options: dict[str, Any], addon: Any, _: TextIO) -> dict[str, Any] | str:
+    """Copies the scene's files into the job's folder, and tells what the parts are cut by."""
+    import bpy
+
+    wrong = rendering.apply(scene, options, addon, {})
+    if wrong:
+        return wrong
+    about = _about(scene, addon)
+    # What the options have set is no part of the file.
+    bpy.ops.wm.open_mainfile(filepath=options["scene"], load_ui=False, use_scripts=False)
+    is_moving = bool(options["frames"])
+    warnings = [*_random_textures(bpy), *(_unbaked(bpy) if is_moving else ())]
+    packer = packing.Packer(bpy, options["scene"])
+    try:
+        main, files = packer.pack(Path(options["farm"]["target"]))
+    except OSError as failed:
+        named = f"{failed.filename}: " if failed.filename else ""
+        return f"cannot pack {options['scene']}: {named}{failed.strerror or failed}"
+    return {
+        **about,
+        "scene": main,
+        "files": files,
+        "warnings": [*warnings, *packer.warnings],
+        "blender": bpy.app.version_string,
+    }
+
+
+def _random_textures(bpy: Any) -> list[str]:
+    """Warnings of textures that are other ones in each process."""
+    return [
+        f"texture '{one.name}' is of type Noise, which is random in each process: where a modifier uses it, parts are not of one scene"
+        for one in bpy.data.textures
+        if one.type == "NOISE"
+    ]
+
+
+def _unbaked(bpy: Any) -> list[str]:
+    """Warnings of simulations that a part of one frame cannot know."""
+    caches = [
+        (block, cache)
+        for block in bpy.data.objects
+        for owner in (*block.modifiers, *block.particle_systems)
+        if (cache := getattr(owner, "point_cache", None)) is not None
+    ]
+    return [
+        f"object '{block.name}' is simulated, and its cache is not baked: each part renders its frame alone: bake it first"
+        for block, cache in caches
+        if not cache.is_baked
+    ]
+
+
+def _about(scene: Any, addon: Any) -> dict[str, Any]:
+    width, height = addon.export.camera.resolution(scene.render)
+    region = addon.render.results.region(scene.render)
+    settings = addon.export.settings.describe(scene, width, height)
+    is_adaptive = settings.noise_threshold > 0.0
+    side = sizes.BLOCK if is_adaptive else sizes.TILE
+    across = (width, height) if is_adaptive else (region.width, region.height)
+    denoised = any(addon.data.passes.is_denoised(scene, layer) for layer in scene.view_layers if layer.use)
+    return {
+        "width": width,
+        "height": height,
+        "samples": settings.samples,
+        "seed": settings.seed,
+        "tiles": -(-across[0] // side) * -(-across[1] // side),
+        "looks_at_all": is_adaptive and denoised and addon.export.sampling.of_render(scene).is_after_denoising,
+    }
+
+
+def _part(scene: Any, options: dict[str, Any], addon: Any, _: TextIO) -> dict[str, Any] | str:
+    """Renders a part of a frame into its film."""
+    asked, watch = options["farm"], addon.render.loop.WATCH
+    wrong = _ready(scene, options, addon, {"frame": asked["frame"]})
+    if wrong:
+        return wrong
+    watch.checkpoint = asked["checkpoint"]
+    watch.written_checkpoints.clear()
+    share = addon.render.loop.Share(slots=tuple(asked["slots"]), film=asked["film"], agreement=asked["agreement"])
+    watch.share = share
+    late = threading.Event()
+
+    def stop() -> None:
+        late.set()
+        watch.stop.set()
+
+    clock = threading.Timer(asked["most_seconds"], stop) if asked["most_seconds"] else None
+    if clock is not None:
+        clock.daemon = True
+        clock.start()
+    addon.render.statistics.forget()
+    problem = rendering.take(scene, watch, writes=False)
+    if clock is not None:
+        clock.cancel()
+    if share.problem:
+        raise TryAgain(f"{share.problem}: is there room, and may you write there")
+    if late.is_set() and not share.written:
+        raise TryAgain(
+            f"the part takes longer than {asked['most_seconds']:g} s: it is kept, and goes on where it was at the next try"
+        )
+    if problem is not None:
+        return problem
+    last = addon.render.statistics.last(scene.name)
+    if watch.stop.is_set():
+        raise KeyboardInterrupt
+    if last is None or not share.written:
+        return "nothing was rendered: look at what Blender said"
+    for checkpoint in watch.written_checkpoints:
+        checkpoint.delete()
+    return {"films": share.written, "stats": last.stats, "warnings": last.warnings}
+
+
+def _merge(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> dict[str, Any] | str:
+    """Joins the parts of frames to their pictures, one by one."""
+    watch, told = addon.render.loop.WATCH, []
+    for frame in options["farm"]["frames"]:
+        wrong = _ready(scene, options, addon, {"frame": frame["frame"]})
+        if wrong:
+            return wrong
+        watch.checkpoint = ""
+        joined = [(part, film, tuple(slots)) for part, film, slots in frame["parts"]]
+        share = addon.render.loop.Share(
+            (0, 0, 1), agreement=frame["agreement"], joined=joined, is_whole=frame["is_whole"]
+        )
+        watch.share = share
+        addon.render.statistics.forget()
+        output = Path(frame["picture"])
+        problem = rendering.render_into(str(output), scene, addon, options, voice)
+        if problem is not None:
+            return problem
+        told.append(
+            {"frame": frame["frame"], "taken": share.taken, "refused": share.refused, "is_whole": share.is_whole}
+        )
+        if watch.stop.is_set():
+            raise KeyboardInterrupt
+    return {"frames": told}
+
+
+def _ready(scene: Any, options: dict[str, Any], addon: Any, take: dict[str, Any]) -> str | None:
+    """Sets the scene for a part of a frame; the error, if any."""
+    import bpy
+
+    asked = options["farm"]
+    if bpy.app.version_string != asked["blender"]:
+        return (
+            f"the job was planned with Blender {asked['blender']}, and this is {bpy.app.version_string}: use that one"
+        )
+    wrong = rendering.apply(scene, type(options)(options | take), addon, {})
+    # Parts end when their samples are there, not by a clock.
+    sampling = addon.export.sampling
+    if sampling.follows_cycles(scene, sampling.OF_RENDER):
+        scene.cycles.time_limit = 0.0
+    else:
+        scene.petzval.time_limit = 0.0
+    # What was sent for a frame before has other numbers than what is sent for one alone, by which scenes are compared.
+    scene.render.use_persistent_data = False
+    if asked.get("most_memory_mb"):
+        scene.petzval.memory_limit = asked["most_memory_mb"] / 1000.0
+    return wrong

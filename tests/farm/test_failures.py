@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What goes wrong on a farm: the merged picture is right, or a line says which part is to be rendered again. No file of a job leads out of its
+folder."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import zlib
+
+import pytest
+
+from support.command_line import assert_complains
+from support.exr_bytes import assert_same_picture
+from support.places import ROOT
+
+pytestmark = pytest.mark.once
+
+FILM = "parts/0001.film"
+
+
+def with_header(film: bytes, change) -> bytes:
+    """A film whose header is another one, with the checksum that fits."""
+    length = int.from_bytes(film[16:20], "little")
+    header = change(film[20 : 20 + length])
+    begin = film[:16] + len(header).to_bytes(4, "little") + header
+    return begin + zlib.crc32(header).to_bytes(4, "little") + film[24 + length :]
+
+
+def flipped(film: bytes) -> bytes:
+    middle = len(film) // 2
+    return film[:middle] + bytes([film[middle] ^ 4]) + film[middle + 1 :]
+
+
+#: What is done to the film of part 1, and what the merge says of it.
+DAMAGES = {
+    "truncated": (lambda job, film: film[:-1000], ""),
+    "a bit": (lambda job, film: flipped(film), "it is damaged"),
+    "empty": (lambda job, film: b"", ""),
+    "no film": (lambda job, film: b"x" * len(film), "it is no checkpoint"),
+    "another part": (lambda job, film: (job / "parts/0002.film").read_bytes(), "it is of another part of the picture"),
+    "another picture": (lambda job, film: with_header(film, lambda h: h.replace(h[-20:-12], b"01234567")), "another picture"),
+    "another version": (lambda job, film: with_header(film, lambda h: h.replace(b"0.1.0", b"0.0.9")), "another version"),
+    "unfinished": (lambda job, film: with_header(film, lambda h: h[:-1] + b"\0"), "it is not finished"),
+}  # fmt: skip
+
+
+def test_a_bad_part_is_named_and_rendered_again(finished_job, tmp_path, commands):
+    """Each kind of damage in a copy of a job of its own, where the marker of the part believes in the file."""
+    jobs, several = {}, []
+    for number, (name, (damage, _)) in enumerate(DAMAGES.items()):
+        jobs[name] = job = tmp_path / f"job{number}"
+        shutil.copytree(finished_job[0], job)
+        film = job / FILM
+        film.write_bytes(damage(job, film.read_bytes()))
+        marker = job / "parts/0001.json"
+        if name not in ("truncated", "empty"):
+            told = json.loads(marker.read_text())
+            told["films"] = {film.name: film.stat().st_size}
+            marker.write_text(json.dumps(told))
+        several += [["farm", "merge", job], ["farm", "part", job, "1"], ["farm", "merge", job]]
+    done = iter(commands(*several))
+    for name, job in jobs.items():
+        first, part, second = next(done), next(done), next(done)
+        said = DAMAGES[name][1]
+        assert first.returncode == 75, (name, first.stderr)
+        assert f"petzval farm part {job} 1" in first.stderr and said in first.stderr, (name, first.stderr)
+        assert (part.returncode, second.returncode) == (0, 0), (name, part.stderr, second.stderr)
+        assert_same_picture(job / "pictures/small.exr", finished_job[1])
+
+
+def change_job(job, change) -> None:
+    told = json.loads((job / "job.json").read_text())
+    change(told)
+    (job / "job.json").write_text(json.dumps(told))
+
+
+#: Changes of job.json, and words of what every command says then.
+CHANGES = {
+    "no job": (lambda told: told.update(format="something"), "plan it again"),
+    "up and out": (lambda told: told.update(scene="../scene.blend"), "no path inside of the job's folder"),
+    "absolute": (lambda told: told.update(scene="/etc/passwd"), "no path inside of the job's folder"),
+    "a file outside": (lambda told: told["files"].update({"scene/../../x": [1, "0"]}), "no path inside of the job's folder"),
+    "a lens outside": (lambda told: told["options"].update(lens="/etc/passwd"), "lens is not among the files"),
+    "a picture elsewhere": (lambda told: told.update(picture="../../x.exr"), "no name of a file"),
+    "an option of the machine": (lambda told: told["options"].update(blender="/bin/sh"), "unknown options"),
+    "an option that writes": (lambda told: told["options"].update(stats="/tmp/x"), "unknown options"),
+    "a value that is none": (lambda told: told["options"].update(samples={"a": 1}), "no option's value"),
+    "a part too few": (lambda told: told["parts"].pop(), "do not make a whole"),
+    "a part twice": (lambda told: told["parts"].append(told["parts"][0]), "do not make a whole"),
+    "parts without end": (lambda told: told["parts"][0].update(end=1 << 70), "not of the slots"),
+    "a negative part": (lambda told: told["parts"][0].update(first=-1), "no natural number"),
+    "another version": (lambda told: told.update(engine="0.0.9"), "install that version here"),
+    "another processor": (lambda told: told.update(processor="x86-64-v9"), "leave it to other machines"),
+    "a changed file": (lambda told: told["files"]["scene/shots/scene/small.blend"].__setitem__(1, "0" * 40), "copy the job's folder again"),
+    "a short file": (lambda told: told["files"]["scene/shots/scene/small.blend"].__setitem__(0, 5), "copy the job's folder again"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_job_that_was_tampered_with_is_refused(name, job, monkeypatch, capsys):
+    from petzval import cli
+
+    change, said = CHANGES[name]
+    change_job(job, change)
+    (job / "parts/0001.json").unlink()
+    for words in (["part", str(job), "1"], ["merge", str(job)]):
+        assert cli.run_command(["farm", *words]) == 1
+        assert said in capsys.readouterr().err, words
+    assert not (job / "pictures/small.exr").exists() and not (job / "parts/0001.json").exists()
+
+
+def test_a_link_out_of_the_folder_is_refused(job, tmp_path, capsys):
+    from petzval import cli
+
+    file = job / "scene/shots/scene/small.blend"
+    shutil.move(file, tmp_path / "small.blend")
+    file.symlink_to(tmp_path / "small.blend")
+    assert cli.run_command(["farm", "merge", str(job)]) == 1
+    assert "leads out of the job's folder" in capsys.readouterr().err
+
+
+def test_another_blender_is_refused(job, petzval_cli):
+    change_job(job, lambda told: told.update(blender="4.0.0"))
+    done = petzval_cli("farm", "part", job, "1", "--again")
+    assert done.returncode == 1 and "planned with Blender 4.0.0" in done.stderr
+
+
+def test_bad_usage(job, farm_scenes_folder, petzval_cli, commands):
+    assert_complains(petzval_cli("farm", "part", job, "3"), "there is no part 3")
+    assert_complains(petzval_cli("farm", "merge", job.parent), "no job in")
+    assert_complains(petzval_cli("farm", "plan", farm_scenes_folder / "small.blend", "-o", job), "not empty")
+    assert_complains(petzval_cli("farm", "run", job), "bad usage", status=2)
+    scene, new = farm_scenes_folder / "small.blend", job.parent / "new"
+    (done,) = commands(["farm", "plan", scene, "--noise-threshold", "0.05", "--denoise", "fast", "-o", new])
+    assert done.returncode == 1 and "looks at the whole picture" in done.stderr and not new.exists()
+
+
+def start(*words, **more) -> subprocess.Popen:
+    command = [sys.executable, "-m", "petzval", "farm", *map(str, words)]
+    return subprocess.Popen(
+        command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more
+    )
+
+
+def test_a_full_disk_is_tried_again(job, petzval_cli, finished_job):
+    """A limit on the size of files stands for the disk."""
+    import resource
+
+    for file in (job / "parts").glob("0001.*"):
+        file.unlink()
+
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+
+    part = start("part", job, "1", preexec_fn=limit)
+    _, said = part.communicate(timeout=120)
+    assert part.returncode == 75 and "cannot write" in said and FILM in said, said
+    assert not [file for file in (job / "parts").iterdir() if file.name.startswith(("0001", "."))]
+    assert petzval_cli("farm", "part", job, "1").returncode == 0
+    assert (job / FILM).read_bytes()[-4:] != b""
+
+
+def test_a_part_twice_at_once(job, finished_job, petzval_cli):
+    """Two machines render one part at the same time."""
+    before = (job / FILM).stat().st_mtime_ns
+    both = [start("part", job, "1", "--again") for _ in range(2)]
+    assert [one.wait(timeout=120) for one in both] == [0, 0], [one.stderr.read() for one in both]
+    assert (job / FILM).stat().st_mtime_ns > before
+    assert petzval_cli("farm", "merge", job).returncode == 0
+    assert_same_picture(job / "pictures/small.exr", finished_job[1])
+
+
+def test_a_killed_part_goes_on(farm_scenes_folder, tmp_path, petzval_cli, commands):
+    """Killed at once, and stopped: the next try goes on, and the picture is that of one machine."""
+    scene, job, whole = farm_scenes_folder / "small.blend", tmp_path / "job", tmp_path / "whole.exr"
+    options = ["--samples", "300", "--resolution", "48x32"]
+    planned, rendered = commands(
+        ["farm", "plan", scene, *options, "--parts", "1", "-o", job], ["render", scene, *options, "-o", whole]
+    )
+    assert (planned.returncode, rendered.returncode) == (0, 0), planned.stderr + rendered.stderr
+    kept = job / "work/0000.checkpoint"
+    for number, status in ((signal.SIGKILL, -signal.SIGKILL), (signal.SIGTERM, 130)):
+        part = start("part", job, "0", "--checkpoint-every", "0.1")
+        before = kept.stat().st_mtime_ns if kept.exists() else 0
+        began = time.monotonic()
+        while (kept.stat().st_mtime_ns if kept.exists() else 0) == before:
+            assert part.poll() is None and time.monotonic() - began < 60.0
+            time.sleep(0.01)
+        part.send_signal(number)
+        part.communicate(timeout=60)
+        assert part.returncode == status
+        assert not (job / "parts/0000.json").exists() and kept.exists()
+    done = petzval_cli("farm", "part", job, "0")
+    assert done.returncode == 0 and not kept.exists(), done.stderr
+    assert petzval_cli("farm", "merge", job).returncode == 0
+    assert_same_picture(job / "pictures/small.exr", whole)
+
+
+def test_a_scene_that_is_random_is_found_before_it_is_rendered(job, petzval_cli):
+    """The part that came first says which scene it was."""
+    agreement = job / "work/still.scene"
+    told = json.loads(agreement.read_text())
+    name = next(one for one in told["pieces"] if "Wall" in one and one.startswith("mesh"))
+    told["fingerprint"], told["pieces"][name] = "0" * 64, "0" * 16
+    agreement.write_text(json.dumps(told))
+    for words in (("part", job, "1", "--again"), ("merge", job)):
+        done = petzval_cli("farm", *words)
+        assert done.returncode == 1 and "mesh" in done.stderr and "'Wall'" in done.stderr, done.stderr
+    assert not (job / "pictures/small.exr").exists()
+
+
+def test_a_time_limit_is_tried_again(job, petzval_cli):
+    change_job(job, lambda told: (told["options"].update(samples=1_000_000), told["limits"].update(seconds=0.5)))
+    (job / "work/still.scene").unlink()
+    (job / "parts/0001.json").unlink()
+    done = petzval_cli("farm", "part", job, "1")
+    assert done.returncode == 75 and "takes longer than 0.5 s" in done.stderr, done.stderr
+    assert not (job / "parts/0001.json").exists()
