@@ -8,7 +8,7 @@ use crate::image::Projection;
 /// The instructions of a [`Program`] that some of its values need.
 #[derive(Clone, Debug, Default)]
 pub struct Slice {
-    code: Vec<Instruction>,
+    pub(super) code: Vec<Instruction>,
     needs_normal: bool,
     needs_footprint: bool,
 }
@@ -35,6 +35,17 @@ impl Slice {
     #[inline]
     pub fn needs_footprint(&self) -> bool {
         self.needs_footprint
+    }
+
+    /// True if the values may differ between a point and places beside it.
+    pub fn varies_beside(&self) -> bool {
+        self.code.iter().any(|instruction| match instruction.operation {
+            Operation::Further(_) | Operation::Transform(..) | Operation::Displacement(_) => false,
+            Operation::Read(field, _) => {
+                !matches!(field, Field::Normal | Field::TrueNormal | Field::Incoming | Field::Backfacing)
+            }
+            operation => !operation.is_pure(),
+        })
     }
 
     /// Number of instructions that the slice runs.
