@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3A, Vec4};
 use petzval_nodes::{
-    Context, Direction, Extension, Field, Graph, Interpolation, LANES, LaneRegisters, Pixels, Program, Registers, Shift, Space, Textures,
-    compile,
+    Context, Direction, Extension, Field, Graph, Interpolation, LANES, LaneRegisters, Pixels, Program, Registers,
+    Shift, Space, Textures, compile,
 };
 use std::hint::black_box;
 use std::time::Instant;
@@ -159,7 +159,9 @@ fn in_lanes(program: &Program, textures: &impl Textures) -> f64 {
         for i in (0..RUNS).step_by(LANES) {
             let points: [Surface; LANES] = std::array::from_fn(|lane| surface(i + lane as u32));
             program.run_lanes(&slice, &points[..], textures, &mut registers);
-            for (lane, (_, operand)) in (0..LANES).flat_map(|lane| program.surface[0].inputs.iter().map(move |input| (lane, input))) {
+            for (lane, (_, operand)) in
+                (0..LANES).flat_map(|lane| program.surface[0].inputs.iter().map(move |input| (lane, input)))
+            {
                 black_box(program.value_at(*operand, &registers, lane));
             }
         }

@@ -56,8 +56,8 @@ fn by_bit<const BIT: usize>([near, far]: [u32; 2]) -> u32x8 {
         1 => u32x8::new([0, 0, ALL, ALL, 0, 0, ALL, ALL]),
         _ => u32x8::new([0, 0, 0, 0, ALL, ALL, ALL, ALL]),
     };
-    let [near, far] = [near, far].map(u32x8::splat);
-    near ^ (mask & (near ^ far))
+    let (near, far) = (u32x8::splat(near), u32x8::splat(far));
+    near ^ (mask & (far ^ near))
 }
 
 /// All bits set where one bit of a hash is.
@@ -122,16 +122,18 @@ impl Perlin for f32 {
         let ((cx, x, u), (cy, y, v), (cz, z, w)) = (place(x), place(y), place(z));
         let (sx, sy, sz) = (Sides::new(cx, x), Sides::new(cy, y), Sides::new(cz, z));
         let hash = hash3(by_bit::<0>(sx.cells), by_bit::<1>(sy.cells), by_bit::<2>(sz.cells));
-        let [x, y, z] = [by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways)].map(bytemuck::cast);
+        let (x, y, z) = (by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways));
+        let (x, y, z) = (bytemuck::cast(x), bytemuck::cast(y), bytemuck::cast(z));
         finite(trilinear(&slopes3(hash, x, y, z).to_array(), u, v, w) * SCALES[2])
     }
 
     fn noise4([x, y, z, w]: [f32; 4]) -> f32 {
         let ((cx, x, u), (cy, y, v), (cz, z, w), (cw, h, s)) = (place(x), place(y), place(z), place(w));
         let (sx, sy, sz, sw) = (Sides::new(cx, x), Sides::new(cy, y), Sides::new(cz, z), Sides::new(cw, h));
-        let [x, y, z] = [by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways)].map(bytemuck::cast);
+        let (x, y, z) = (by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways));
+        let (x, y, z) = (bytemuck::cast(x), bytemuck::cast(y), bytemuck::cast(z));
         let side = |number: usize| {
-            let [h, cell] = [sw.ways[number], sw.cells[number]].map(u32x8::splat);
+            let (h, cell) = (u32x8::splat(sw.ways[number]), u32x8::splat(sw.cells[number]));
             let hash = hash4(by_bit::<0>(sx.cells), by_bit::<1>(sy.cells), by_bit::<2>(sz.cells), cell);
             trilinear(&slopes4(hash, [x, y, z, bytemuck::cast(h)]).to_array(), u, v, w)
         };

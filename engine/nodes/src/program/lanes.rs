@@ -2,7 +2,7 @@
 //! of lanes is computed for all lanes; the rest by each lane's own [`Program::compute`]. A point has the bits that it has alone.
 
 use super::evaluate::{Asked, tangent_map};
-use super::instruction::{FIRST_CONSTANT, Instruction, Operand, Operation};
+use super::instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operand, Operation};
 use super::slice::Slice;
 use super::{Program, REGISTERS};
 use crate::colour;
@@ -170,14 +170,26 @@ impl Program {
         textures: &T,
         registers: &mut LaneRegisters,
     ) {
+        // What is the same at all points is fetched once.
+        let mut operands = [Vec3A::ZERO; MOST_OPERANDS];
+        let (mut numbers, mut varying) = ([0; MOST_OPERANDS], 0);
+        for (i, &operand) in instruction.operands().iter().enumerate() {
+            operands[i] = self.value_at(operand, registers, 0);
+            if operand.0 < FIRST_CONSTANT {
+                numbers[varying] = i;
+                varying += 1;
+            }
+        }
         // The result may take the place of an operand.
         let mut result = Vectors::ZERO;
         for lane in 0..places.count() {
-            let operand = |i: usize| self.value_at(instruction.operands[i], registers, lane);
-            let (value, further) = self.compute(instruction.operation, operand, places.point(lane), textures);
+            for &i in &numbers[..varying] {
+                operands[i] = self.value_at(instruction.operands[i], registers, lane);
+            }
+            let (value, further) = self.compute(instruction.operation, |i| operands[i], places.point(lane), textures);
             result.put(lane, value);
-            for (all, one) in registers.further.iter_mut().zip(further.into_iter().flatten()) {
-                all.put(lane, one);
+            if let Some(further) = further {
+                registers.further.iter_mut().zip(further).for_each(|(all, one)| all.put(lane, one));
             }
         }
         registers.values[usize::from(instruction.result as u8)] = result;

@@ -86,3 +86,6 @@ impl LaneValues {
         plain.values(&|source| source.value_at(&material.graph.program, &self.registers, lane))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,7 +9,7 @@ use crate::image::{EnvironmentProjection, ImageTexture, Projection};
 use crate::mix::Blend;
 use crate::noise::{Dimensions, Fractal};
 use crate::patterns::{GradientKind, WaveAxis, WaveKind, WaveProfile};
-use crate::program::{MOST_OPERANDS, Registers};
+use crate::program::Registers;
 use crate::surface::Axis;
 use crate::table::Table;
 use crate::vector::{MappingKind, RotationKind};

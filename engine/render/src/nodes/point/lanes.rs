@@ -2,7 +2,7 @@
 
 use super::{Point, tangent};
 use arrayvec::ArrayVec;
-use glam::{Vec2, Vec3A};
+use glam::{Mat3A, Vec2, Vec3A, Vec4};
 use petzval_nodes::{AttributeKind, Context, Direction, Field, LANES, Places, Shift, Space, Vector, Vectors};
 use std::cell::Cell;
 use wide::f32x8;
@@ -48,7 +48,7 @@ impl<'a> PointLanes<'a> {
     }
 
     /// A matrix of each point's object, column by column.
-    fn matrices(&self, of: impl Fn(&Point<'a>) -> glam::Mat3A) -> [Vectors; 3] {
+    fn matrices(&self, of: impl Fn(&Point<'a>) -> Mat3A) -> [Vectors; 3] {
         let columns = |point: &Point<'a>| {
             let matrix = of(point);
             [matrix.x_axis, matrix.y_axis, matrix.z_axis]
@@ -63,6 +63,19 @@ impl<'a> PointLanes<'a> {
         all
     }
 
+    /// The points, each with the UV map of a name: it is looked up again where the mesh is another.
+    fn maps(&self, name: &str) -> impl Iterator<Item = (&Point<'a>, Option<usize>)> {
+        let mut known = None;
+        self.points.iter().map(move |point| {
+            let map = match known {
+                Some((mesh, map)) if std::ptr::eq(mesh, point.mesh) => map,
+                _ => Point::map_named(point.mesh, name),
+            };
+            known = Some((point.mesh, map));
+            (point, map)
+        })
+    }
+
     /// The tangents along a UV map by its name; `None` where they are not all those of triangles.
     fn tangents(&self, name: &str) -> Option<(Vectors, f32x8)> {
         if self.points.iter().any(|point| !point.mesh.is_of_triangles()) {
@@ -71,13 +84,9 @@ impl<'a> PointLanes<'a> {
         let mut corners = [Vectors::ZERO; 3];
         let mut uv = [[[0.0; LANES]; 2]; 3];
         let mut has_none = [false; LANES];
-        let mut known = (self.points[0].mesh, Point::map_named(self.points[0].mesh, name));
-        for (lane, point) in self.points.iter().enumerate() {
-            if !std::ptr::eq(known.0, point.mesh) {
-                known = (point.mesh, Point::map_named(point.mesh, name));
-            }
-            has_none[lane] = known.1.is_none() && !name.is_empty();
-            let (places, mapped): ([Vec3A; 3], [Vec2; 3]) = point.mapped_corners(known.1);
+        for (lane, (point, map)) in self.maps(name).enumerate() {
+            has_none[lane] = map.is_none() && !name.is_empty();
+            let (places, mapped): ([Vec3A; 3], [Vec2; 3]) = point.mapped_corners(map);
             for corner in 0..3 {
                 corners[corner].put(lane, places[corner]);
                 [uv[corner][0][lane], uv[corner][1][lane]] = mapped[corner].to_array();
@@ -119,6 +128,16 @@ impl<'a> Places for PointLanes<'a> {
             && let Some(found) = self.tangents(&asked.name)
         {
             return found;
+        }
+        if asked.kind == AttributeKind::Uv && self.points.iter().all(|point| point.mesh.is_of_triangles()) {
+            let mut all = Vectors::ZERO;
+            let mut fourth = [0.0; LANES];
+            for (lane, (point, map)) in self.maps(&asked.name).enumerate() {
+                let uv = map.map_or(Vec4::ZERO, |map| point.uv(map, shift));
+                all.put(lane, Vec3A::from_vec4(uv));
+                fourth[lane] = uv.w;
+            }
+            return (all, fourth.into());
         }
         let mut fourth = [0.0; LANES];
         let mut all = Vectors::ZERO;
