@@ -72,6 +72,7 @@ fn program() -> Program {
 }
 
 /// Every operation, with every option that chooses another way to compute it.
+#[expect(clippy::too_many_lines, reason = "a list")]
 fn operations() -> Vec<Operation> {
     let shift = Shift { x: 0.1, y: 0.2 };
     let mut all = vec![
