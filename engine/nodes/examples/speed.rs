@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3A, Vec4};
 use petzval_nodes::{
-    Context, Direction, Extension, Field, Graph, Interpolation, Pixels, Program, Registers, Shift, Space, Textures,
-    compile,
+    Context, Direction, Extension, Field, Graph, Interpolation, LANES, LaneRegisters, Pixels, Program, Registers,
+    Shift, Space, Textures, compile,
 };
 use std::hint::black_box;
 use std::time::Instant;
@@ -124,28 +124,56 @@ fn main() {
         assert!(reports.is_empty(), "{reports:?}");
         let pixels = Pixels::new(64, vec![Vec4::ONE; 64 * 64]).expect("a whole number of rows");
         println!(
-            "{name:18} {:3} instructions, {:7.1} ns, with an image {:7.1} ns; compiled in {compiling_us:.0} us",
+            "{name:18} {:3} instructions, {:7.1} ns, in lanes {:7.1} ns, with an image {:7.1} ns; compiled in {compiling_us:.0} us",
             program.instructions(),
             nanoseconds(&program, &White),
+            in_lanes(&program, &White),
             nanoseconds(&program, &vec![pixels]),
         );
     }
 }
 
-/// The median of some rounds.
+const RUNS: u32 = 100_000;
+
+fn surface(i: u32) -> Surface {
+    Surface { position: Vec3A::new(i as f32 * 0.013, i as f32 * 0.007, 0.5) }
+}
+
 fn nanoseconds(program: &Program, textures: &impl Textures) -> f64 {
-    const RUNS: u32 = 100_000;
     let mut registers = Registers::default();
+    median_ns(|| {
+        for i in 0..RUNS {
+            program.run(&surface(i), textures, &mut registers);
+            for (_, operand) in &program.surface[0].inputs {
+                black_box(program.value(*operand, &registers));
+            }
+        }
+    })
+}
+
+/// Eight points at once.
+fn in_lanes(program: &Program, textures: &impl Textures) -> f64 {
+    let mut registers = LaneRegisters::default();
+    let slice = program.slice(program.surface[0].inputs.iter().map(|(_, operand)| *operand));
+    median_ns(|| {
+        for i in (0..RUNS).step_by(LANES) {
+            let points: [Surface; LANES] = std::array::from_fn(|lane| surface(i + lane as u32));
+            program.run_lanes(&slice, &points[..], textures, &mut registers);
+            for (lane, (_, operand)) in
+                (0..LANES).flat_map(|lane| program.surface[0].inputs.iter().map(move |input| (lane, input)))
+            {
+                black_box(program.value_at(*operand, &registers, lane));
+            }
+        }
+    })
+}
+
+/// The median of some rounds, a point.
+fn median_ns(mut round: impl FnMut()) -> f64 {
     let mut rounds: Vec<f64> = (0..9)
         .map(|_| {
             let start = Instant::now();
-            for i in 0..RUNS {
-                let position = Vec3A::new(i as f32 * 0.013, i as f32 * 0.007, 0.5);
-                program.run(&Surface { position }, textures, &mut registers);
-                for (_, operand) in &program.surface[0].inputs {
-                    black_box(program.value(*operand, &registers));
-                }
-            }
+            round();
             start.elapsed().as_secs_f64() * 1e9 / f64::from(RUNS)
         })
         .collect();

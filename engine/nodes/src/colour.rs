@@ -1,6 +1,7 @@
 //! Colour models and the nodes that change one colour.
 
 use crate::choice::choices;
+use crate::lanes::{Number, Vector};
 use crate::vector::each;
 use glam::Vec3A;
 
@@ -10,10 +11,11 @@ choices! {
 }
 
 /// Weights of luminance in Rec. 709.
-const LUMINANCE: Vec3A = Vec3A::new(0.212_639, 0.715_168_7, 0.072_192_3);
+const LUMINANCE: [f32; 3] = [0.212_639, 0.715_168_7, 0.072_192_3];
 
-pub(crate) fn luminance(colour: Vec3A) -> f32 {
-    colour.dot(LUMINANCE)
+#[inline(always)]
+pub(crate) fn luminance<V: Vector>(colour: V) -> V::Number {
+    colour.inner(V::of(LUMINANCE.map(V::Number::of)))
 }
 
 /// The hue from 0 to 1, of a colour that is not grey.
@@ -117,6 +119,8 @@ pub(crate) fn gamma(colour: Vec3A, gamma: f32) -> Vec3A {
     each(colour, |part| if part > 0.0 { part.powf(gamma) } else { part })
 }
 
-pub(crate) fn invert(colour: Vec3A, factor: f32) -> Vec3A {
-    (Vec3A::ONE - colour) * factor + colour * (1.0 - factor)
+#[inline(always)]
+pub(crate) fn invert<V: Vector>(colour: V, factor: V::Number) -> V {
+    let one = V::Number::of(1.0);
+    (V::splat(one) - colour).times(factor) + colour.times(one - factor)
 }

@@ -1,7 +1,9 @@
 //! The data of surfaces and images that a program reads. The renderer implements both traits.
 
 use crate::choice::choices;
+use crate::lanes::{LANES, Vectors};
 use glam::{Vec2, Vec3A, Vec4};
+use wide::f32x8;
 
 /// The place at which a program is evaluated: the point, or a place beside it by a share of the footprint along its two axes. Bump runs the
 /// program of its height at three such places.
@@ -284,6 +286,58 @@ pub trait Context {
     fn attribute(&self, index: usize, shift: Shift) -> Vec4;
     /// A vector from one space to another; a normal comes at length 1.
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A;
+}
+
+/// Up to eight points that are shaded at once by one program. What is not answered for all together is asked of each.
+pub trait Places {
+    /// A point by itself.
+    type Point: Context;
+
+    /// Number of points, 1 to [`LANES`].
+    fn count(&self) -> usize;
+    /// The point of a lane.
+    fn point(&self, lane: usize) -> &Self::Point;
+
+    /// [`Context::read`] of all points.
+    #[inline]
+    fn read(&self, field: Field, shift: Shift) -> Vectors {
+        let mut all = Vectors::ZERO;
+        (0..self.count()).for_each(|lane| all.put(lane, self.point(lane).read(field, shift)));
+        all
+    }
+
+    /// [`Context::attribute`] of all points: the first three parts, and the fourth.
+    #[inline]
+    fn attribute(&self, index: usize, shift: Shift) -> (Vectors, f32x8) {
+        let (mut all, mut fourth) = (Vectors::ZERO, [0.0; LANES]);
+        for (lane, fourth) in fourth.iter_mut().enumerate().take(self.count()) {
+            let value = self.point(lane).attribute(index, shift);
+            all.put(lane, Vec3A::from_vec4(value));
+            *fourth = value.w;
+        }
+        (all, fourth.into())
+    }
+
+    /// [`Context::transform`] of all points.
+    #[inline]
+    fn transform(&self, direction: Direction, from: Space, to: Space, vectors: Vectors) -> Vectors {
+        let mut all = Vectors::ZERO;
+        for lane in 0..self.count() {
+            all.put(lane, self.point(lane).transform(direction, from, to, vectors.at(lane)));
+        }
+        all
+    }
+}
+
+impl<C: Context> Places for [C] {
+    type Point = C;
+
+    fn count(&self) -> usize {
+        self.len()
+    }
+    fn point(&self, lane: usize) -> &C {
+        &self[lane]
+    }
 }
 
 choices! {

@@ -73,8 +73,8 @@ fn start<W: Word>(words: u32) -> W {
 }
 
 #[inline(always)]
-pub(crate) fn hash1(x: u32) -> u32 {
-    let s: u32 = start(1);
+pub(crate) fn hash1<W: Word>(x: W) -> W {
+    let s: W = start(1);
     last_mix(s.plus(x), s, s)
 }
 
@@ -89,8 +89,8 @@ pub fn random_of_pair([first, second]: [u32; 2]) -> f32 {
 }
 
 #[inline(always)]
-pub(crate) fn hash2(x: u32, y: u32) -> u32 {
-    let s: u32 = start(2);
+pub(crate) fn hash2<W: Word>(x: W, y: W) -> W {
+    let s: W = start(2);
     last_mix(s.plus(x), s.plus(y), s)
 }
 

@@ -7,7 +7,7 @@
 //! Every value is three numbers in one register; a number stands in all three, so that it is a vector or a colour at
 //! once, as Blender converts it.
 //!
-//! Dependencies of the modules: [`choice`] → [`hash`] → [`noise`] → [`voronoi`] → [`patterns`] → [`gabor`] → [`tiling`] → [`math`] → [`vector`] →
+//! Dependencies of the modules: [`choice`] → [`hash`] → [`lanes`] → [`noise`] → [`voronoi`] → [`patterns`] → [`gabor`] → [`tiling`] → [`math`] → [`vector`] →
 //! [`spectral`] → [`sky`] → [`ies`] → [`colour`] → [`mix`] → [`table`] → [`context`] → [`image`] → [`surface`] → [`graph`] → [`program`] →
 //! [`compile`] → [`pixels`] → [`points`]. Each uses only those before it.
 
@@ -20,6 +20,7 @@ mod graph;
 mod hash;
 mod ies;
 mod image;
+mod lanes;
 mod math;
 mod mix;
 mod noise;
@@ -37,14 +38,15 @@ mod voronoi;
 
 pub use compile::{Report, compile};
 pub use context::{
-    Attribute, AttributeKind, Context, Direction, Extension, Field, Found, Interpolation, Occlusion, Raycast, Shift,
-    Space, Textures,
+    Attribute, AttributeKind, Context, Direction, Extension, Field, Found, Interpolation, Occlusion, Places, Raycast,
+    Shift, Space, Textures,
 };
 pub use graph::{Graph, Input, Link, Node, Parsing};
 pub use hash::{random_of, random_of_pair};
 pub use image::MISSING;
+pub use lanes::{LANES, Number, Vector, Vectors};
 pub use pixels::Pixels;
 pub use points::{Column, Points};
-pub use program::{Layer, LayerKind, Operand, Program, Registers, Slice};
+pub use program::{LaneRegisters, Layer, LayerKind, Operand, Program, Registers, Slice};
 pub use sky::SunDisc;
 pub use spectral::blackbody;

@@ -103,6 +103,7 @@ fn ping_pong(value: f32, scale: f32) -> f32 {
 }
 
 impl MathKind {
+    #[inline(always)]
     pub(crate) fn apply(self, a: f32, b: f32, c: f32) -> f32 {
         let truth = |is: bool| if is { 1.0 } else { 0.0 };
         match self {
@@ -162,6 +163,7 @@ fn smoother(t: f32) -> f32 {
 }
 
 /// A value from one range into another. A range without width gives `none`.
+#[inline(always)]
 pub(crate) fn map_range(kind: RangeKind, value: f32, from: [f32; 2], to: [f32; 2], steps: f32, none: f32) -> f32 {
     let width = from[1] - from[0];
     if width == 0.0 {
@@ -179,11 +181,13 @@ pub(crate) fn map_range(kind: RangeKind, value: f32, from: [f32; 2], to: [f32; 2
 }
 
 /// Returns `value` clamped between two bounds, given in either order.
+#[inline(always)]
 pub(crate) fn clamp_between(value: f32, a: f32, b: f32) -> f32 {
     if a > b { value.max(b).min(a) } else { value.max(a).min(b) }
 }
 
 /// Returns `value` clamped between two bounds: never below the first unless the second is.
+#[inline(always)]
 pub(crate) fn clamp_in_order(value: f32, least: f32, most: f32) -> f32 {
     value.max(least).min(most)
 }

@@ -2,6 +2,7 @@
 
 use crate::choice::choices;
 use crate::colour::{hsv_to_rgb, rgb_to_hsv};
+use crate::lanes::{Number, Vector};
 use glam::Vec3A;
 
 choices! {
@@ -33,8 +34,9 @@ fn each2(a: Vec3A, b: Vec3A, function: impl Fn(f32, f32) -> f32) -> Vec3A {
 }
 
 /// `t` of the second over `1 - t` of the first, for each part its own share.
-pub(crate) fn interpolate(a: Vec3A, b: Vec3A, t: Vec3A) -> Vec3A {
-    a * (Vec3A::ONE - t) + b * t
+#[inline(always)]
+pub(crate) fn interpolate<V: Vector>(a: V, b: V, t: V) -> V {
+    a * (V::splat(V::Number::of(1.0)) - t) + b * t
 }
 
 impl Blend {
@@ -43,24 +45,38 @@ impl Blend {
         !matches!(self, Self::Exclusion | Self::Dodge | Self::Burn | Self::Saturation | Self::Value)
     }
 
+    /// The result of a blend that adds, subtracts and multiplies alone; of the others `None`.
+    #[inline(always)]
+    pub(crate) fn sums<V: Vector>(self, t: V::Number, a: V, b: V) -> Option<V> {
+        let one = V::splat(V::Number::of(1.0));
+        let rest = V::Number::of(1.0) - t;
+        let over = |result: V| a.times(rest) + result.times(t);
+        Some(match self {
+            Self::Mix => over(b),
+            Self::Multiply => over(a * b),
+            Self::Add => over(a + b),
+            Self::Subtract => over(a - b),
+            Self::Screen => one - (V::splat(rest) + (one - b).times(t)) * (one - a),
+            Self::LinearLight => a + (b.times(V::Number::of(2.0)) - one).times(t),
+            Self::SoftLight => {
+                let screen = one - (one - b) * (one - a);
+                over((one - a) * b * a + a * screen)
+            }
+            _ => return None,
+        })
+    }
+
     pub(crate) fn apply(self, t: f32, a: Vec3A, b: Vec3A) -> Vec3A {
+        if let Some(sum) = self.sums(t, a, b) {
+            return sum;
+        }
         let rest = 1.0 - t;
         let over = |result: Vec3A| a * rest + result * t;
         match self {
-            Self::Mix => over(b),
             Self::Darken => over(a.min(b)),
-            Self::Multiply => over(a * b),
             Self::Lighten => over(a.max(b)),
-            Self::Add => over(a + b),
-            Self::Subtract => over(a - b),
             Self::Difference => over((a - b).abs()),
             Self::Exclusion => over(a + b - a * b * 2.0).max(Vec3A::ZERO),
-            Self::Screen => Vec3A::ONE - (Vec3A::splat(rest) + (Vec3A::ONE - b) * t) * (Vec3A::ONE - a),
-            Self::LinearLight => a + (b * 2.0 - Vec3A::ONE) * t,
-            Self::SoftLight => {
-                let screen = Vec3A::ONE - (Vec3A::ONE - b) * (Vec3A::ONE - a);
-                over((Vec3A::ONE - a) * b * a + a * screen)
-            }
             Self::Overlay => each2(a, b, |a, b| {
                 if a < 0.5 { a * (rest + 2.0 * t * b) } else { 1.0 - (rest + 2.0 * t * (1.0 - b)) * (1.0 - a) }
             }),
@@ -79,7 +95,7 @@ impl Blend {
                 let divisor = rest + t * b;
                 if divisor <= 0.0 { 0.0 } else { (1.0 - (1.0 - a) / divisor).clamp(0.0, 1.0) }
             }),
-            Self::Hue | Self::Saturation | Self::Colour | Self::Value => self.in_hsv(t, a, b),
+            _ => self.in_hsv(t, a, b),
         }
     }
 

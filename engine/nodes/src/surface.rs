@@ -1,6 +1,7 @@
 //! Bump, Normal Map, Fresnel and the other nodes that are about the surface itself.
 
 use crate::choice::choices;
+use crate::lanes::{Number, Vector};
 use glam::Vec3A;
 
 choices! {
@@ -80,10 +81,13 @@ impl Bump {
 }
 
 /// A normal by a map's colour over the axes of tangent space.
-pub(crate) fn tangent_space(colour: Vec3A, strength: f32, tangent: Vec3A, sign: f32, normal: Vec3A) -> Vec3A {
-    let across = normal.cross(tangent) * sign;
-    let z = 1.0 + (colour.z - 1.0) * strength.clamp(0.0, 1.0);
-    (tangent * (colour.x * strength) + across * (colour.y * strength) + normal * z).normalize_or_zero()
+#[inline(always)]
+pub(crate) fn tangent_space<V: Vector>(colour: V, strength: V::Number, tangent: V, sign: V::Number, normal: V) -> V {
+    let across = normal.across(tangent).times(sign);
+    let one = V::Number::of(1.0);
+    let [x, y, z] = colour.parts();
+    let z = one + (z - one) * strength.saturated();
+    (tangent.times(x * strength) + across.times(y * strength) + normal.times(z)).unit()
 }
 
 /// A mapped normal at a strength that is not one.

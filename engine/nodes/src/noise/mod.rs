@@ -1,13 +1,20 @@
 //! The Noise texture: Perlin noise summed over octaves in one of five ways, Musgrave's among them.
 
 mod perlin;
+mod perlin_lanes;
 
 use crate::choice::choices;
 use crate::hash::{unit1, unit2};
-use glam::{Vec2, Vec3A, Vec4};
-use std::ops::{Add, Mul};
+use crate::lanes::Number;
+use glam::Vec3A;
 
-pub(crate) use perlin::noise3;
+/// Perlin's gradient noise of a number, or of those of eight places at once.
+pub(crate) trait Perlin: Number {
+    fn noise1(p: [Self; 1]) -> Self;
+    fn noise2(p: [Self; 2]) -> Self;
+    fn noise3(p: [Self; 3]) -> Self;
+    fn noise4(p: [Self; 4]) -> Self;
+}
 
 choices! {
     /// The combination of octaves.
@@ -49,7 +56,7 @@ impl Octaves {
         (self.detail as i32, self.detail - self.detail.floor())
     }
 
-    fn sum<P: Copy + Mul<f32, Output = P>>(&self, p: P, noise: impl Fn(P) -> f32) -> f32 {
+    fn sum<N: Number, const D: usize>(&self, p: [N; D], noise: impl Fn([N; D]) -> N) -> N {
         match self.fractal {
             Fractal::Sum => self.fbm(p, noise),
             Fractal::Multifractal => self.multifractal(p, noise),
@@ -59,147 +66,155 @@ impl Octaves {
         }
     }
 
-    fn fbm<P: Copy + Mul<f32, Output = P>>(&self, p: P, noise: impl Fn(P) -> f32) -> f32 {
+    fn fbm<N: Number, const D: usize>(&self, p: [N; D], noise: impl Fn([N; D]) -> N) -> N {
         let (whole, rest) = self.counts();
-        let (mut frequency, mut amplitude, mut most, mut sum) = (1.0, 1.0, 0.0, 0.0);
+        let (mut frequency, mut amplitude, mut most, mut sum) = (1.0, 1.0, 0.0, N::of(0.0));
         for _ in 0..=whole {
-            sum += noise(p * frequency) * amplitude;
+            sum = sum + noise(scaled(p, frequency)) * N::of(amplitude);
             most += amplitude;
             amplitude *= self.roughness;
             frequency *= self.lacunarity;
         }
-        let level = |sum: f32, most: f32| if self.normalize { 0.5 * sum / most + 0.5 } else { sum };
+        let half = N::of(0.5);
+        let level = |sum: N, most: f32| if self.normalize { half * sum / N::of(most) + half } else { sum };
         if rest == 0.0 {
             return level(sum, most);
         }
-        let finer = sum + noise(p * frequency) * amplitude;
-        (1.0 - rest) * level(sum, most) + rest * level(finer, most + amplitude)
+        let finer = sum + noise(scaled(p, frequency)) * N::of(amplitude);
+        N::of(1.0 - rest) * level(sum, most) + N::of(rest) * level(finer, most + amplitude)
     }
 
-    fn multifractal<P: Copy + Mul<f32, Output = P>>(&self, mut p: P, noise: impl Fn(P) -> f32) -> f32 {
+    fn multifractal<N: Number, const D: usize>(&self, mut p: [N; D], noise: impl Fn([N; D]) -> N) -> N {
         let (whole, rest) = self.counts();
-        let (mut value, mut power) = (1.0, 1.0);
+        let (mut value, mut power) = (N::of(1.0), 1.0);
         for _ in 0..=whole {
-            value *= power * noise(p) + 1.0;
+            value = value * (N::of(power) * noise(p) + N::of(1.0));
             power *= self.roughness;
-            p = p * self.lacunarity;
+            p = scaled(p, self.lacunarity);
         }
         if rest != 0.0 {
-            value *= rest * power * noise(p) + 1.0;
+            value = value * (N::of(rest * power) * noise(p) + N::of(1.0));
         }
         value
     }
 
-    fn terrain<P: Copy + Mul<f32, Output = P>>(&self, mut p: P, noise: impl Fn(P) -> f32) -> f32 {
+    fn terrain<N: Number, const D: usize>(&self, mut p: [N; D], noise: impl Fn([N; D]) -> N) -> N {
         let (whole, rest) = self.counts();
         let mut power = self.roughness;
-        let mut value = self.offset + noise(p);
-        p = p * self.lacunarity;
+        let mut value = N::of(self.offset) + noise(p);
+        p = scaled(p, self.lacunarity);
         for _ in 1..=whole {
-            value += (noise(p) + self.offset) * power * value;
+            value = value + (noise(p) + N::of(self.offset)) * N::of(power) * value;
             power *= self.roughness;
-            p = p * self.lacunarity;
+            p = scaled(p, self.lacunarity);
         }
         if rest != 0.0 {
-            value += rest * (noise(p) + self.offset) * power * value;
+            value = value + N::of(rest) * (noise(p) + N::of(self.offset)) * N::of(power) * value;
         }
         value
     }
 
-    fn hybrid<P: Copy + Mul<f32, Output = P>>(&self, mut p: P, noise: impl Fn(P) -> f32) -> f32 {
-        // Below this weight further octaves are left out.
-        const LEAST_WEIGHT: f32 = 0.001;
+    fn hybrid<N: Number, const D: usize>(&self, mut p: [N; D], noise: impl Fn([N; D]) -> N) -> N {
+        let (least, zero, one) = (N::of(LEAST_WEIGHT), N::of(0.0), N::of(1.0));
         let (whole, rest) = self.counts();
-        let (mut power, mut value, mut weight) = (1.0, 0.0, 1.0_f32);
+        let (mut power, mut value, mut weight) = (1.0, zero, one);
         for _ in 0..=whole {
-            if weight <= LEAST_WEIGHT {
-                break;
-            }
-            weight = weight.min(1.0);
-            let signal = (noise(p) + self.offset) * power;
+            let bounded = weight.if_below(one, weight, one);
+            let signal = (noise(p) + N::of(self.offset)) * N::of(power);
             power *= self.roughness;
-            value += weight * signal;
-            weight *= self.gain * signal;
-            p = p * self.lacunarity;
+            // A place whose weight is gone stays as it is.
+            value = value + least.if_below(weight, bounded * signal, zero);
+            weight = least.if_below(weight, bounded * (N::of(self.gain) * signal), weight);
+            p = scaled(p, self.lacunarity);
         }
-        if rest != 0.0 && weight > LEAST_WEIGHT {
-            value += rest * weight.min(1.0) * (noise(p) + self.offset) * power;
+        if rest != 0.0 {
+            let bounded = weight.if_below(one, weight, one);
+            let last = N::of(rest) * bounded * (noise(p) + N::of(self.offset)) * N::of(power);
+            value = value + least.if_below(weight, last, zero);
         }
         value
     }
 
-    fn ridged<P: Copy + Mul<f32, Output = P>>(&self, mut p: P, noise: impl Fn(P) -> f32) -> f32 {
-        let ridge = |p: P| {
-            let height = self.offset - noise(p).abs();
+    fn ridged<N: Number, const D: usize>(&self, mut p: [N; D], noise: impl Fn([N; D]) -> N) -> N {
+        let ridge = |p: [N; D]| {
+            let height = N::of(self.offset) - noise(p).abs();
             height * height
         };
         let mut power = self.roughness;
         let mut signal = ridge(p);
         let mut value = signal;
         for _ in 1..=self.counts().0 {
-            p = p * self.lacunarity;
-            signal = ridge(p) * (signal * self.gain).clamp(0.0, 1.0);
-            value += signal * power;
+            p = scaled(p, self.lacunarity);
+            signal = ridge(p) * (signal * N::of(self.gain)).saturated();
+            value = value + signal * N::of(power);
             power *= self.roughness;
         }
         value
     }
 }
 
+/// Below this weight [`Fractal::Hybrid`] leaves further octaves out.
+const LEAST_WEIGHT: f32 = 0.001;
+
+#[inline(always)]
+fn scaled<N: Number, const D: usize>(p: [N; D], factor: f32) -> [N; D] {
+    p.map(|part| part * N::of(factor))
+}
+
+/// A place moved to where another, independent part of the noise is.
+#[inline(always)]
+fn moved<N: Number, const D: usize>(p: [N; D], seed: f32) -> [N; D] {
+    let mut axis = -1.0;
+    p.map(|part| {
+        axis += 1.0;
+        part + N::of(if D == 1 { shift1(seed) } else { shift2(seed, axis) })
+    })
+}
+
 /// The texture at a place already scaled: its value, or with `colour` three values of which it is the first.
-pub(crate) fn noise_texture(
+pub(crate) fn noise_texture<N: Perlin>(
     dimensions: Dimensions,
     mut octaves: Octaves,
-    p: Vec3A,
-    w: f32,
+    [x, y, z]: [N; 3],
+    w: N,
     distortion: f32,
     colour: bool,
-) -> Vec3A {
+) -> [N; 3] {
     octaves.detail = octaves.detail.clamp(0.0, MOST_DETAIL);
     octaves.roughness = octaves.roughness.max(0.0);
     match dimensions {
-        Dimensions::One => {
-            let mut x = w;
-            if distortion != 0.0 {
-                x += perlin::noise1(x + shift1(0.0)) * distortion;
-            }
-            three(|i| octaves.sum(x + shift1(i), perlin::noise1), octaves.sum(x, perlin::noise1), 1.0, colour)
-        }
-        Dimensions::Two => {
-            let mut x = Vec2::new(p.x, p.y);
-            let moved = |x: Vec2, seed: f32| x + Vec2::new(shift2(seed, 0.0), shift2(seed, 1.0));
-            if distortion != 0.0 {
-                let amount = [0.0, 1.0].map(|seed| perlin::noise2(moved(x, seed)) * distortion);
-                x += Vec2::from_array(amount);
-            }
-            let sum = |x| octaves.sum(x, perlin::noise2);
-            three(|seed| sum(moved(x, seed)), sum(x), 2.0, colour)
-        }
-        Dimensions::Three => {
-            let mut x = p;
-            let moved = |x: Vec3A, seed: f32| x + Vec3A::from_array([0.0, 1.0, 2.0].map(|axis| shift2(seed, axis)));
-            if distortion != 0.0 {
-                x += Vec3A::from_array([0.0, 1.0, 2.0].map(|seed| perlin::noise3(moved(x, seed)) * distortion));
-            }
-            let sum = |x| octaves.sum(x, perlin::noise3);
-            three(|seed| sum(moved(x, seed)), sum(x), 3.0, colour)
-        }
-        Dimensions::Four => {
-            let mut x = p.extend(w);
-            let moved = |x: Vec4, seed: f32| x + Vec4::from_array([0.0, 1.0, 2.0, 3.0].map(|axis| shift2(seed, axis)));
-            if distortion != 0.0 {
-                let amount = [0.0, 1.0, 2.0, 3.0].map(|seed| perlin::noise4(moved(x, seed)) * distortion);
-                x = x.add(Vec4::from_array(amount));
-            }
-            let sum = |x| octaves.sum(x, perlin::noise4);
-            three(|seed| sum(moved(x, seed)), sum(x), 4.0, colour)
-        }
+        Dimensions::One => octaves.texture([w], N::noise1, distortion, colour),
+        Dimensions::Two => octaves.texture([x, y], N::noise2, distortion, colour),
+        Dimensions::Three => octaves.texture([x, y, z], N::noise3, distortion, colour),
+        Dimensions::Four => octaves.texture([x, y, z, w], N::noise4, distortion, colour),
     }
 }
 
-/// The value alone, or a colour whose second and third part are the noise elsewhere.
-fn three(elsewhere: impl Fn(f32) -> f32, value: f32, first_seed: f32, colour: bool) -> Vec3A {
-    if colour { Vec3A::new(value, elsewhere(first_seed), elsewhere(first_seed + 1.0)) } else { Vec3A::splat(value) }
+impl Octaves {
+    fn texture<N: Number, const D: usize>(
+        &self,
+        mut p: [N; D],
+        noise: impl Fn([N; D]) -> N + Copy,
+        distortion: f32,
+        colour: bool,
+    ) -> [N; 3] {
+        if distortion != 0.0 {
+            let mut seed = -1.0;
+            let amount = p.map(|_| {
+                seed += 1.0;
+                noise(moved(p, seed)) * N::of(distortion)
+            });
+            p = std::array::from_fn(|axis| p[axis] + amount[axis]);
+        }
+        let value = self.sum(p, noise);
+        if !colour {
+            return [value; 3];
+        }
+        // The second and third part are the noise elsewhere.
+        let elsewhere = |seed: f32| self.sum(moved(p, seed), noise);
+        let first = D as f32;
+        [value, elsewhere(first), elsewhere(first + 1.0)]
+    }
 }
 
 fn shift1(seed: f32) -> f32 {
@@ -221,5 +236,5 @@ pub(crate) fn fbm3(p: Vec3A, detail: f32, roughness: f32, lacunarity: f32) -> f3
         offset: 0.0,
         gain: 0.0,
     };
-    octaves.fbm(p, noise3)
+    octaves.fbm(p.to_array(), f32::noise3)
 }

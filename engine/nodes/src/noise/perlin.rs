@@ -1,15 +1,15 @@
 //! Perlin's gradient noise in one to four dimensions, with Blender's hash and gradients; about -1 to 1.
 
+use super::Perlin;
 use crate::hash::{hash1, hash2, hash3, hash4};
-use glam::{Vec2, Vec3A, Vec4};
-use wide::{f32x4, f32x8, u32x8};
+use wide::{f32x4, f32x8, i32x8, u32x8};
 
 /// Blender repeats noise beyond this, where single precision has no fractions worth the name.
-const PERIOD: f32 = 100_000.0;
+pub(super) const PERIOD: f32 = 100_000.0;
 
 /// A coordinate folded into the period. The remainder is slow, and nearly never needed.
 #[inline(always)]
-fn folded(x: f32) -> f32 {
+pub(super) fn folded(x: f32) -> f32 {
     if x.abs() < PERIOD { x } else { x % PERIOD + if x.abs() >= 1e6 { 0.5 } else { 0.0 } }
 }
 
@@ -30,27 +30,6 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
 #[inline(always)]
 fn negated(value: f32, bit: u32) -> f32 {
     f32::from_bits(value.to_bits() ^ if bit != 0 { 0x8000_0000 } else { 0 })
-}
-
-pub(crate) fn noise1(p: f32) -> f32 {
-    let (cell, t, eased) = place(p);
-    let gradient = |hash: u32, x: f32| negated(1.0 + (hash & 7) as f32, hash & 8) * x;
-    let near = gradient(hash1(cell as u32), t);
-    let far = gradient(hash1(cell.wrapping_add(1) as u32), t - 1.0);
-    finite(lerp(near, far, eased) * 0.25)
-}
-
-pub(crate) fn noise2(p: Vec2) -> f32 {
-    let ((cx, x, u), (cy, y, v)) = (place(p.x), place(p.y));
-    let mut corner = [0.0; 4];
-    for (i, value) in corner.iter_mut().enumerate() {
-        let (dx, dy) = ((i & 1) as i32, (i >> 1) as i32);
-        let (fx, fy) = (x - dx as f32, y - dy as f32);
-        let hash = hash2(cx.wrapping_add(dx) as u32, cy.wrapping_add(dy) as u32) & 7;
-        let (first, second) = if hash < 4 { (fx, fy) } else { (fy, fx) };
-        *value = negated(first, hash & 1) + negated(2.0 * second, hash & 2);
-    }
-    finite(bilinear(&corner, u, v) * 0.6616)
 }
 
 /// An axis of a lattice cell: its two corners' numbers, and the way from each to the place.
@@ -77,58 +56,93 @@ fn by_bit<const BIT: usize>([near, far]: [u32; 2]) -> u32x8 {
         1 => u32x8::new([0, 0, ALL, ALL, 0, 0, ALL, ALL]),
         _ => u32x8::new([0, 0, 0, 0, ALL, ALL, ALL, ALL]),
     };
-    choose(mask, u32x8::splat(far), u32x8::splat(near))
+    let (near, far) = (u32x8::splat(near), u32x8::splat(far));
+    near ^ (mask & (far ^ near))
 }
 
 /// All bits set where one bit of a hash is.
 #[inline(always)]
-fn where_set(hash: u32x8, bit: u32) -> u32x8 {
-    u32x8::ZERO - ((hash >> bit) & u32x8::splat(1))
+pub(super) fn where_set(hash: u32x8, bit: u32) -> f32x8 {
+    let lifted: i32x8 = bytemuck::cast(hash << u32x8::splat(31 - bit));
+    bytemuck::cast(lifted >> i32x8::splat(31))
 }
 
-/// Returns the bits of `set` where those of `mask` are 1, and those of `clear` elsewhere.
+/// The sign turned where one bit of a hash is set.
 #[inline(always)]
-fn choose(mask: u32x8, set: u32x8, clear: u32x8) -> u32x8 {
-    clear ^ (mask & (set ^ clear))
+pub(super) fn turned(value: f32x8, hash: u32x8, bit: u32) -> f32x8 {
+    let bits: u32x8 = bytemuck::cast(value);
+    bytemuck::cast(bits ^ ((hash << u32x8::splat(31 - bit)) & u32x8::splat(0x8000_0000)))
 }
 
-/// The bits as numbers, the sign turned where one bit of a hash is set.
+/// The gradients of eight corners of cells times the ways from them.
 #[inline(always)]
-fn signed(bits: u32x8, hash: u32x8, bit: u32) -> f32x8 {
-    let turned = bits ^ ((hash << (31 - bit)) & u32x8::splat(0x8000_0000));
-    bytemuck::cast(turned)
-}
-
-pub(crate) fn noise3(p: Vec3A) -> f32 {
-    let ((cx, x, u), (cy, y, v), (cz, z, w)) = (place(p.x), place(p.y), place(p.z));
-    let (sx, sy, sz) = (Sides::new(cx, x), Sides::new(cy, y), Sides::new(cz, z));
-    let hash = hash3(by_bit::<0>(sx.cells), by_bit::<1>(sy.cells), by_bit::<2>(sz.cells));
-    let (x, y, z) = (by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways));
+pub(super) fn slopes3(hash: u32x8, x: f32x8, y: f32x8, z: f32x8) -> f32x8 {
     // The four low bits choose a gradient: below 8 x leads, else y; with it y below 4, x at 12 and 14, else z.
     let (eight, four) = (where_set(hash, 3), where_set(hash, 2));
-    let (first, rest) = (choose(eight, y, x), choose(eight & four & !where_set(hash, 0), x, z));
-    let second = choose(eight | four, rest, y);
-    let corner = signed(first, hash, 0) + signed(second, hash, 1);
-    finite(trilinear(&corner.to_array(), u, v, w) * 0.982)
+    let leads = eight & four & !where_set(hash, 0);
+    let (first, rest) = (eight.select(y, x), leads.select(x, z));
+    let second = (eight | four).select(rest, y);
+    turned(first, hash, 0) + turned(second, hash, 1)
 }
 
-pub(crate) fn noise4(p: Vec4) -> f32 {
-    let ((cx, x, u), (cy, y, v), (cz, z, w), (cw, h, s)) = (place(p.x), place(p.y), place(p.z), place(p.w));
-    let (sx, sy, sz, sw) = (Sides::new(cx, x), Sides::new(cy, y), Sides::new(cz, z), Sides::new(cw, h));
-    let (x, y, z) = (by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways));
-    let side = |number: usize| {
-        let [h, cell] = [sw.ways[number], sw.cells[number]].map(u32x8::splat);
-        let hash = hash4(by_bit::<0>(sx.cells), by_bit::<1>(sy.cells), by_bit::<2>(sz.cells), cell);
-        // The five low bits: below 24 x leads, else y; then y below 16, else z; then z below 8, else w.
-        let (sixteen, eight) = (where_set(hash, 4), where_set(hash, 3));
-        let first = choose(sixteen & eight, y, x);
-        let second = choose(sixteen, z, y);
-        let third = choose(sixteen | eight, h, z);
-        let corner = signed(first, hash, 0) + signed(second, hash, 1) + signed(third, hash, 2);
-        trilinear(&corner.to_array(), u, v, w)
-    };
-    finite(lerp(side(0), side(1), s) * 0.8344)
+/// [`slopes3`] with a fourth axis.
+#[inline(always)]
+pub(super) fn slopes4(hash: u32x8, [x, y, z, w]: [f32x8; 4]) -> f32x8 {
+    // The five low bits: below 24 x leads, else y; then y below 16, else z; then z below 8, else w.
+    let (sixteen, eight) = (where_set(hash, 4), where_set(hash, 3));
+    let first = (sixteen & eight).select(y, x);
+    let second = sixteen.select(z, y);
+    let third = (sixteen | eight).select(w, z);
+    turned(first, hash, 0) + turned(second, hash, 1) + turned(third, hash, 2)
 }
+
+impl Perlin for f32 {
+    fn noise1([p]: [f32; 1]) -> f32 {
+        let (cell, t, eased) = place(p);
+        let gradient = |hash: u32, x: f32| negated(1.0 + (hash & 7) as f32, hash & 8) * x;
+        let near = gradient(hash1(cell as u32), t);
+        let far = gradient(hash1(cell.wrapping_add(1) as u32), t - 1.0);
+        finite(lerp(near, far, eased) * SCALES[0])
+    }
+
+    fn noise2([x, y]: [f32; 2]) -> f32 {
+        let ((cx, x, u), (cy, y, v)) = (place(x), place(y));
+        let mut corner = [0.0; 4];
+        for (i, value) in corner.iter_mut().enumerate() {
+            let (dx, dy) = ((i & 1) as i32, (i >> 1) as i32);
+            let (fx, fy) = (x - dx as f32, y - dy as f32);
+            let hash = hash2(cx.wrapping_add(dx) as u32, cy.wrapping_add(dy) as u32) & 7;
+            let (first, second) = if hash < 4 { (fx, fy) } else { (fy, fx) };
+            *value = negated(first, hash & 1) + negated(2.0 * second, hash & 2);
+        }
+        finite(bilinear(&corner, u, v) * SCALES[1])
+    }
+
+    fn noise3([x, y, z]: [f32; 3]) -> f32 {
+        let ((cx, x, u), (cy, y, v), (cz, z, w)) = (place(x), place(y), place(z));
+        let (sx, sy, sz) = (Sides::new(cx, x), Sides::new(cy, y), Sides::new(cz, z));
+        let hash = hash3(by_bit::<0>(sx.cells), by_bit::<1>(sy.cells), by_bit::<2>(sz.cells));
+        let (x, y, z) = (by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways));
+        let (x, y, z) = (bytemuck::cast(x), bytemuck::cast(y), bytemuck::cast(z));
+        finite(trilinear(&slopes3(hash, x, y, z).to_array(), u, v, w) * SCALES[2])
+    }
+
+    fn noise4([x, y, z, w]: [f32; 4]) -> f32 {
+        let ((cx, x, u), (cy, y, v), (cz, z, w), (cw, h, s)) = (place(x), place(y), place(z), place(w));
+        let (sx, sy, sz, sw) = (Sides::new(cx, x), Sides::new(cy, y), Sides::new(cz, z), Sides::new(cw, h));
+        let (x, y, z) = (by_bit::<0>(sx.ways), by_bit::<1>(sy.ways), by_bit::<2>(sz.ways));
+        let (x, y, z) = (bytemuck::cast(x), bytemuck::cast(y), bytemuck::cast(z));
+        let side = |number: usize| {
+            let (h, cell) = (u32x8::splat(sw.ways[number]), u32x8::splat(sw.cells[number]));
+            let hash = hash4(by_bit::<0>(sx.cells), by_bit::<1>(sy.cells), by_bit::<2>(sz.cells), cell);
+            trilinear(&slopes4(hash, [x, y, z, bytemuck::cast(h)]).to_array(), u, v, w)
+        };
+        finite(lerp(side(0), side(1), s) * SCALES[3])
+    }
+}
+
+/// Factors by the number of dimensions that bring noise into about -1 to 1.
+pub(super) const SCALES: [f32; 4] = [0.25, 0.6616, 0.982, 0.8344];
 
 #[inline(always)]
 fn bilinear(corner: &[f32; 4], u: f32, v: f32) -> f32 {

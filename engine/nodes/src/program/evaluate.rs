@@ -4,6 +4,7 @@ use super::{Instruction, Operation, Program, Registers};
 use crate::context::{Context, Direction, Field, Found, Shift, Space, Textures};
 use crate::gabor::Gabor;
 use crate::image::{self, ImageTexture, Projection};
+use crate::lanes::{Number, Vector};
 use crate::math::{clamp_between, clamp_in_order, map_range};
 use crate::mix::interpolate;
 use crate::noise::{Octaves, noise_texture};
@@ -17,7 +18,6 @@ use glam::{Vec2, Vec3A};
 
 impl Program {
     #[inline]
-    #[expect(clippy::too_many_lines, reason = "an arm for each operation")]
     pub(crate) fn step<C: Context, T: Textures>(
         &self,
         instruction: &Instruction,
@@ -25,13 +25,31 @@ impl Program {
         textures: &T,
         registers: &mut Registers,
     ) {
-        let given = registers;
-        let vector = |i: usize| self.value(instruction.operands[i], given);
-        let number = |i: usize| self.value(instruction.operands[i], given).x;
+        let given = &*registers;
+        let operand = |i: usize| self.value(instruction.operands[i], given);
+        let (result, further) = match instruction.operation {
+            Operation::Further(which) => (given.further[usize::from(which)], None),
+            operation => self.compute(operation, operand, context, textures),
+        };
+        registers_write(registers, instruction.result, result, further);
+    }
+
+    /// The result of an operation on operands, and the further results if it has any.
+    #[inline(always)]
+    #[expect(clippy::too_many_lines, reason = "an arm for each operation")]
+    pub(super) fn compute<C: Context, T: Textures>(
+        &self,
+        operation: Operation,
+        vector: impl Fn(usize) -> Vec3A,
+        context: &C,
+        textures: &T,
+    ) -> (Vec3A, Option<[Vec3A; 3]>) {
+        let number = |i: usize| vector(i).x;
         let splat = Vec3A::splat;
         let mut further = None;
-        let result = match instruction.operation {
-            Operation::Further(which) => given.further[usize::from(which)],
+        let result = match operation {
+            // Those of the instruction before.
+            Operation::Further(_) => Vec3A::ZERO,
             Operation::Read(field, shift) => context.read(field, shift),
             Operation::Attribute(index, shift) => {
                 let value = context.attribute(usize::from(index), shift);
@@ -122,7 +140,8 @@ impl Program {
                     offset: number(6),
                     gain: number(7),
                 };
-                noise_texture(dimensions, octaves, p * scale, number(1) * scale, number(8), coloured)
+                let p = (p * scale).to_array();
+                Vec3A::from_array(noise_texture(dimensions, octaves, p, number(1) * scale, number(8), coloured))
             }
             Operation::Voronoi(dimensions, feature, metric, hash, normalize) => {
                 let voronoi = Voronoi {
@@ -261,7 +280,7 @@ impl Program {
                 }
             }
         };
-        registers_write(given, instruction.result, result, further);
+        (result, further)
     }
 }
 
@@ -305,6 +324,49 @@ fn image_texture<C: Context, T: Textures>(
     (Vec3A::from_vec4(rgba), rgba.w)
 }
 
+/// What instructions ask of a point, or of all points of the lanes.
+pub(super) trait Asked {
+    type Vector: Vector;
+    fn read(&self, field: Field) -> Self::Vector;
+    fn transform(&self, direction: Direction, from: Space, to: Space, vector: Self::Vector) -> Self::Vector;
+}
+
+/// A point by itself.
+struct One<'a, C>(&'a C);
+
+impl<C: Context> Asked for One<'_, C> {
+    type Vector = Vec3A;
+    #[inline(always)]
+    fn read(&self, field: Field) -> Vec3A {
+        self.0.read(field, Shift::NONE)
+    }
+    #[inline(always)]
+    fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A {
+        self.0.transform(direction, from, to, vector)
+    }
+}
+
+/// A normal by the colour of a map in tangent space; where there is no tangent, the shading normal.
+#[inline(always)]
+pub(super) fn tangent_map<A: Asked<Vector: Vector<Number = N>>, N: Number>(
+    point: &A,
+    colour: A::Vector,
+    strength: N,
+    tangent: A::Vector,
+    sign: N,
+) -> A::Vector {
+    let mapped = colour.times(N::of(2.0)) - A::Vector::splat(N::of(1.0));
+    // Unit, as in Cycles 5: between normals that differ much it would be shorter, and the map the stronger.
+    let normal = point.read(Field::MeshNormal).unit();
+    let mapped = surface::tangent_space(mapped, strength, tangent, sign, normal);
+    let [is_behind, ..] = point.read(Field::Backfacing).parts();
+    let turned = N::of(1.0) - (is_behind + is_behind);
+    let mapped = point.transform(Direction::Normal, Space::Object, Space::World, mapped).times(turned).parts();
+    let (size, otherwise) = (tangent.inner(tangent), point.read(Field::Normal).parts());
+    let part = |i: usize| size.if_below(N::of(f32::MIN_POSITIVE), otherwise[i], mapped[i]);
+    A::Vector::of([part(0), part(1), part(2)])
+}
+
 fn normal_map<C: Context>(
     space: NormalSpace,
     colour: Vec3A,
@@ -313,17 +375,11 @@ fn normal_map<C: Context>(
     sign: f32,
     context: &C,
 ) -> Vec3A {
+    if space == NormalSpace::Tangent {
+        return tangent_map(&One(context), colour, strength, tangent, sign);
+    }
     let mut mapped = colour * 2.0 - Vec3A::ONE;
     let turned = if backfacing(context) { -1.0 } else { 1.0 };
-    if space == NormalSpace::Tangent {
-        if tangent == Vec3A::ZERO {
-            return context.read(Field::Normal, Shift::NONE);
-        }
-        // Unit, as in Cycles 5: between normals that differ much it would be shorter, and the map the stronger.
-        let normal = context.read(Field::MeshNormal, Shift::NONE).normalize_or_zero();
-        let mapped = surface::tangent_space(mapped, strength, tangent, sign, normal);
-        return context.transform(Direction::Normal, Space::Object, Space::World, mapped) * turned;
-    }
     if matches!(space, NormalSpace::BlenderObject | NormalSpace::BlenderWorld) {
         mapped *= Vec3A::new(1.0, -1.0, -1.0);
     }

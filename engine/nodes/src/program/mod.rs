@@ -2,11 +2,13 @@
 
 mod evaluate;
 mod instruction;
+mod lanes;
 mod layer;
 mod slice;
 
 pub use instruction::Operand;
 pub(crate) use instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operation};
+pub use lanes::LaneRegisters;
 pub use layer::{Layer, LayerKind};
 pub use slice::Slice;
 

@@ -8,7 +8,7 @@ use crate::image::Projection;
 /// The instructions of a [`Program`] that some of its values need.
 #[derive(Clone, Debug, Default)]
 pub struct Slice {
-    code: Vec<Instruction>,
+    pub(super) code: Vec<Instruction>,
     needs_normal: bool,
     needs_footprint: bool,
 }
@@ -40,6 +40,17 @@ impl Slice {
     /// The fields of the point that the slice reads.
     pub fn reads(&self) -> impl Iterator<Item = Field> + '_ {
         self.code.iter().filter_map(|instruction| instruction.operation.read_field())
+    }
+
+    /// True if the values may differ between a point and places beside it.
+    pub fn varies_beside(&self) -> bool {
+        self.code.iter().any(|instruction| match instruction.operation {
+            Operation::Further(_) | Operation::Transform(..) | Operation::Displacement(_) => false,
+            Operation::Read(field, _) => {
+                !matches!(field, Field::Normal | Field::TrueNormal | Field::Incoming | Field::Backfacing)
+            }
+            operation => !operation.is_pure(),
+        })
     }
 
     /// Number of instructions that the slice runs.

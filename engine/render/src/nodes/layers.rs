@@ -75,7 +75,7 @@ fn with_slice<T>(
 
 /// Part of the footprint between the heights by which a displacement bends normals: the default of the Bump node's Filter Width, which Cycles
 /// takes there, too.
-const BUMP_FILTER: f32 = 0.1;
+pub(super) const BUMP_FILTER: f32 = 0.1;
 
 /// Bends a point's normal by the displacement.
 fn bend(graph: &Graph, point: &mut Point<'_>, images: &Images<'_>, registers: &mut Registers) {
@@ -103,7 +103,7 @@ pub(super) fn surface_point(
 }
 
 /// The closures of a graph that scatter, those that count nothing left out.
-fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, to: &mut Layers) {
+pub(super) fn of_graph(graph: &Graph, value: &dyn Fn(Source) -> Vec3A, to: &mut Layers) {
     for layer in &graph.scattering {
         let weight = value(layer.weight).x;
         if weight > 0.0 {

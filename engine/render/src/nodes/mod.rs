@@ -7,6 +7,7 @@ mod ball;
 pub mod displacement;
 mod images;
 pub mod lamp;
+mod lanes;
 mod layers;
 mod path_state;
 mod point;
@@ -24,6 +25,7 @@ use volume::VolumePoint;
 use world::Infinity;
 
 pub use around::SceneQueries;
+pub use lanes::LaneValues;
 pub use layers::{
     EvaluatedLayer, Layers, Transparency, aovs, emission, emission_at, holdout, layers, opening, plain_values,
     transmittance,

@@ -1,5 +1,8 @@
 //! A point of a surface as a shader graph's program asks for it.
 
+mod lanes;
+mod tangent;
+
 use super::around::SceneQueries;
 use super::ball::{self, Ball};
 use super::path_state::PathState;
@@ -14,7 +17,8 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 use petzval_nodes::{
     Attribute, AttributeKind, Context, Direction, Field, Found, Occlusion, Raycast, Shift, Space, answers,
 };
-use std::f32::consts::{PI, TAU};
+
+pub(super) use lanes::PointLanes;
 
 /// The names by which a mesh keeps what its edges tell of its vertices.
 const POINTINESS: &str = ".pointiness";
@@ -335,22 +339,24 @@ impl<'a> Point<'a> {
     /// The tangent: the direction in which u of a UV map grows, object space, at right angles to the mesh's normal; the fourth part is the
     /// side on which v grows. A mesh without a map is mapped as a sphere, as in Cycles.
     fn tangent(&self, map: Option<usize>) -> Vec4 {
-        let [a, b, c] = self.instance.corners(self.mesh, self.surface.triangle);
-        let [ua, ub, uc] = match map {
+        let (corners, uv) = self.mapped_corners(map);
+        let (tangent, side) = tangent::along_map(corners, uv.map(|uv| uv.to_array()), self.mesh_normal(Shift::NONE));
+        Vec3::from(tangent).extend(side)
+    }
+
+    /// The triangle's corners, object space, and their places on a UV map.
+    fn mapped_corners(&self, map: Option<usize>) -> ([Vec3A; 3], [Vec2; 3]) {
+        let corners = self.instance.corners(self.mesh, self.surface.triangle);
+        let uv = match map {
             Some(map) => self.mesh.uv_maps[map].1.at(self.mesh.numbers(), self.surface.triangle),
-            None => [a, b, c].map(around_the_origin),
+            None => corners.map(tangent::around_the_origin),
         };
-        let (e, f, p, q) = (b - a, c - a, ub - ua, uc - ua);
-        let area = p.perp_dot(q);
-        let (along_u, along_v) = ((e * q.y - f * p.y) * area.signum(), (f * p.x - e * q.x) * area.signum());
-        let normal = Vec3::from(self.mesh_normal(Shift::NONE)).normalize_or_zero();
-        let tangent = (along_u - normal * normal.dot(along_u)).normalize_or_zero();
-        if tangent == Vec3::ZERO {
-            // What Cycles has where the map takes no area.
-            return Vec4::new(1.0, 0.0, 0.0, -1.0);
-        }
-        let side = if normal.cross(tangent).dot(along_v) < 0.0 { -1.0 } else { 1.0 };
-        tangent.extend(side)
+        (corners.map(Vec3A::from), uv)
+    }
+
+    /// The UV map that an attribute's name asks for; the first where it has no name.
+    fn map_named(mesh: &Mesh, name: &str) -> Option<usize> {
+        mesh.uv_map((!name.is_empty()).then_some(name))
     }
 
     fn generated(&self, shift: Shift) -> Vec3A {
@@ -364,12 +370,6 @@ impl<'a> Point<'a> {
         }
         self.object_position(shift)
     }
-}
-
-/// The place on an equirectangular map of a sphere about the origin: what Cycles takes for the UV of a mesh without maps.
-fn around_the_origin(p: Vec3) -> Vec2 {
-    let turn = if p.x == 0.0 && p.y == 0.0 { 0.0 } else { 0.5 - p.x.atan2(p.y) / TAU };
-    Vec2::new(turn, 1.0 - p.normalize_or_zero().z.clamp(-1.0, 1.0).acos() / PI)
 }
 
 impl Context for Point<'_> {
@@ -451,11 +451,12 @@ impl Context for Point<'_> {
         if let Some(points) = &self.mesh.points {
             return ball::attribute(points, kind, name, self.surface.triangle);
         }
-        let map = || self.mesh.uv_map((!name.is_empty()).then_some(name));
         match kind {
-            AttributeKind::Uv => map().map_or(Vec4::ZERO, |map| self.uv(map, shift)),
-            AttributeKind::Tangent if map().is_none() && !name.is_empty() => Vec4::ZERO,
-            AttributeKind::Tangent => self.tangent(map()),
+            AttributeKind::Uv => Self::map_named(self.mesh, name).map_or(Vec4::ZERO, |map| self.uv(map, shift)),
+            AttributeKind::Tangent => match Self::map_named(self.mesh, name) {
+                None if !name.is_empty() => Vec4::ZERO,
+                map => self.tangent(map),
+            },
             AttributeKind::Colour | AttributeKind::Geometry => self.named(name, shift).unwrap_or(Vec4::ZERO),
             AttributeKind::Object | AttributeKind::Instancer | AttributeKind::ViewLayer => Vec4::ZERO,
         }

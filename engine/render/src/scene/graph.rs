@@ -159,7 +159,9 @@ impl Graph {
 
     /// True if the graph's displacement bends normals.
     pub fn bends_normals(&self) -> bool {
-        self.displacement.bends() && self.program.displacement.is_some()
+        // A height that is the same everywhere bends the normals of a mesh that was moved alone, to those that it had.
+        let bends = self.displacement == Displacement::Both || self.slices.displacement.varies_beside();
+        self.displacement.bends() && self.program.displacement.is_some() && bends
     }
 
     /// True if the graph's values depend on the footprint of the ray that meets the surface.

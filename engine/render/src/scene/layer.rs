@@ -2,7 +2,7 @@
 
 use super::closure::{Closure, Principled};
 use glam::Vec3A;
-use petzval_nodes::{Field, Operand, Program, Registers, Slice};
+use petzval_nodes::{Field, LaneRegisters, Operand, Program, Registers, Slice};
 
 /// Closures that a material may have; further ones are left out.
 pub const MOST_LAYERS: usize = 32;
@@ -43,6 +43,15 @@ impl Source {
     pub fn value(self, program: &Program, registers: &Registers) -> Vec3A {
         match self {
             Self::Of(operand) => program.value(operand, registers),
+            Self::Always(value) => value,
+        }
+    }
+
+    /// The source's value at the point of a lane once the program has run over lanes.
+    #[inline]
+    pub fn value_at(self, program: &Program, registers: &LaneRegisters, lane: usize) -> Vec3A {
+        match self {
+            Self::Of(operand) => program.value_at(operand, registers, lane),
             Self::Always(value) => value,
         }
     }

@@ -15,6 +15,26 @@ const POINTS: u32 = 1024;
 /// Numbers of a table.
 pub const NUMBERS: usize = STEPS * STEPS + STEPS;
 
+/// A place of all tables: the steps before it in roughness and cosine, and the parts of the way to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    roughness: (usize, f32),
+    cos: (usize, f32),
+}
+
+impl Entry {
+    /// The place of a roughness and a cosine.
+    #[inline]
+    pub fn new(roughness: f32, cos: f32) -> Self {
+        let step = |share: f32| {
+            let place = share * (STEPS - 1) as f32;
+            let before = (place as u32 as usize).min(STEPS - 2);
+            (before, place - before as f32)
+        };
+        Self { roughness: step(roughness.clamp(0.0, 1.0)), cos: step(cos.clamp(0.0, 1.0).sqrt()) }
+    }
+}
+
 /// Directional albedo over roughness and cosine, interpolated linearly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlbedoTable {
@@ -93,21 +113,28 @@ impl AlbedoTable {
     }
 
     /// The albedo seen at that cosine.
+    #[inline]
     pub fn at(&self, roughness: f32, cos: f32) -> f32 {
-        let last = (STEPS - 1) as f32;
-        let x = roughness.clamp(0.0, 1.0) * last;
-        let y = cos.clamp(0.0, 1.0).sqrt() * last;
-        let (i, j) = ((x as u32 as usize).min(STEPS - 2), (y as u32 as usize).min(STEPS - 2));
-        let (tx, ty) = (x - i as f32, y - j as f32);
+        self.at_entry(&Entry::new(roughness, cos))
+    }
+
+    /// The albedo at a place of the table.
+    #[inline]
+    pub fn at_entry(&self, &Entry { roughness: (i, tx), cos: (j, ty) }: &Entry) -> f32 {
         let row = |i: usize| self.values[i][j] * (1.0 - ty) + self.values[i][j + 1] * ty;
         row(i) * (1.0 - tx) + row(i + 1) * tx
     }
 
     /// The cosine-weighted average at that roughness.
+    #[inline]
     pub fn average(&self, roughness: f32) -> f32 {
-        let x = roughness.clamp(0.0, 1.0) * (STEPS - 1) as f32;
-        let i = (x as usize).min(STEPS - 2);
-        self.averages[i] + (self.averages[i + 1] - self.averages[i]) * (x - i as f32)
+        self.average_at(&Entry::new(roughness, 1.0))
+    }
+
+    /// The cosine-weighted average of the roughness of a place of the table.
+    #[inline]
+    pub fn average_at(&self, &Entry { roughness: (i, part), .. }: &Entry) -> f32 {
+        self.averages[i] + (self.averages[i + 1] - self.averages[i]) * part
     }
 
     fn integrate(&self, roughness: f32) -> f32 {

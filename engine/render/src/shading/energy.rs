@@ -1,7 +1,7 @@
 //! Albedos of facets for any index of refraction, from tables that are part of the program: `data/albedos.bin`, written by the example
 //! `albedos`. They would take half a second of a processor's time at the start of a render.
 
-use super::albedo::{AlbedoTable, NUMBERS};
+use super::albedo::{AlbedoTable, Entry, NUMBERS};
 use super::fresnel::{self, F82Tint};
 use std::sync::{Arc, LazyLock};
 
@@ -62,12 +62,40 @@ pub fn reflection() -> &'static Arc<AlbedoTable> {
 /// The rise of a dielectric's mean reflectance at an angle, from 0 at normal incidence to 1; as in Cycles an index below 1 has that of its
 /// inverse.
 pub fn rise(eta: f32, roughness: f32, cos: f32) -> f32 {
-    let single = reflection().at(roughness, cos).max(1e-3);
-    let at = |d: &Dielectric| {
-        let f0 = fresnel::f0_from_ior(d.eta);
-        ((d.reflection.at(roughness, cos) / single - f0) / (1.0 - f0)).clamp(0.0, 1.0)
-    };
-    between(eta, at)
+    Seen::new(roughness, cos).rise(eta)
+}
+
+/// Facets of a roughness, seen at an angle.
+pub struct Seen {
+    entry: Entry,
+    /// The part of the light that single scattering keeps where facets reflect everything.
+    pub kept: f32,
+}
+
+impl Seen {
+    /// Facets of that roughness, seen at that cosine.
+    #[inline]
+    pub fn new(roughness: f32, cos: f32) -> Self {
+        let entry = Entry::new(roughness, cos);
+        Self { entry, kept: TABLES.reflection.at_entry(&entry) }
+    }
+
+    /// The mean of [`Self::kept`] over all angles.
+    #[inline]
+    pub fn average(&self) -> f32 {
+        TABLES.reflection.average_at(&self.entry)
+    }
+
+    /// [`rise`] at this angle.
+    #[inline]
+    pub fn rise(&self, eta: f32) -> f32 {
+        let single = self.kept.max(1e-3);
+        let at = |d: &Dielectric| {
+            let f0 = fresnel::f0_from_ior(d.eta);
+            ((d.reflection.at_entry(&self.entry) / single - f0) / (1.0 - f0)).clamp(0.0, 1.0)
+        };
+        between(eta, at)
+    }
 }
 
 /// The means of [`F82Tint::terms`] over what facets of that roughness mirror towards that cosine.

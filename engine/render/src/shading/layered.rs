@@ -6,7 +6,7 @@ use super::Caustics;
 use super::energy;
 use super::fresnel;
 use super::lobe::{Fresnel, Lobe};
-use super::mixture::{Boundary, Mixture, dielectric, mean_roughness, metal, slopes, stretched};
+use super::mixture::{Boundary, Mixture, dielectric, mean_roughness, metal, restored_seen, slopes, stretched};
 use super::subsurface::Body;
 use super::thin_film::RelativeFilm;
 use crate::Rgb;
@@ -84,8 +84,9 @@ impl Mixture {
         let cos = normal.dot(here.wo);
         let f0 = fresnel::f0_from_ior(eta);
         let average = Rgb::splat(fresnel::dielectric_average(eta));
-        let weight = left * p.coat_weight * here.restored(alpha, normal, Distribution::MultiscatterGgx, || average);
-        let albedo = single_kept(alpha, cos) * (f0 + (1.0 - f0) * energy::rise(eta, roughness, cos));
+        let seen = energy::Seen::new(roughness, cos);
+        let weight = left * p.coat_weight * restored_seen(&seen, average);
+        let albedo = seen.kept * (f0 + (1.0 - f0) * seen.rise(eta));
         let law = Fresnel::Dielectric { f0: Rgb::splat(f0), reflection: Rgb::ONE, transmission: Rgb::ZERO };
         let slopes = slopes(alpha, Distribution::MultiscatterGgx);
         let albedo = Rgb::splat(albedo);
@@ -121,10 +122,13 @@ impl Mixture {
         let rises = |rise: f32| tinted + (Rgb::ONE - tinted) * rise;
         let real_f0 = fresnel::f0_from_ior(eta);
         let average = || rises(((fresnel::dielectric_average(eta) - real_f0) / (1.0 - real_f0)).clamp(0.0, 1.0));
-        let weight = left * here.restored(alpha, normal, distribution, average);
+        let seen = energy::Seen::new(mean_roughness(alpha), cos);
+        let restored =
+            if distribution == Distribution::MultiscatterGgx { restored_seen(&seen, average()) } else { Rgb::ONE };
+        let weight = left * restored;
         let law = dielectric(tinted, [Rgb::ONE, Rgb::ZERO], eta, &p.film);
-        let mean = if is_filmed { law.at(cos, eta).0 } else { rises(energy::rise(eta, mean_roughness(alpha), cos)) };
-        let albedo = mean * single_kept(alpha, cos);
+        let mean = if is_filmed { law.at(cos, eta).0 } else { rises(seen.rise(eta)) };
+        let albedo = mean * seen.kept;
         let frame = here.frame(normal, p.anisotropic_rotation);
         self.push(Lobe::facets(weight, albedo, slopes(alpha, distribution), law, eta, frame, here.wo));
         // Without multiple scattering Cycles keeps from the base what the facets lose, too (`bsdf_microfacet_estimate_albedo`).
@@ -142,11 +146,6 @@ fn specular_index(p: &Principled<Rgb, f32>) -> (f32, f32) {
     let f0 = f0 * 2.0 * p.specular_ior_level.max(0.0);
     let eta = fresnel::ior_from_f0(f0);
     (f0, if ior < 1.0 { 1.0 / eta } else { eta })
-}
-
-/// The part of the light that single scattering between perfectly reflecting facets keeps.
-fn single_kept(alpha: [f32; 2], cos: f32) -> f32 {
-    energy::reflection().at(mean_roughness(alpha), cos)
 }
 
 /// The weight below a layer of an albedo: the layer's brightest channel takes from all alike.

@@ -323,9 +323,7 @@ impl Here {
         if distribution != Distribution::MultiscatterGgx {
             return Rgb::ONE;
         }
-        let table = energy::reflection();
-        let roughness = mean_roughness(alpha);
-        give_back(average(), table.at(roughness, normal.dot(self.wo)), table.average(roughness))
+        restored_seen(&energy::Seen::new(mean_roughness(alpha), normal.dot(self.wo)), average())
     }
 
     /// Facets that reflect by a law.
@@ -410,6 +408,11 @@ pub(super) fn metal(kind: MetalKind, base: Rgb, edge: Rgb, film: &ThinFilm<f32>)
 /// The perceptual roughness of round facets that are as wide on the whole.
 pub(super) fn mean_roughness(alpha: [f32; 2]) -> f32 {
     (alpha[0].min(1.0) * alpha[1].min(1.0)).sqrt().sqrt()
+}
+
+/// [`Here::restored`] of facets with multiple scattering, seen as they are.
+pub(super) fn restored_seen(seen: &energy::Seen, average: Rgb) -> Rgb {
+    give_back(average, seen.kept, seen.average())
 }
 
 /// Widths of Principled's facets and metal's.

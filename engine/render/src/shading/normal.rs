@@ -22,10 +22,16 @@ pub fn reflecting(geometric: Vec3A, normal: Vec3A, wo: Vec3A) -> Vec3A {
 fn raised(geometric: Vec3A, normal: Vec3A, wo: Vec3A, along: f32, least: f32) -> Vec3A {
     let Some(x) = (normal - geometric * geometric.dot(normal)).try_normalize() else { return geometric };
     let across = x.dot(wo);
-    let length = across.hypot(along);
-    let twice = across.atan2(along) + (least / length.max(1e-12)).clamp(-1.0, 1.0).acos();
-    let (sin, cos) = (0.5 * twice).sin_cos();
-    x * sin + geometric * cos
+    // 2a is the angle of `wo` to z and that whose cosine is the height over the length, together: between -90 and 180 degrees.
+    let length = (across * across + along * along).sqrt().max(1e-12);
+    let (sin_wo, cos_wo, cos) = (across / length, along / length, (least / length).clamp(-1.0, 1.0));
+    let sin = (1.0 - cos * cos).sqrt();
+    let (sin_twice, cos_twice) = (sin_wo * cos + cos_wo * sin, cos_wo * cos - sin_wo * sin);
+    // Of both halves, the larger by its square: the other has no digits left near 0.
+    let larger = (0.5 * (1.0 + cos_twice.abs())).min(1.0).sqrt();
+    let smaller = 0.5 * sin_twice.abs() / larger;
+    let (sin, cos) = if cos_twice < 0.0 { (larger, smaller) } else { (smaller, larger) };
+    x * sin.copysign(sin_twice) + geometric * cos
 }
 
 #[cfg(test)]

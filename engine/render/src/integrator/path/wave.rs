@@ -17,7 +17,7 @@ use crate::integrator::PreparedScene;
 use crate::integrator::aimed::AimedLights;
 use crate::integrator::subsurface::leave;
 use crate::lights::Source;
-use crate::nodes::{self, Layers, PathState, RayCone, View};
+use crate::nodes::{self, LaneValues, Layers, PathState, RayCone, View};
 use crate::sampler::{KeptScramble, PathSampler};
 use crate::scene::visibility::Rays;
 use crate::shading::Past;
@@ -27,6 +27,7 @@ use crate::shading::{LobeDecomposition, Scattering};
 use crate::surface::SurfacePoint;
 use found::Found;
 use glam::Vec3A;
+use petzval_nodes::LANES;
 use place::{ScatterPlace, Shadow};
 use std::sync::Arc;
 use through::{MediumEvent, MediumState, ShadowMedia, is_only_volume};
@@ -52,6 +53,8 @@ pub struct Wavefront<N: AovSink = NoAovs, const VOLUMES: bool = false> {
     is_alive: Vec<bool>,
     /// The closures of the material that is being evaluated.
     layers: Layers,
+    /// The values of the places of that material that are evaluated together.
+    lanes: LaneValues,
     /// The media that each path is in; empty where there are no volumes.
     inside: Vec<MediumState>,
     /// The media of each shadow ray.
@@ -133,6 +136,9 @@ struct TransparentPassage {
     is_counted: bool,
 }
 
+/// The fewest places of one material that are evaluated together: below that, each by itself takes less time. The bits are the same.
+const LEAST_LANES: usize = 3;
+
 /// Least probability of scattering at a surface that lets a part of the light through with which the light sample does not depend on
 /// whether the path passes, as in Cycles: less noise. With a smaller one a shadow ray would seldom be worth its time.
 const LEAST_SHARE: f32 = 0.02;
@@ -176,6 +182,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             shadows: Vec::new(),
             is_alive: Vec::new(),
             layers: Layers::default(),
+            lanes: LaneValues::default(),
             inside: Vec::new(),
             veils: Vec::new(),
             kept_scramble: KeptScramble::default(),
@@ -434,6 +441,8 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         let mut plain = None;
         let mut is_even = false;
         let mut mixture = Mixture::empty();
+        // The meetings, by their places in the order, that the lanes hold.
+        let mut in_lanes = 0..0;
         for number in 0..self.order.len() {
             let meeting = self.order[number] as usize;
             let SurfaceInteraction { path, point, kept, view, .. } = &self.meetings[meeting];
@@ -446,11 +455,25 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
             }
+            let varies = !is_even && plain.is_none_or(|(plain, _)| plain.constants.is_none());
+            if varies && !in_lanes.contains(&number) {
+                let others = self.order[number..].iter().map(|&other| &self.meetings[other as usize]);
+                let alike = others.take(LANES).take_while(|other| other.point.material == current);
+                in_lanes = number..number + alike.clone().count();
+                if in_lanes.len() >= LEAST_LANES {
+                    let points = alike.map(|other| (&other.point, &other.view));
+                    self.lanes.run(material, stage.around(), points);
+                }
+            }
+            let lane = (varies && in_lanes.len() >= LEAST_LANES).then(|| number - in_lanes.start);
             let Path { ray, way, least_pdf, .. } = &self.paths[*path as usize];
             let (wo, past) = (-ray.direction, Past { caustics: limits.caustics(*way), is_blurred: way.diffuse > 0 });
             let least_alpha = limits.approximations.least_alpha(*least_pdf);
             if let Some((plain, tables)) = plain {
-                let at_point = || nodes::plain_values(material, plain, stage.around(), point, view);
+                let at_point = || match lane {
+                    Some(lane) => self.lanes.plain(material, plain, lane),
+                    None => nodes::plain_values(material, plain, stage.around(), point, view),
+                };
                 let values = plain.constants.unwrap_or_else(at_point);
                 let mut bsdf = Bsdf::with_caustics(tables, &values, point, wo, past.caustics);
                 bsdf.scale(values.weight * kept);
@@ -459,7 +482,9 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
                 }
                 self.go_on(stage, limits, meeting, None, &bsdf);
             } else {
-                if !is_even {
+                if let Some(lane) = lane {
+                    self.lanes.layers(material, lane, &mut self.layers);
+                } else if !is_even {
                     nodes::layers(material, stage.around(), point, view, &mut self.layers);
                 }
                 mix(&mut mixture, stage, &self.layers, point, wo, *kept, Some(past));

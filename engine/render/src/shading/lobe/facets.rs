@@ -91,11 +91,6 @@ impl Slopes {
         let h = Vec3A::new(r * cos, r * sin, z) + stretched;
         Vec3A::new(ax * h.x, ay * h.y, h.z.max(0.0)).normalize_or(Vec3A::Z)
     }
-
-    /// Density of [`Slopes::sample`] per steradian of `h`, for a `wo` of that [`Slopes::visible_area`].
-    fn pdf(&self, wo: Vec3A, visible_area: f32, h: Vec3A) -> f32 {
-        self.density(h) * wo.dot(h).max(0.0) / visible_area
-    }
 }
 
 /// The parts of light that a facet reflects and transmits.
@@ -245,8 +240,9 @@ impl Facets {
         // Of facets seen to steradians of `wi`.
         let jacobian = if mirrored { 0.25 / co } else { -ci / (ci + co / self.eta).powi(2) };
         let both = 1.0 + self.lambda_o + self.slopes.lambda(wi);
-        let facets = self.slopes.density(h) * co / wo.z * jacobian / both;
-        (value * facets, share * self.slopes.pdf(wo, self.visible_area, h) * jacobian)
+        // Over the area of all facets that are seen: the density of `Slopes::sample`.
+        let seen = self.slopes.density(h) * co * jacobian;
+        (value * (seen / (wo.z * both)), share * seen / self.visible_area)
     }
 
     /// A direction; `u_choice` chooses between mirrored and refracted.
