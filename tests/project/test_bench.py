@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
-from bench import double_gauss, noise, scene
+from bench import double_gauss, measure, noise, scene
 
 from support.places import ROOT
 
@@ -113,3 +116,51 @@ def test_the_script_for_cycles_loses_no_light_by_its_aim(lens, monkeypatch):
     wide = [double_gauss.exposure(lens, *spot)[0] * 1.3**2 for spot in spots]
     # 20,000 even points find the area of a pupil to some thousandths.
     assert near == pytest.approx(wide, rel=5e-3)
+
+
+def test_places_have_what_the_page_says():
+    script = """
+import bpy, json
+from bench import places
+found = {}
+for name, make in places.MAKERS.items():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    make()
+    shown = [one.instance_object or one.object for one in bpy.context.evaluated_depsgraph_get().object_instances]
+    kinds = [one.data.name.rstrip("0123456789") for one in shown if one.data is not None]
+    found[name] = {kind: kinds.count(kind) for kind in set(kinds)}
+    found[name]["fog"] = any(n.type == "VOLUME_SCATTER" for n in bpy.context.scene.world.node_tree.nodes)
+    assert bpy.context.scene.camera is not None
+print("FOUND" + json.dumps(found))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(ROOT / "tools")}
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout[done.stdout.index("FOUND") + 5 :].splitlines()[0])
+    meadow, room, night = (found[name] for name in ("meadow", "room", "night"))
+    # A cluster stands in the scene as it is besides, where Blender does not hide it.
+    assert 120_000 <= meadow["grass"] * 30 <= 120_100 and 3000 <= meadow["leaf"] <= 3002 and meadow["sun"] == 1
+    assert room["thing"] == 8 and room["sun"] == 1 and not room["fog"]
+    assert night["lamp"] == 70 and night["house"] == 16 and night["fog"]
+
+
+def test_a_place_is_measured_as_known_pictures_say(tmp_path):
+    dice = np.random.default_rng(4)
+
+    def rounds(variance, seconds):
+        made = []
+        for turn in range(12):
+            pictures = []
+            for i in range(2):
+                file = tmp_path / f"{variance}-{turn}-{i}.npy"
+                np.save(file, 0.5 * (1.0 + np.sqrt(variance) * dice.normal(size=(40, 50, 1)) * np.ones(3)))
+                pictures.append({"user_s": seconds, "file": str(file)})
+            made.append([{"user_s": 1.0}, *pictures])
+        return made
+
+    found = measure._beside(rounds(0.02, 3.0), rounds(0.04, 5.0), 101, (50, 40))
+    assert found["petzval_us"] == pytest.approx(10.0) and found["cycles_us"] == pytest.approx(20.0)
+    # 24 pictures of 2000 pixels: a variance is known to 1 %.
+    assert found["noise"] == pytest.approx(0.5, rel=0.05) and found["time"] == pytest.approx(0.25, rel=0.05)
+    assert found["mean"] == pytest.approx(1.0, abs=0.01)

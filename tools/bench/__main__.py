@@ -51,7 +51,7 @@ def _measured(plan: measure.Plan) -> dict:
     bench = Bench()
     camera = scene.CAMERA
     bench.set_up(
-        plan.scenes,
+        (*plan.scenes, *plan.places),
         camera["focus_m"],
         camera["focal_length_mm"],
         camera["f_number"],

@@ -10,16 +10,26 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import scene
+from . import places, scene
 
 
 def build(folder: Path) -> None:
-    """Writes scene.blend beside the plain data, unless it is there."""
+    """Writes a scene's scene.blend into its folder, beside the plain data if there is any, unless it is there."""
     target = Path(folder) / "scene.blend"
     if target.exists():
         return
-    about, arrays = scene.read(folder)
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    if maker := places.MAKERS.get(target.parent.name):
+        maker()
+        _settings(scene.CAMERA["bounces"])
+    else:
+        _from_arrays(target.parent)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(target), compress=False)
+
+
+def _from_arrays(folder: Path) -> None:
+    about, arrays = scene.read(folder)
     materials = {name: _material(name, facts) for name, facts in about["materials"].items()}
     for one in about["objects"]:
         material = materials[one["material"]] if one["material"] else _emitter(one["name"], one["emits"])
@@ -27,7 +37,6 @@ def build(folder: Path) -> None:
     bpy.context.scene.world = _world(arrays["sky"])
     _camera(about["camera"])
     _settings(about["camera"]["bounces"])
-    bpy.ops.wm.save_as_mainfile(filepath=str(target), compress=False)
 
 
 def _tree(holder: Any) -> Any:

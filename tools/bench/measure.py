@@ -31,12 +31,26 @@ class Plan:
     reference_samples: int
     #: Programs render with so many threads, one after the other, to be compared; none: it is not measured.
     threads: tuple[int, ...]
+    #: Of `places.MAKERS`.
+    places: tuple[str, ...]
 
 
+#: As `places.MAKERS` has them, which only a Python with bpy can import.
+PLACES = ("meadow", "room", "night")
 FULL = Plan(
-    ("small", "large"), tuple(CAMERAS), tuple(CAMERAS), 3, (960, 540), 16, (192, 108), (8, 32, 128), 1024, (1, 2)
+    ("small", "large"),
+    tuple(CAMERAS),
+    tuple(CAMERAS),
+    3,
+    (960, 540),
+    16,
+    (192, 108),
+    (8, 32, 128),
+    1024,
+    (1, 2),
+    PLACES,
 )
-QUICK = Plan(("small",), ("thin", "lens-one"), ("thin",), 1, (160, 90), 2, (48, 27), (4, 16), 32, ())
+QUICK = Plan(("small",), ("thin", "lens-one"), ("thin",), 1, (160, 90), 2, (48, 27), (4, 16), 32, (), PLACES[-1:])
 
 #: Of the two halves of a converged picture: their difference is its noise.
 REFERENCE_SEEDS = (77, 78)
@@ -49,13 +63,16 @@ class Experiments:
 
     def __init__(self, bench: Bench, plan: Plan) -> None:
         self.bench, self.plan = bench, plan
-        self.found: dict[str, Any] = {"speed": {}, "noise": {}, "agreement": [], "threads": {}, "memory": {}}
+        self.found: dict[str, Any] = {
+            "speed": {}, "noise": {}, "agreement": [], "threads": {}, "memory": {}, "places": {},
+        }  # fmt: skip
         self._began = time.perf_counter()
 
     def all(self) -> dict[str, Any]:
         self.memory()
         self.speed()
         self.noise()
+        self.places()
         self.threads()
         self.rays()
         return self.found
@@ -157,6 +174,21 @@ class Experiments:
                     }
                 )
 
+    def places(self) -> None:
+        """Each place by Petzval and by Cycles through a pinhole, seeds in turns: processor time of a sample, noise, and both together."""
+        plan = self.plan
+        samples = plan.noise_samples[-1]
+        for place in plan.places:
+            rounds: dict[str, list[list[dict]]] = {PETZVAL: [], CYCLES: []}
+            for turn in range(plan.rounds):
+                for program, found in rounds.items():
+                    renders = [(1, 1), (samples, 2 * turn + 2), (samples, 2 * turn + 3)]
+                    done = self._run(Job(program, "pinhole", plan.noise_size, renders, place, keep=True))
+                    if done:
+                        found.append(done)
+            if all(rounds.values()):
+                self.found["places"][place] = _beside(rounds[PETZVAL], rounds[CYCLES], samples, plan.noise_size)
+
     def threads(self) -> None:
         """Wall seconds of the samples by one thread and by two."""
         plan, scene = self.plan, self.plan.scenes[0]
@@ -174,6 +206,29 @@ class Experiments:
             done = self._run(Job(LLVM, "rays", scene=self.plan.scenes[-1], threads=1))
             if done:
                 self.found["rays"] = done[0] | {"scene": self.plan.scenes[-1]}
+
+
+def _beside(
+    petzval: list[list[dict]], cycles: list[list[dict]], samples: int, size: tuple[int, int]
+) -> dict[str, float]:
+    """Microseconds of a sample of both, and Petzval's noise variance and time to equal noise over Cycles'. A render's own time is the
+    quickest of all; the first one is of a single sample, and what it takes is done once."""
+    count = size[0] * size[1]
+    sample_us, variance, means = [], [], []
+    for rounds in (petzval, cycles):
+        once = min(done[0]["user_s"] for done in rounds)
+        most = min(one["user_s"] for done in rounds for one in done[1:])
+        sample_us.append(1e6 * (most - once) / (count * (samples - 1)))
+        pictures = np.stack([np.load(one["file"]).mean(-1) for done in rounds for one in done[1:]]).astype(np.float64)
+        means.append(pictures.mean(0))
+        variance.append(pictures.var(0, ddof=1))
+    limit = 0.5 * (means[0] + means[1])
+    floor = (noise.FLOOR * limit.mean()) ** 2
+    own, other = (noise.trimmed_mean(one / (limit**2 + floor)) for one in variance)
+    return {
+        "petzval_us": sample_us[0], "cycles_us": sample_us[1], "mean": float(means[0].mean() / means[1].mean()),
+        "noise": own / other, "time": own / other * sample_us[0] / sample_us[1],
+    }  # fmt: skip
 
 
 def _converged(pictures: list[np.ndarray]) -> np.ndarray:

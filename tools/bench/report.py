@@ -21,6 +21,7 @@ def page(found: dict, plan: Plan, about: dict, image: str) -> str:
         _memory(found, plan),
         _noise(found, plan, image),
         _agreement(found, plan),
+        _places(found, plan),
         _threads(found, plan),
         _kernels(found),
     ]
@@ -134,6 +135,25 @@ def _agreement(found: dict, plan: Plan) -> str:
         cells = [CAMERAS[one["camera"]], " and ".join(NAMES[program] for program in one["programs"]),
                  number(one["measured"], 5), number(one["noise"], 5),
                  number(max(left, 0.0), 5) + ("" if left <= AGREE else " (!)"), number(one["mean_ratio"], 4)]  # fmt: skip
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _places(found: dict, plan: Plan) -> str:
+    if not found.get("places"):
+        return ""
+    width, height = plan.noise_size
+    lines = [
+        f"## Three places, pinhole, {width} x {height}, {plan.noise_samples[-1]} samples\n",
+        "A *meadow* under sun and sky with 120,000 blades of grass and 3,000 leaves that their material cuts out, by instances; a *room* that sun and",
+        "sky light through its window; a street at *night* with seventy lamps in fog (`tools/bench/places.py`). As scenes by others are measured:",
+        "the quickest of all renders, noise as the relative variance of a pixel between seeds.\n",
+        "| place | Petzval, µs a sample | Cycles | over | mean over Cycles' | noise over Cycles' | time to equal noise over Cycles' |",
+        "|---|---:|---:|---:|---:|---:|---:|",
+    ]
+    for name, one in found["places"].items():
+        numbers = [one["petzval_us"], one["cycles_us"], one["petzval_us"] / one["cycles_us"]]
+        cells = [name, *(number(value, 2) for value in numbers), number(one["mean"], 3), number(one["noise"], 2), number(one["time"], 2)]  # fmt: skip
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 
