@@ -63,7 +63,10 @@ def of_render(scene: bpy.types.Scene) -> Sampling:
     if follows_cycles(scene, OF_RENDER):
         cycles = scene.cycles
         offset, most = 0, cycles.samples
-        if cycles.use_sample_subset:
+        if not hasattr(cycles, "use_sample_subset"):
+            # Before Blender 4.5 there is no end of a subset: so many samples are taken from the offset on.
+            offset = cycles.sample_offset
+        elif cycles.use_sample_subset:
             offset = min(cycles.sample_offset, most - 1)
             most = min(most - offset, cycles.sample_subset_length)
         return _of_cycles(cycles, "", most, cycles.time_limit, offset)

@@ -15,6 +15,7 @@ import urllib.request
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import IO
 
 #: Between two looks at the parts that have come, s.
 LOOK_S = 3.0
@@ -60,7 +61,8 @@ class FarmRun:
     is_done: bool = False
     _process: subprocess.Popen[bytes] | None = None
     _merging: subprocess.Popen[bytes] | None = None
-    _said: Path | None = None
+    #: What the last process says of errors.
+    _said: IO[bytes] | None = None
     _is_sent: bool = False
     _seen: set[str] = field(default_factory=set)
     _next_look: float = 0.0
@@ -157,17 +159,25 @@ class FarmRun:
             )
 
     def _start(self, words: list[str]) -> subprocess.Popen[bytes]:
-        self._said = self._said or Path(tempfile.mkdtemp(prefix="petzval-farm-")) / "said.txt"
-        with self._said.open("wb") as said:
-            return subprocess.Popen(
-                words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said, env=os.environ | self.asked.environment
-            )  # fmt: skip
+        if self._said is not None:
+            self._said.close()
+        self._said = tempfile.TemporaryFile()  # noqa: SIM115 (read when the process has ended)
+        return subprocess.Popen(
+            words,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=self._said,
+            env=os.environ | self.asked.environment,
+        )
 
     def _ended(self, process: subprocess.Popen[bytes], what: str) -> None:
         """Raises `FarmError` where a process did not end well."""
         if process.returncode == 0:
             return
-        said = self._said.read_text(errors="replace") if self._said is not None else ""
+        said = ""
+        if self._said is not None:
+            self._said.seek(0)
+            said = self._said.read().decode(errors="replace")
         lines = [line for line in said.splitlines() if line.startswith("petzval: ")]
         raise FarmError(
             lines[-1].removeprefix("petzval: ") if lines else f"nothing was {what}: status {process.returncode}"

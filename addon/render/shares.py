@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 import time
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -30,14 +31,15 @@ def agree(
     share: loop.Share, checkpoint: Checkpoint, fingerprint: str, depsgraph: bpy.types.Depsgraph, view: View
 ) -> None:
     """Raises `ExportError` where the scene is not the one of the part that came first: then the parts would not make one picture."""
+    from petzval import atomic_files
+
     if not share.agreement:
         return
     file = of_view(share.agreement, depsgraph, view)
     pieces = checkpoint.pieces()
     try:
         try:
-            with open(file, "x", encoding="utf-8") as out:
-                json.dump({"fingerprint": fingerprint, "pieces": pieces}, out)
+            atomic_files.create_text(Path(file), json.dumps({"fingerprint": fingerprint, "pieces": pieces}))
             return
         except FileExistsError:
             told = _read(file)

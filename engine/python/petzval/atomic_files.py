@@ -44,6 +44,13 @@ def write_bytes(file: Path, data: bytes) -> None:
         part.write_bytes(data)
 
 
+def create_text(file: Path, text: str) -> None:
+    """Writes text in UTF-8 into a file that is not there yet: the first of several processes does. Raises `FileExistsError` in the others, which
+    may find it before it is whole, and `OSError`."""
+    with file.open("x", encoding="utf-8") as out:
+        out.write(text)
+
+
 def write_json(file: Path, value: Any, indent: int | None = None) -> None:
     """Writes a value as JSON. Raises `OSError`; the old file stays then."""
     write_text(file, json.dumps(value, indent=indent) + "\n")
