@@ -172,6 +172,10 @@ class PETZVAL_RENDER_PT_sampling_advanced(_RenderPanel, bpy.types.Panel):
             layout.prop(settings, "sample_offset", text="Sample Offset")
             return
         cycles = context.scene.cycles
+        if not hasattr(cycles, "use_sample_subset"):
+            # Before Blender 4.5.
+            layout.prop(cycles, "sample_offset", text="Sample Offset")
+            return
         layout.prop(cycles, "use_sample_subset", text="Sample Subset")
         column = layout.column(align=True)
         column.active = cycles.use_sample_subset
