@@ -6,7 +6,7 @@
 use glam::{Vec2, Vec3A};
 use std::f32::consts::{PI, TAU};
 
-/// What the node gives of a place.
+/// The outputs of the node at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tile {
     /// Along the side, and away from the origin.

@@ -1,4 +1,4 @@
-//! What questions in JSON have in common: the keys that they may have, and directions of any length.
+//! Checks of questions in JSON: the keys that they may have, and directions of any length.
 
 use glam::DVec3;
 use serde_json::Value;

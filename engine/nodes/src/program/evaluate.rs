@@ -324,7 +324,7 @@ fn image_texture<C: Context, T: Textures>(
     (Vec3A::from_vec4(rgba), rgba.w)
 }
 
-/// What instructions ask of a point, or of all points of the lanes.
+/// The queries that instructions make of a point, or of all points of the lanes.
 pub(super) trait Asked {
     type Vector: Vector;
     fn read(&self, field: Field) -> Self::Vector;

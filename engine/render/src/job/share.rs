@@ -35,7 +35,7 @@ impl Share {
         if is_part && needs_all { Err(SettingsError::ShareAfterDenoising) } else { Ok(()) }
     }
 
-    /// Its tiles among those of a picture, which are in their order.
+    /// The tiles of the share among those of a picture, which are in their order.
     pub(super) fn of(self, tiles: Vec<usize>) -> Vec<usize> {
         let is_own = |place: usize| (self.first..self.end).contains(&((place as u64 % u64::from(self.of)) as u32));
         tiles.into_iter().enumerate().filter(|(place, _)| is_own(*place)).map(|(_, tile)| tile).collect()

@@ -47,9 +47,9 @@ pub(super) struct Sky {
 /// The densities by which the world's image is sampled.
 #[derive(Clone)]
 struct ImageTables {
-    /// By the brightness of the image.
+    /// The density by the brightness of the image.
     whole: Grid2d,
-    /// By the brightness beyond the mean of the image: MIS compensation (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling
+    /// The density by the brightness beyond the mean of the image: MIS compensation (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling
     /// Techniques in Multiple Importance Sampling", section 5.2). Samples of closures find light from all sides, and light samples go to what
     /// stands out.
     /// `None` where samples of closures do not find all light that light samples find.

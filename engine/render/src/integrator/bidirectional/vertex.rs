@@ -62,7 +62,7 @@ impl Vertex {
         VertexSurface::new(stage, self.values.as_ref(), self.kept, &self.point.seen_from(d), d, self.way)
     }
 
-    /// The same by the camera itself, or by a path from it that comes in a certain state.
+    /// The scattering at the vertex, seen from the other end of `d` by a path from the camera in the state `way`.
     fn seen_in(&self, stage: &PreparedScene, d: Vec3A, way: PathState) -> VertexSurface {
         if way == self.way || !material(stage, &self.point).asks_path {
             return self.seen_from(stage, d);
@@ -201,7 +201,7 @@ pub(super) fn material<'a>(stage: &'a PreparedScene, point: &SurfacePoint) -> &'
     &stage.scene.materials[point.material as usize]
 }
 
-/// What a surface lets through unbent of a ray that is no shadow ray.
+/// Transmittance of a surface for a ray that goes on unbent and is no shadow ray.
 pub(super) fn passed(scene: &Scene, hit: &Hit, view: &View) -> Rgb {
     let point = SurfacePoint::new(scene, hit, view.direction);
     opening(scene, &point, view).light
@@ -268,7 +268,7 @@ impl Walk<'_> {
         RayStretch { end: None, distance, through, kept: 1.0, u_light: [0.0; 3] }
     }
 
-    /// What a surface lets through unbent. A ray from a light is a shadow ray for what it passes, and a bounce of the camera's path for what it
+    /// Transparency of a surface. A ray from a light is a shadow ray for what it passes, and a bounce of the camera's path for what it
     /// comes to: where the surface tells these apart, chance decides which it is.
     fn opening(&self, point: &SurfacePoint, view: &View) -> Transparency {
         let (scene, material) = (&self.stage.scene, material(self.stage, point));

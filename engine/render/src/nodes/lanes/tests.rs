@@ -1,4 +1,4 @@
-//! What a place has among others is what it has alone.
+//! Materials at several places at once have the bits that they have at each alone.
 
 use super::*;
 use crate::accel::Hit;

@@ -34,7 +34,7 @@ impl<'a> PointLanes<'a> {
         &self.points
     }
 
-    /// What is asked of each point, in its lane.
+    /// The query of each point, in its lane.
     fn each(&self, of: impl Fn(&Point<'a>) -> Vec3A) -> Vectors {
         let mut all = Vectors::ZERO;
         self.points.iter().enumerate().for_each(|(lane, point)| all.put(lane, of(point)));
