@@ -235,6 +235,6 @@ def test_a_lamp_that_holds_what_it_lights(blender, parts, tmp_path, kind):
     # What a spot shows away from its middle is in Cycles the weight of its light samples beside a ray's: a half but for grazing light.
     most = 0.02 if kind == "POINT" else 0.06
     if blender.app.version < (5, 0, 0):
-        # Cycles 4.5's own picture is up to 0.05 from that of Cycles 5.2, which Petzval's is.
-        most = 0.07
+        # Blocks of Cycles 4.5's own picture are 0.043 from those of Cycles 5.2, and Petzval's 0.003 from the latter: measured with the point lamp.
+        most = 0.06
     shows_alike(tmp_path, lambda: setattr(lamp.data, "use_soft_falloff", False), least=0.5, most=most)

@@ -159,7 +159,7 @@ def test_a_place_is_measured_as_known_pictures_say(tmp_path):
             made.append([{"user_s": 1.0}, *pictures])
         return made
 
-    found = measure._beside(rounds(0.02, 3.0), rounds(0.04, 5.0), 101, (50, 40))
+    found = measure.beside(rounds(0.02, 3.0), rounds(0.04, 5.0), 101, (50, 40))
     assert found["petzval_us"] == pytest.approx(10.0) and found["cycles_us"] == pytest.approx(20.0)
     # 24 pictures of 2000 pixels: a variance is known to 1 %.
     assert found["noise"] == pytest.approx(0.5, rel=0.05) and found["time"] == pytest.approx(0.25, rel=0.05)

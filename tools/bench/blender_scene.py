@@ -39,17 +39,10 @@ def _from_arrays(folder: Path) -> None:
     _settings(about["camera"]["bounces"])
 
 
-def _tree(holder: Any) -> Any:
-    if holder.node_tree is None or bpy.app.version < (5, 0, 0):
-        holder.use_nodes = True
-    holder.node_tree.nodes.clear()
-    return holder.node_tree
-
-
 def _surface(name: str, kind: str, distribution: str | None = None, **values: Any) -> bpy.types.Material:
     """A material of one shader node."""
     made = bpy.data.materials.new(name)
-    tree = _tree(made)
+    tree = places.emptied_tree(made)
     node = tree.nodes.new(kind)
     if distribution:
         node.distribution = distribution
@@ -102,7 +95,7 @@ def _world(sky: np.ndarray) -> bpy.types.World:
     image.pixels.foreach_set(pixels.ravel())
     image.pack()
     made = bpy.data.worlds.new("sky")
-    tree = _tree(made)
+    tree = places.emptied_tree(made)
     texture = tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = image
     background, output = tree.nodes.new("ShaderNodeBackground"), tree.nodes.new("ShaderNodeOutputWorld")

@@ -187,7 +187,7 @@ class Experiments:
                     if done:
                         found.append(done)
             if all(rounds.values()):
-                self.found["places"][place] = _beside(rounds[PETZVAL], rounds[CYCLES], samples, plan.noise_size)
+                self.found["places"][place] = beside(rounds[PETZVAL], rounds[CYCLES], samples, plan.noise_size)
 
     def threads(self) -> None:
         """Wall seconds of the samples by one thread and by two."""
@@ -208,7 +208,7 @@ class Experiments:
                 self.found["rays"] = done[0] | {"scene": self.plan.scenes[-1]}
 
 
-def _beside(
+def beside(
     petzval: list[list[dict]], cycles: list[list[dict]], samples: int, size: tuple[int, int]
 ) -> dict[str, float]:
     """Microseconds of a sample of both, and Petzval's noise variance and time to equal noise over Cycles'. A render's own time is the

@@ -173,7 +173,8 @@ def _scatter(name: str, places: np.ndarray, one: bpy.types.Object, normals: np.n
     one.parent = holder
 
 
-def _tree(holder: Any) -> Any:
+def emptied_tree(holder: Any) -> Any:
+    """The node tree of a material or a world, without nodes."""
     if holder.node_tree is None or bpy.app.version < (5, 0, 0):
         holder.use_nodes = True
     holder.node_tree.nodes.clear()
@@ -183,7 +184,7 @@ def _tree(holder: Any) -> Any:
 def _made(name: str) -> tuple[bpy.types.Material, Any, Any]:
     """A material, its tree, and the tree's output."""
     made = bpy.data.materials.new(name)
-    tree = _tree(made)
+    tree = emptied_tree(made)
     return made, tree, tree.nodes.new("ShaderNodeOutputMaterial")
 
 
@@ -293,7 +294,7 @@ def _facade() -> bpy.types.Material:
 
 def _world(of: Callable[[Any, Any], None], strength: float) -> None:
     made = bpy.data.worlds.new("world")
-    tree = _tree(made)
+    tree = emptied_tree(made)
     of(tree, strength)
     bpy.context.scene.world = made
 

@@ -296,7 +296,7 @@ mod tests {
         assert!((tile.width - 1.0).abs() < 1e-6 && (tile.rotation - 0.25 * PI).abs() < 1e-6);
     }
 
-    /// Where straight and rounded parts and the segments meet, nothing jumps: away from the origin grows steadily.
+    /// Distances away from the origin grow steadily, also where straight and rounded parts and the segments meet.
     #[test]
     fn edges_are_continuous() {
         for sides in [2.0, 3.0, 5.0, 3.4, 5.7, 2.3] {

@@ -64,7 +64,7 @@ impl SceneQueries<'_> {
         length: f32,
         only_local: bool,
     ) -> Option<(Hit, f32)> {
-        /// How much farther than a bump's places lie beside the point.
+        /// Start of a ray of a bump's places over their distance from the point.
         const FARTHER: f32 = 1.1;
         let accel = self.accel?;
         let (step, unit) = (direction.length(), direction.try_normalize()?);

@@ -66,7 +66,7 @@ fn irradiance(scene: &Scene, lights: &Lights, to: &LightSampleContext) -> (f64, 
     (mean, squares / f64::from(n) - mean * mean)
 }
 
-/// The same light with less noise. Of the patch, 0.15 sr at 0.5 sr^-1 of even light, light samples find most; without compensation most of
+/// Compensation gives the same light with less noise. Of the patch, 0.15 sr at 0.5 sr^-1 of even light, light samples find most; without compensation most of
 /// them go to the even light, as often below the horizon as above.
 #[test]
 fn compensation_takes_noise_away_and_keeps_the_light() {
@@ -79,7 +79,7 @@ fn compensation_takes_noise_away_and_keeps_the_light() {
     assert!(less < 0.8 * noise, "{noise} {less}");
 }
 
-/// Where shadow rays pass what rays of closures do not, the weights of both show in the picture, and are those of the whole image.
+/// No compensation where shadow rays pass what rays of closures do not: the weights of both show in the picture, and are those of the whole image.
 #[test]
 fn panes_that_throw_no_shadow_leave_the_whole_image() {
     for (visible, is_compensated) in [
