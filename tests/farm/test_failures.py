@@ -179,7 +179,7 @@ def test_a_part_twice_at_once(job, finished_job, petzval_cli):
 def test_a_killed_part_goes_on(farm_scenes_folder, tmp_path, petzval_cli, commands):
     """Killed at once, and stopped: the next try goes on, and the picture is that of one machine."""
     scene, job, whole = farm_scenes_folder / "small.blend", tmp_path / "job", tmp_path / "whole.exr"
-    options = ["--samples", "300", "--resolution", "48x32"]
+    options = ["--samples", "1500", "--resolution", "48x32"]
     planned, rendered = commands(
         ["farm", "plan", scene, *options, "--parts", "1", "-o", job], ["render", scene, *options, "-o", whole]
     )

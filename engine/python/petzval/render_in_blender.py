@@ -138,22 +138,23 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
         from petzval.farm import in_blender
 
         return in_blender.run(scene, options, addon, voice), watch.stop.is_set()
-    problem = None
+    problem, stopped = None, False
     for one in options["takes"]:
-        problem = _picture(scene, _Options(options | one), addon, voice)
-        if problem or watch.stop.is_set():
+        problem, stopped = _picture(scene, _Options(options | one), addon, voice)
+        if problem or stopped:
             break
-    return problem, watch.stop.is_set()
+    return problem, stopped
 
 
-def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> str | None:
-    """Renders one picture, with all that is written beside it; the error, if any."""
+def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> tuple[str | None, bool]:
+    """Renders one picture, with all that is written beside it. The error, if any; and whether the render was broken off: a signal
+    that comes when the picture is written breaks nothing off."""
     watch = addon.render.loop.WATCH
     found: dict[str, Any] = {}
     # For each frame: what is animated is set anew by it.
     wrong = apply(scene, options, addon, found)
     if wrong:
-        return wrong
+        return wrong, False
     watch.checkpoint = options["checkpoint"] or ""
     watch.written_checkpoints.clear()
     addon.render.statistics.forget()
@@ -164,8 +165,9 @@ def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> 
             _write_stats(Path(options["stats"]), last, found)
         except OSError as failed:
             problem = f"cannot write {options['stats']}: {failed.strerror or failed}: name another file"
-    _end_checkpoints(watch, problem is None and not watch.stop.is_set(), voice)
-    return problem
+    stopped = watch.stop.is_set()
+    _end_checkpoints(watch.written_checkpoints, voice, is_done=problem is None and not stopped, stopped=stopped)
+    return problem, stopped
 
 
 def take(scene: Any, watch: Any, *, writes: bool) -> str | None:
@@ -242,12 +244,12 @@ def _is_whole_png(data: bytes) -> bool:
     return False
 
 
-def _end_checkpoints(watch: Any, is_done: bool, voice: TextIO) -> None:
-    """Deletes the checkpoints of this render when its picture is written; otherwise says where they are."""
-    for checkpoint in watch.written_checkpoints:
+def _end_checkpoints(checkpoints: list[Any], voice: TextIO, *, is_done: bool, stopped: bool) -> None:
+    """Deletes the checkpoints of a render that is done; says where those of a render are that was broken off."""
+    for checkpoint in checkpoints:
         if is_done:
             checkpoint.delete()
-        elif watch.stop.is_set():
+        elif stopped:
             print(f"petzval: kept in {checkpoint.path}: the same command goes on from there", file=voice)
 
 
