@@ -17,6 +17,8 @@ from typing import NoReturn
 import bpy
 import numpy as np
 
+from petzval import blender_faults
+
 
 def opened(path: str) -> bpy.types.Scene:
     bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
@@ -35,6 +37,7 @@ def prepare(path: str, copy: str) -> None:
 def without_what_differs(scene: bpy.types.Scene) -> None:
     """Both programs are compared without depth of field and motion blur, which Petzval has its own ways for, and without clamps, which
     make each wrong in its own way."""
+    blender_faults.keep_fluids(scene)
     scene.render.use_motion_blur = scene.render.use_border = scene.render.use_freestyle = False
     scene.render.use_compositing = scene.render.use_sequencer = False
     # Colours are compared, whatever the file is saved in.

@@ -111,7 +111,7 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
     except ImportError as error:
         return f"no Blender in this Python: {error}: pip install bpy, or name a Blender with --blender", False
 
-    from petzval import interrupts, load_addon
+    from petzval import blender_faults, interrupts, load_addon
     from petzval.progress_bar import ProgressBar
 
     addon = load_addon()
@@ -122,6 +122,11 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
     except RuntimeError as error:
         return f"cannot open {options['scene']}: {_one_line(error)}: is it a .blend of this Blender or older", False
     scene = bpy.context.scene
+    for name in blender_faults.keep_fluids(scene):
+        print(
+            f"petzval: object {name!r}: Blender as a Python module simulates no fluid; bake it, or name a Blender with --blender",
+            file=voice,
+        )
     scene.render.engine = addon.engine.ENGINE
     watch = addon.render.loop.WATCH
     watch.study = study = _study(options.get("study"), scene, watch)

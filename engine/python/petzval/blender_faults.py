@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Faults of Blender as a Python module that would end a render, and how it is kept from them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def keep_fluids(scene: Any) -> list[str]:
+    """Has Blender keep the scene's evaluated data after a render, where an object is a simulated fluid: to free a fluid ends the
+    process of Blender as a Python module ("can't clean grid cache, some grids are still in use"), before the picture is written,
+    whichever engine renders. The Blender program frees it well. The names of the fluids' domains, which this Blender does not simulate,
+    either: only what is baked is in the picture."""
+    import bpy
+
+    if not bpy.app.module:
+        return []
+    fluids = [(thing.name, one) for thing in scene.objects for one in thing.modifiers if one.type == "FLUID"]
+    if fluids:
+        scene.render.use_persistent_data = True
+    return [name for name, one in fluids if one.fluid_type == "DOMAIN"]
