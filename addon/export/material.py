@@ -78,7 +78,9 @@ class Materials:
             described = self._of_nodes(material)
         described.pass_index = material.pass_index
         described.transparent_shadows = getattr(material, "use_transparent_shadow", True)
-        described.corrects_bumps = getattr(getattr(material, "cycles", None), "use_bump_map_correction", True)
+        cycles = getattr(material, "cycles", None)
+        described.corrects_bumps = getattr(cycles, "use_bump_map_correction", True)
+        described.emission_sampling = getattr(cycles, "emission_sampling", "AUTO")
         return described
 
     def _of_nodes(self, material: bpy.types.Material) -> MaterialDescription:

@@ -327,6 +327,10 @@ class Photograph:
             predicted |= {key: predicted[key] + seconds for key in ("seconds", "after_seconds")}
             self.denoise_share = seconds / predicted["seconds"]
         planning.keep(self.scene.name, planned)
+        for faces in planned["look"]["coincident_faces"]:
+            # The picture is right; another program's may not be.
+            self.report.warn(faces["text"])
+            self.host.report({"INFO"}, faces["text"])
         self.told, self.planned = planned, effects.summary(planned)
 
     def _over_the_shutter(

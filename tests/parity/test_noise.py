@@ -218,3 +218,37 @@ def ball_under_a_sun(stage, blender, kind: str, inputs: dict, passed: float, str
     lamp.rotation_euler = (0.6, 0.2, 0)
     blender.context.collection.objects.link(lamp)
     stage.world = parts.grey_world(0.2)
+
+
+#: What glows of a ball of many faces, beside a lamp: the strength of its Principled BSDF's green emission; "bare": a floor that is a plain
+#: colour, without a shader, around a grey ball.
+GLOWS = {"bright": 10.0, "bare": None}
+
+
+@pytest.mark.parametrize("name", GLOWS)
+def test_what_glows_takes_no_light_samples_from_lamps(stage, blender, tmp_path, name):
+    """A face that glows is hardly lit by the other faces of its own object, and a dim colour is found by closure samples: light samples
+    are for the lamp. Of each channel the relative variance counts: red and blue are the lamp's."""
+    floor = blender.context.object
+    blender.ops.mesh.primitive_uv_sphere_add(radius=1.5, location=(0, -0.5, 1.6), segments=96, ring_count=48)
+    grey = blender.data.materials.new("Ball")
+    grey.use_nodes = True
+    principled = grey.node_tree.nodes["Principled BSDF"]
+    blender.context.object.data.materials.append(grey)
+    if GLOWS[name] is not None:
+        principled.inputs["Emission Color"].default_value = (0.04, 1.0, 0.04, 1.0)
+        principled.inputs["Emission Strength"].default_value = GLOWS[name]
+    else:
+        plain = blender.data.materials.new("Floor")
+        plain.use_nodes = True
+        colour = plain.node_tree.nodes.new("ShaderNodeRGB")
+        colour.outputs[0].default_value = (0.6, 0.6, 0.6, 1.0)
+        output = plain.node_tree.get_output_node("CYCLES")
+        plain.node_tree.links.new(colour.outputs[0], output.inputs["Surface"])
+        floor.data.materials.append(plain)
+    lamp = blender.data.lights.new("Lamp", "POINT")
+    lamp.energy, lamp.shadow_soft_size = 60.0, 0.05
+    placed = blender.data.objects.new("Lamp", lamp)
+    placed.location = (2.0, -3.5, 4.0)
+    blender.context.collection.objects.link(placed)
+    assert_no_noisier(tmp_path, name, (16, 64), WITHIN, by_channel=True)

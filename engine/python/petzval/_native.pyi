@@ -478,7 +478,8 @@ class Plan:
         """effects: a row each (effect, measure, is_unbounded, unit, tolerance, word, decision "on" | "off", is_available,
         is_uncertain, predicted_cost, why), measure null where it is not measured or unbounded; quality; camera (model "exact" |
         "gaussian" | "pinhole" | "as given", wavelengths, pipeline, round_f_number); look (depths in Blender units, open_part,
-        exposure, brightest: towards, irradiance, part, place or null); seconds."""
+        exposure, brightest: towards, irradiance, part, place or null; coincident_faces: objects, part of the picture, text);
+        seconds."""
     def forecast(self, scene: Scene, camera: CameraDescription, settings: SettingsDescription) -> str:
         """The same with predicted (seconds, after_seconds of them for stray light, samples, threads, camera_part) and each row's predicted_cost, a part of the time
         without the effect: renders a little for that, about 0.1 s."""

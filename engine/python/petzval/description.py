@@ -295,6 +295,7 @@ class MaterialDescription:
     aovs: tuple[str, list[int]] | None = None
     transparent_shadows: bool = True  # light samples go through what is transparent
     corrects_bumps: bool = True  # bent normals reflect into no surface, and light is dimmed where it grazes a bump
+    emission_sampling: str = "AUTO"  # AUTO | NONE | FRONT | BACK | FRONT_BACK: light samples of its emission
 
 
 @dataclass

@@ -8,7 +8,7 @@ use petzval_render::Rgb;
 use petzval_render::nodes::lamp;
 use petzval_render::scene::graph::Displacement;
 use petzval_render::scene::lamp::{Lamp, LampKind};
-use petzval_render::scene::material::{Aovs, Material};
+use petzval_render::scene::material::{Aovs, EmissionSampling, Material};
 use petzval_render::scene::visibility::{LightSets, Rays};
 use petzval_render::scene::world::World;
 use pyo3::prelude::*;
@@ -38,6 +38,7 @@ pub(crate) struct PyMaterial {
     aovs: Option<(String, Vec<u16>)>,
     transparent_shadows: bool,
     corrects_bumps: bool,
+    emission_sampling: String,
 }
 
 impl PyMaterial {
@@ -63,8 +64,11 @@ impl PyMaterial {
                 Some(Aovs { graph, numbers })
             }
         };
+        let emission_sampling = EmissionSampling::named(&m.emission_sampling)
+            .ok_or_else(|| bad_scene(format!("{owner}: there is no emission sampling '{}'", m.emission_sampling)))?;
         let (shades_fully, corrects_bumps, pass_index) = (!m.transparent_shadows, m.corrects_bumps, m.pass_index);
-        let material = Material { pass_index, aovs, shades_fully, corrects_bumps, ..Material::new(m.name, graph) };
+        let made = Material::new(m.name, graph);
+        let material = Material { pass_index, aovs, shades_fully, corrects_bumps, emission_sampling, ..made };
         Ok((material, reports))
     }
 }

@@ -115,7 +115,7 @@ impl Compiler<'_> {
             inputs.extend(operand.map(|operand| (identifier.clone(), operand)));
         }
         let options = node.words().map(|(name, word)| (name.clone(), word.to_owned())).collect();
-        walk.layers.push((index, Layer { kind, weight, inputs, options }));
+        walk.layers.push((index, Layer { kind, weight, inputs, options, is_bare_colour: false }));
     }
 
     /// A colour where a shader belongs emits that colour.
@@ -124,6 +124,7 @@ impl Compiler<'_> {
         let one = self.constant(Vec3A::ONE);
         let inputs = vec![("Color".to_owned(), colour), ("Strength".to_owned(), one)];
         // Each place where a bare colour enters is a closure of its own.
-        walk.layers.push((usize::MAX, Layer { kind: LayerKind::Emission, weight, inputs, options: Vec::new() }));
+        let (kind, options) = (LayerKind::Emission, Vec::new());
+        walk.layers.push((usize::MAX, Layer { kind, weight, inputs, options, is_bare_colour: true }));
     }
 }

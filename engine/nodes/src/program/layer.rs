@@ -70,6 +70,8 @@ pub struct Layer {
     pub inputs: Vec<(String, Operand)>,
     /// Options that are words, such as `distribution`.
     pub options: Vec<(String, String)>,
+    /// True of the emission of a colour that is plugged in where a shader belongs.
+    pub is_bare_colour: bool,
 }
 
 impl Layer {

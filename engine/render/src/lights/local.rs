@@ -2,12 +2,13 @@
 
 use super::bounds::LightBounds;
 use super::lamp::PreparedLamp;
+use super::receiver::NO_INSTANCE;
 use super::tree::LightTree;
 use super::triangle::LitTriangle;
 use crate::nodes::{PathState, RayCone, View};
 use crate::sampler::warp;
 use crate::scene::Scene;
-use crate::scene::material::Material;
+use crate::scene::material::{EmissionSampling, Material};
 use crate::scene::mesh::Mesh;
 use crate::scene::motion::MIDDLE;
 use crate::scene::visibility::LightLinking;
@@ -27,6 +28,14 @@ pub(super) enum Emitter<'a> {
 }
 
 impl<'a> Emitter<'a> {
+    /// The instance that it is a part of; [`NO_INSTANCE`] of a lamp.
+    pub(super) fn instance(self) -> u32 {
+        match self {
+            Self::Triangle(triangle) | Self::Moving(triangle, _) => triangle.instance,
+            Self::Lamp(_) => NO_INSTANCE,
+        }
+    }
+
     fn moving((triangle, number): &'a (LitTriangle, u32)) -> Self {
         Self::Moving(triangle, *number)
     }
@@ -80,7 +89,7 @@ pub(super) fn linked_trees(
     scene: &Scene,
     local: &Local,
     lamps: &[PreparedLamp],
-    bounds: &[LightBounds],
+    (bounds, owners): (&[LightBounds], &[u32]),
     trees: &mut Vec<Option<LightTree>>,
 ) -> Vec<u32> {
     let mut known = HashMap::new();
@@ -94,16 +103,21 @@ pub(super) fn linked_trees(
                 let power = if links.takes_light_of(sets(emitter)) { bounds.power } else { 0.0 };
                 LightBounds { power, ..*bounds }
             });
-            trees.push(LightTree::new(&reaching.collect::<Vec<_>>()));
+            trees.push(LightTree::new(&reaching.collect::<Vec<_>>(), owners));
             trees.len() as u32 - 1
         })
     };
     scene.instances.iter().map(|instance| &instance.links).map(tree_for).collect()
 }
 
-/// Appends every triangle that may emit, with its bounds.
-pub(super) fn emissive_triangles(scene: &Scene, local: &mut Local, bounds: &mut Vec<LightBounds>) -> Vec<Arc<[u32]>> {
-    let brightness = mean_emission(scene);
+/// Appends every triangle whose emission light samples are to find, with its bounds. `has_others`: there are lights beside these triangles.
+pub(super) fn emissive_triangles(
+    scene: &Scene,
+    local: &mut Local,
+    bounds: &mut Vec<LightBounds>,
+    has_others: bool,
+) -> Vec<Arc<[u32]>> {
+    let brightness = sampled_emission(scene, has_others);
     // By mesh, found when first needed.
     let mut closed: Vec<Option<bool>> = vec![None; scene.meshes.len()];
     let mut emitter_of = vec![Arc::<[u32]>::default(); scene.instances.len()];
@@ -164,6 +178,25 @@ fn swept(scene: &Scene, lit: &LitTriangle, moving: u32) -> LightBounds {
         all.normal_spread_rad = (all.normal_spread_rad + if step > 1 { 0.2 } else { 0.0 }).min(PI);
     }
     all.unwrap_or_else(|| lit.bounds())
+}
+
+/// [`mean_emission`]; 0 also of materials that light samples leave to closure samples. Where these would be all that emits, light samples
+/// find them, too, unless their materials say otherwise.
+fn sampled_emission(scene: &Scene, has_others: bool) -> Vec<f32> {
+    let mut brightness = mean_emission(scene);
+    let used: HashSet<u32> = scene.placed().iter().flat_map(|one| one.materials.iter().copied()).collect();
+    let is_bright = |&m: &u32| brightness[m as usize] > 0.0 && scene.materials[m as usize].is_worth_light_samples();
+    let leaves_dim = has_others || used.iter().any(is_bright);
+    for (brightness, material) in brightness.iter_mut().zip(&scene.materials) {
+        let is_left = match material.emission_sampling {
+            EmissionSampling::Never => true,
+            _ => leaves_dim && !material.is_worth_light_samples(),
+        };
+        if is_left {
+            *brightness = 0.0;
+        }
+    }
+    brightness
 }
 
 /// Points at which the emission of a material is evaluated, for its mean.

@@ -27,7 +27,7 @@ use glam::Vec3A;
 use lamp::PreparedLamp;
 use lamp_tree::LampTree;
 use local::{Emitter, Local, emissive_triangles, linked_trees};
-use receiver::LightSampleContext;
+use receiver::{LightSampleContext, NO_INSTANCE};
 pub use sample::{Leaving, LightSample};
 use sky::Sky;
 use std::f32::consts::PI;
@@ -79,13 +79,17 @@ impl Lights {
             }
         }
         let met = LampTree::new((0..).zip(local.lamps.iter().map(|&i| &lamps[i as usize])));
-        let emitter_of = emissive_triangles(scene, &mut local, &mut bounds);
         let sky = Sky::new(previous.map(|previous| &previous.sky), scene, &lamps);
+        let has_others = !lamps.is_empty() || sky.irradiance(None) > 0.0;
+        let emitter_of = emissive_triangles(scene, &mut local, &mut bounds, has_others);
         let sets = lamps.iter().map(PreparedLamp::sets).chain(scene.instances.iter().map(|one| one.links.sets));
         let is_linked = sets.into_iter().any(|sets| sets != LightSets::EVERYTHING);
         let same = previous.filter(|previous| previous.local.is_alike(&previous.lamps, &local, &lamps));
-        let mut trees = vec![same.map_or_else(|| LightTree::new(&bounds), |previous| previous.trees[0].clone())];
-        let tree_of = if is_linked { linked_trees(scene, &local, &lamps, &bounds, &mut trees) } else { Vec::new() };
+        let owners: Vec<u32> = local.iter().map(|emitter| emitter.instance()).collect();
+        let first = || LightTree::new(&bounds, &owners);
+        let mut trees = vec![same.map_or_else(first, |previous| previous.trees[0].clone())];
+        let about = (bounds.as_slice(), owners.as_slice());
+        let tree_of = if is_linked { linked_trees(scene, &local, &lamps, about, &mut trees) } else { Vec::new() };
         let seen_groups = OnceLock::new();
         Self { local, trees, tree_of, emitter_of, lamps, met, sky, is_linked, seen_groups }
     }
@@ -149,24 +153,33 @@ impl Lights {
     /// A place that light may reach. `openness` is the part of the sky that is seen from places in this picture on
     /// average: the sky is chosen in proportion to what it may bring, so far as nothing stands in its way.
     pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> LightSampleContext {
-        self.receiver_by(0, position, normal, openness)
+        self.receiver_by((0, NO_INSTANCE), position, normal, openness)
     }
 
-    /// A place on an instance that light may reach; some lights may not light the instance. See [`Self::receiver`].
+    /// A place on an instance that light may reach; some lights may not light the instance. `emits`: the place itself emits, so that the light
+    /// of the instance's other emitters hardly shows there. See [`Self::receiver`].
     #[inline]
     pub fn receiver_on(
         &self,
         instance: u32,
+        emits: bool,
         position: Vec3A,
         normal: Option<Vec3A>,
         openness: f32,
     ) -> LightSampleContext {
         let tree = if self.is_linked { self.tree_of[instance as usize] } else { 0 };
-        self.receiver_by(tree, position, normal, openness)
+        self.receiver_by((tree, if emits { instance } else { NO_INSTANCE }), position, normal, openness)
     }
 
+    /// A place by its light tree and the instance that emits there.
     #[inline]
-    fn receiver_by(&self, tree: u32, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> LightSampleContext {
+    fn receiver_by(
+        &self,
+        (tree, emitter): (u32, u32),
+        position: Vec3A,
+        normal: Option<Vec3A>,
+        openness: f32,
+    ) -> LightSampleContext {
         let sky = self.sky.irradiance(normal);
         let Some(of_tree) = &self.trees[tree as usize] else {
             let weights = [0.0; receiver::WIDTH];
@@ -174,6 +187,7 @@ impl Lights {
                 position,
                 normal,
                 tree,
+                emitter,
                 weights,
                 total: 0.0,
                 sky,
@@ -182,7 +196,7 @@ impl Lights {
                 is_compensated: false,
             };
         };
-        let mut to = LightSampleContext { tree, sky, ..of_tree.receiver(position, normal) };
+        let mut to = LightSampleContext { tree, sky, ..of_tree.receiver(position, normal, emitter) };
         if sky > 0.0 {
             let (sky, local) = (sky * openness, to.total / PI);
             let chance = if local > 0.0 { sky / (sky + local) } else { 1.0 };

@@ -5,6 +5,9 @@ use glam::Vec3A;
 /// Children of a node of the lights' tree.
 pub(super) const WIDTH: usize = 8;
 
+/// Stands for no instance.
+pub(super) const NO_INSTANCE: u32 = u32::MAX;
+
 /// A place that light may reach. Made by [`super::Lights::receiver`].
 #[derive(Clone, Copy, Debug)]
 pub struct LightSampleContext {
@@ -14,6 +17,8 @@ pub struct LightSampleContext {
     pub normal: Option<Vec3A>,
     /// The number of the place's light tree.
     pub(super) tree: u32,
+    /// The instance that the place is on, if it emits there itself; [`NO_INSTANCE`] elsewhere.
+    pub(super) emitter: u32,
     /// The light that each part under the tree's root may send to the place.
     pub(super) weights: [f32; WIDTH],
     /// The sum of the weights.

@@ -221,7 +221,7 @@ fn lamps_that_do_not_light_an_object_take_none_of_its_samples() {
     let scene = builder.build(DVec3::ZERO);
     let lights = Lights::new(&scene);
     for (instance, links) in scene.instances.iter().map(|instance| instance.links).enumerate() {
-        let to = lights.receiver_on(instance as u32, Vec3A::ZERO, None, 0.5);
+        let to = lights.receiver_on(instance as u32, false, Vec3A::ZERO, None, 0.5);
         for i in 0..64 {
             let u = sobol_burley::sample_4d(i, 0, 3);
             let (sample, source) = lights.sample_source(&scene, &to, u[0], [u[1], u[2]], PathState::CAMERA).unwrap();

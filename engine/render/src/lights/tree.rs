@@ -5,12 +5,16 @@
 use super::bounds::LightBounds;
 use super::build::{Filling, Half};
 use super::node::{Child, NONE, Node, PackedChild};
-use super::receiver::{LightSampleContext, WIDTH};
+use super::receiver::{LightSampleContext, NO_INSTANCE, WIDTH};
 use crate::scene::motion::MIDDLE;
 use glam::Vec3A;
 
 /// Emitters up to which a tree is as good as it gets, and no larger than a cache.
 const FEW: usize = 1024;
+
+/// The part of its weight that an emitter keeps where it would light another place of the instance that it is a part of, which emits itself:
+/// the light there is at most a part of what the place emits, and where the instance bulges there is none.
+const OWN_LIGHT: f32 = 0.02;
 
 /// The tree over all emitters of a scene.
 #[derive(Clone, Debug)]
@@ -20,13 +24,16 @@ pub struct LightTree {
     parents: Vec<(u32, u32)>,
     // By emitter, its node and which child it is; `NONE` where it emits nothing.
     place_of: Vec<(u32, u32)>,
+    // By node, the instances that its children are parts of; `NO_INSTANCE` of lamps and of what is of several. Apart from the nodes: only
+    // places that emit themselves ask.
+    owners: Vec<[u32; WIDTH]>,
     // Of the root's children those that are near are weighed by what is in them.
     looks_ahead: bool,
 }
 
 impl LightTree {
-    /// The tree of these emitters; `None` if none of them emits.
-    pub fn new(emitters: &[LightBounds]) -> Option<Self> {
+    /// The tree of these emitters, parts of instances by `owners`; `None` if none of them emits.
+    pub fn new(emitters: &[LightBounds], owners: &[u32]) -> Option<Self> {
         let mut order: Vec<u32> = (0..emitters.len() as u32).filter(|&i| emitters[i as usize].power > 0.0).collect();
         if order.is_empty() {
             return None;
@@ -38,9 +45,11 @@ impl LightTree {
             nodes: Vec::new(),
             parents: Vec::new(),
             place_of: vec![(NONE, 0); emitters.len()],
+            owners: Vec::new(),
             looks_ahead: is_many,
         };
         tree.add(halves, bounds, (NONE, 0), filling);
+        tree.owners = tree.owners_of_nodes(owners);
         Some(tree)
     }
 
@@ -63,14 +72,52 @@ impl LightTree {
         here
     }
 
+    /// By node, the instances that its children are parts of.
+    fn owners_of_nodes(&self, of_emitters: &[u32]) -> Vec<[u32; WIDTH]> {
+        let mut all = vec![[NO_INSTANCE; WIDTH]; self.nodes.len()];
+        // Nodes come before those under them.
+        for number in (0..self.nodes.len()).rev() {
+            for lane in 0..WIDTH {
+                all[number][lane] = match self.nodes[number].children[lane].open() {
+                    Child::Nothing => NO_INSTANCE,
+                    Child::Emitter(emitter) => of_emitters[emitter as usize],
+                    Child::Node(next) => {
+                        let children = &self.nodes[next as usize].children;
+                        let filled = children.iter().filter(|child| child.open() != Child::Nothing).count();
+                        let first = all[next as usize][0];
+                        let is_one = all[next as usize][..filled].iter().all(|owner| *owner == first);
+                        if is_one { first } else { NO_INSTANCE }
+                    }
+                };
+            }
+        }
+        all
+    }
+
+    /// The light that the children of a node may send to a place.
+    #[inline(always)]
+    fn weights(&self, node: usize, position: Vec3A, normal: Option<Vec3A>, emitter: u32) -> [f32; WIDTH] {
+        let mut weights = self.nodes[node].importances(position, normal);
+        if emitter != NO_INSTANCE {
+            for (weight, owner) in weights.iter_mut().zip(self.owners[node]) {
+                *weight *= if owner == emitter { OWN_LIGHT } else { 1.0 };
+            }
+        }
+        weights
+    }
+
     /// A place, and the light that the parts under the root may send there. The sky has no probability yet.
-    pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>) -> LightSampleContext {
-        let weights =
-            if self.looks_ahead { self.ahead(position, normal) } else { self.nodes[0].importances(position, normal) };
+    pub(super) fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, emitter: u32) -> LightSampleContext {
+        let weights = if self.looks_ahead {
+            self.ahead(position, normal, emitter)
+        } else {
+            self.weights(0, position, normal, emitter)
+        };
         LightSampleContext {
             position,
             normal,
             tree: 0,
+            emitter,
             total: sum(&weights),
             weights,
             sky: 0.0,
@@ -83,15 +130,15 @@ impl LightTree {
     /// The light that the root's children may send somewhere, by their own children where they are near: with many emitters nearly all of
     /// the uncertainty is there.
     #[inline]
-    fn ahead(&self, position: Vec3A, normal: Option<Vec3A>) -> [f32; WIDTH] {
+    fn ahead(&self, position: Vec3A, normal: Option<Vec3A>, emitter: u32) -> [f32; WIDTH] {
         let root = &self.nodes[0];
-        let mut weights = root.importances(position, normal);
+        let mut weights = self.weights(0, position, normal, emitter);
         let mut near = root.near(position);
         while near != 0 {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
             if let Child::Node(node) = root.children[lane].open() {
-                weights[lane] = sum(&self.nodes[node as usize].importances(position, normal));
+                weights[lane] = sum(&self.weights(node as usize, position, normal, emitter));
             }
         }
         weights
@@ -124,7 +171,7 @@ impl LightTree {
                 Child::Node(next) => node = next as usize,
                 Child::Emitter(emitter) => return (probability > 0.0).then_some((emitter as usize, probability)),
             }
-            weights = self.nodes[node].importances(to.position, to.normal);
+            weights = self.weights(node, to.position, to.normal, to.emitter);
             total = sum(&weights);
         }
     }
@@ -137,9 +184,9 @@ impl LightTree {
         }
         let mut probability = 1.0;
         loop {
-            let node = &self.nodes[place.0 as usize];
             let is_root = place.0 == 0;
-            let weights = if is_root { to.weights } else { node.importances(to.position, to.normal) };
+            let weights = || self.weights(place.0 as usize, to.position, to.normal, to.emitter);
+            let weights = if is_root { to.weights } else { weights() };
             let total = if is_root { to.total } else { sum(&weights) };
             if !(total > 0.0 && total.is_finite()) {
                 return 0.0;
@@ -191,7 +238,9 @@ mod tests {
             let u = sobol_burley::sample_4d(i, 0, 3);
             let v = sobol_burley::sample_4d(i, 0, 4);
             let position = Vec3A::new(u[0], u[1], u[2]) * 14.0 - Vec3A::splat(7.0);
-            tree.receiver(position, (i % 2 == 0).then(|| sample_sphere([v[0], v[1]])))
+            // Some of the places are on what emits.
+            let emitter = if i % 3 == 0 { i % 5 } else { NO_INSTANCE };
+            tree.receiver(position, (i % 2 == 0).then(|| sample_sphere([v[0], v[1]])), emitter)
         })
     }
 
@@ -200,7 +249,8 @@ mod tests {
     fn choices_follow_their_probabilities() {
         for n in [1, 2, 3, 100, 3000] {
             let list = emitters(n);
-            let Some(tree) = LightTree::new(&list) else { continue };
+            let owners: Vec<u32> = (0..list.len() as u32).map(|i| i / 40).collect();
+            let Some(tree) = LightTree::new(&list, &owners) else { continue };
             for to in receivers(&tree) {
                 let p: Vec<f32> = (0..list.len()).map(|i| tree.probability(&to, i)).collect();
                 let mut counts = vec![0u64; list.len()];
@@ -230,7 +280,7 @@ mod tests {
     #[test]
     fn nothing_that_shines_is_ruled_out() {
         for list in [emitters(100), emitters(3000)] {
-            let tree = LightTree::new(&list).unwrap();
+            let tree = LightTree::new(&list, &vec![NO_INSTANCE; list.len()]).unwrap();
             for to in receivers(&tree) {
                 for (i, e) in list.iter().enumerate().filter(|(_, e)| e.power > 0.0) {
                     let d = (to.position - e.center()).normalize();
@@ -256,11 +306,11 @@ mod tests {
             (e.power, e.axis, e.normal_spread_rad, e.emission_spread_rad) = (1.0, Vec3A::NEG_Z, 0.0, 0.3);
             (e.max, e.two_sided) = (e.min, false);
         }
-        let tree = LightTree::new(&list).unwrap();
+        let tree = LightTree::new(&list, &vec![NO_INSTANCE; list.len()]).unwrap();
         let floor = |u: f32, v: f32| Vec3A::new(u * 8.0 - 4.0, v * 8.0 - 4.0, -5.5);
         for k in 0..20 {
             let u = sobol_burley::sample_4d(k, 0, 5);
-            let to = tree.receiver(floor(u[0], u[1]), Some(Vec3A::Z));
+            let to = tree.receiver(floor(u[0], u[1]), Some(Vec3A::Z), NO_INSTANCE);
             let mut chance_of_dark = 0.0;
             for (i, e) in list.iter().enumerate() {
                 let d = (to.position - e.min).normalize();
@@ -276,10 +326,26 @@ mod tests {
         }
     }
 
+    /// A place that emits leaves its light samples to emitters of other instances, but not all of them.
+    #[test]
+    fn own_light_is_chosen_seldom() {
+        let list: Vec<LightBounds> = emitters(1000).into_iter().map(|one| LightBounds { power: 1.0, ..one }).collect();
+        // The instance 7 has the emitters of one corner.
+        let owner = |one: &LightBounds| if one.center().max_element() < 0.0 { 7 } else { NO_INSTANCE };
+        let owners: Vec<u32> = list.iter().map(owner).collect();
+        let tree = LightTree::new(&list, &owners).unwrap();
+        let own = |emitter: u32| -> f32 {
+            let to = tree.receiver(Vec3A::splat(-2.5), None, emitter);
+            (0..list.len()).filter(|&i| owners[i] == 7).map(|i| tree.probability(&to, i)).sum()
+        };
+        let (elsewhere, here) = (own(NO_INSTANCE), own(7));
+        assert!(elsewhere > 0.5 && here > 0.0 && here < 0.7 * elsewhere, "{elsewhere} {here}");
+    }
+
     /// A tree over many emitters has few nodes, and those over emitters are nearly full.
     #[test]
     fn nodes_over_many_are_full() {
-        let tree = LightTree::new(&emitters(10_000)).unwrap();
+        let tree = LightTree::new(&emitters(10_000), &[NO_INSTANCE; 10_000]).unwrap();
         let shining = tree.place_of.iter().filter(|place| place.0 != NONE).count();
         // At the least a seventh: each node but the root takes a lane of another.
         assert!(tree.nodes.len() < shining / 4, "{} over {shining}", tree.nodes.len());
@@ -288,7 +354,7 @@ mod tests {
 
     #[test]
     fn a_dark_scene_has_no_tree() {
-        assert!(LightTree::new(&[]).is_none());
-        assert!(LightTree::new(&[LightBounds { power: 0.0, ..emitters(2)[1] }]).is_none());
+        assert!(LightTree::new(&[], &[]).is_none());
+        assert!(LightTree::new(&[LightBounds { power: 0.0, ..emitters(2)[1] }], &[NO_INSTANCE]).is_none());
     }
 }

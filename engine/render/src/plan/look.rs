@@ -1,6 +1,7 @@
 //! A look at the scene through a camera: what each place of the picture sees first, how bright it is, and where the light
 //! comes from.
 
+use super::coincident::CoincidentFaces;
 use super::light::{Arriving, Brightest};
 use crate::accel::Ray;
 use crate::camera::clip::Clip;
@@ -33,6 +34,8 @@ pub struct SceneProbe {
     pub front_irradiance: Option<f32>,
     /// The sources that send most light to the camera, the strongest first.
     pub brightest: Vec<Brightest>,
+    /// The faces in the picture that lie on each other, those of the largest part of the picture first.
+    pub coincident_faces: Vec<CoincidentFaces>,
 }
 
 impl SceneProbe {
@@ -59,6 +62,7 @@ impl SceneProbe {
             Some((ray.origin + ray.direction * hit.t).as_dvec3())
         };
         let met: Vec<Option<DVec3>> = rays.par_iter().map(first).collect();
+        let seen_rays: Vec<Option<Ray>> = rays.iter().map(|ray| ray.as_ref().map(seen)).collect();
         let depths = met.iter().flatten().map(|point| -point.dot(backwards));
         let range = depths.fold(None, |range: Option<[f64; 2]>, depth| {
             Some(range.map_or([depth; 2], |[near, far]| [near.min(depth), far.max(depth)]))
@@ -72,6 +76,7 @@ impl SceneProbe {
             exposure: exposure(stage, &some),
             front_irradiance: has_front.then(|| arriving.irradiance(stage, forwards, |rays| luminances(stage, rays))),
             brightest: arriving.brightest(),
+            coincident_faces: CoincidentFaces::along(stage, &seen_rays),
         };
         (look, met)
     }

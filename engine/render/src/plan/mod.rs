@@ -6,6 +6,7 @@
 //! on a clock, so the same scene has the same plan on every machine.
 
 mod choice;
+mod coincident;
 mod decide;
 mod effects;
 mod light;
@@ -30,6 +31,7 @@ use crate::stray::diffraction::Diffraction;
 use crate::stray::glare::Glare;
 use crate::stray::{Ghosts, Reflections, Strays, ghosts, sources::Source};
 pub use choice::{CameraChoice, CameraKind};
+pub use coincident::CoincidentFaces;
 use decide::decide;
 pub use effects::Effect;
 pub use light::Brightest;

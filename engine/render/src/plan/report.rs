@@ -82,6 +82,19 @@ pub struct ProbeReport {
     pub exposure: f32,
     /// The strongest light sources.
     pub brightest: Vec<SourceReport>,
+    /// The faces in the picture that lie on each other.
+    pub coincident_faces: Vec<CoincidentReport>,
+}
+
+/// Coincident faces in a report.
+#[derive(Clone, Debug, Serialize)]
+pub struct CoincidentReport {
+    /// Names of the two objects; one name twice where the faces are of one object.
+    pub objects: [String; 2],
+    /// The part of the picture that shows such faces.
+    pub part: f64,
+    /// What a user is told, a line.
+    pub text: String,
 }
 
 /// A light source in a report.
@@ -165,6 +178,11 @@ impl Plan {
             part: one.part,
             place: one.place,
         });
+        let coincident = self.look.coincident_faces.iter().map(|one| CoincidentReport {
+            objects: one.objects.clone(),
+            part: one.part,
+            text: one.text(),
+        });
         PlanReport {
             effects: self.decisions.iter().map(Decision::report).collect(),
             quality: self.quality,
@@ -181,6 +199,7 @@ impl Plan {
                 open_part: self.look.open_part,
                 exposure: self.look.exposure,
                 brightest: brightest.collect(),
+                coincident_faces: coincident.collect(),
             },
             seconds: self.seconds,
             predicted: None,

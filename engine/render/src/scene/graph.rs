@@ -112,6 +112,7 @@ impl Graph {
             normal: None,
             coat_normal: None,
             tangent: None,
+            is_bare_colour: false,
         });
         Self::assembled(Program::default(), layers.collect(), 0)
     }
@@ -144,7 +145,14 @@ impl Graph {
                 // Nothing to see but the volume's border.
                 let [color, weight] = [Source::Always(Vec3A::ONE); 2];
                 let closure = Closure::Transparent { color };
-                graph.layers.push(GraphLayer { weight, closure, normal: None, coat_normal: None, tangent: None });
+                graph.layers.push(GraphLayer {
+                    weight,
+                    closure,
+                    normal: None,
+                    coat_normal: None,
+                    tangent: None,
+                    is_bare_colour: false,
+                });
             }
             graph.volume = volume;
         }
@@ -203,16 +211,29 @@ impl Graph {
 
     /// Luminance of the emitted radiance, inputs that vary taken as white: for choosing between lights.
     pub fn brightness(&self) -> f32 {
+        self.layers.iter().map(|layer| luminance(self.emission_of(layer).into())).sum::<f32>().max(1e-6)
+    }
+
+    /// True if the emission is bright enough for light samples, by Cycles' rule (`estimate_emission` and `EMISSION_SAMPLING_AUTO` of its
+    /// `shader.cpp`): a dim surface is found by closure samples well enough, and would take light samples from lamps. A colour that is
+    /// plugged in where a shader belongs counts for a tenth.
+    pub fn is_worth_light_samples(&self) -> bool {
+        const LEAST_RADIANCE: f32 = 0.5;
+        const BARE_COLOUR: f32 = 0.1;
+        let counted =
+            |layer: &GraphLayer| self.emission_of(layer) * if layer.is_bare_colour { BARE_COLOUR } else { 1.0 };
+        self.layers.iter().map(counted).sum::<Vec3A>().max_element() > LEAST_RADIANCE
+    }
+
+    /// The size of a layer's emitted radiance, inputs that vary taken as white.
+    fn emission_of(&self, layer: &GraphLayer) -> Vec3A {
         let about = |source: Source| source.constant(&self.program).unwrap_or(Vec3A::ONE);
-        let of = |layer: &GraphLayer| {
-            let radiance = match &layer.closure {
-                Closure::Emission { color, strength } => about(*color) * about(*strength),
-                Closure::Principled(p) => about(p.emission_color) * about(p.emission_strength),
-                _ => return 0.0,
-            };
-            luminance(radiance.abs().into()) * about(layer.weight).x
+        let radiance = match &layer.closure {
+            Closure::Emission { color, strength } => about(*color) * about(*strength),
+            Closure::Principled(p) => about(p.emission_color) * about(p.emission_strength),
+            _ => return Vec3A::ZERO,
         };
-        self.layers.iter().map(of).sum::<f32>().max(1e-6)
+        radiance.abs() * about(layer.weight).x
     }
 
     /// True if the graph's emission is spatially constant.
@@ -270,7 +291,8 @@ impl LayerInputs<'_> {
     fn layer(&self, report: &mut impl FnMut(&str)) -> Option<GraphLayer> {
         let closure = self.closure(report)?;
         let [normal, coat_normal, tangent] = ["Normal", "Coat Normal", "Tangent"].map(|name| self.direction(name));
-        Some(GraphLayer { weight: Source::Of(self.0.weight), closure, normal, coat_normal, tangent })
+        let (weight, is_bare_colour) = (Source::Of(self.0.weight), self.0.is_bare_colour);
+        Some(GraphLayer { weight, closure, normal, coat_normal, tangent, is_bare_colour })
     }
 
     #[expect(clippy::too_many_lines, reason = "an arm for each shader")]

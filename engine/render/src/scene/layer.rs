@@ -94,6 +94,8 @@ pub struct GraphLayer {
     pub coat_normal: Option<Source>,
     /// A direction of its own that brushed metal follows, world space.
     pub tangent: Option<Source>,
+    /// True of the emission of a colour that is plugged in where a shader belongs.
+    pub is_bare_colour: bool,
 }
 
 impl GraphLayer {
@@ -127,6 +129,7 @@ impl GraphLayer {
             normal: self.normal.as_ref().map(settle),
             coat_normal: self.coat_normal.as_ref().map(settle),
             tangent: self.tangent.as_ref().map(settle),
+            is_bare_colour: self.is_bare_colour,
         }
     }
 }

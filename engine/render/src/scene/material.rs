@@ -27,6 +27,8 @@ pub struct Material {
     pub scatters: bool,
     /// True if its surface may emit.
     pub is_emissive: bool,
+    /// The choice of light samples for its emission.
+    pub emission_sampling: EmissionSampling,
     /// True if its surface may let light through unbent.
     pub is_clear: bool,
     /// True if its surface lets no light through unbent to what is lit by light samples.
@@ -36,6 +38,31 @@ pub struct Material {
     pub corrects_bumps: bool,
     /// True if its nodes ask how a ray came: Light Path.
     pub asks_path: bool,
+}
+
+/// The choice of light samples for a material's emission.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EmissionSampling {
+    /// Light samples of what is bright; all samples of closures find the rest.
+    #[default]
+    Auto,
+    /// No light samples.
+    Never,
+    /// Light samples, however dim it is.
+    Always,
+}
+
+impl EmissionSampling {
+    /// The choice by Blender's name of it; `None` of an unknown one.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "AUTO" => Some(Self::Auto),
+            "NONE" => Some(Self::Never),
+            // Either side alone is a hint on where its light goes, which the shape of the mesh tells.
+            "FRONT" | "BACK" | "FRONT_BACK" => Some(Self::Always),
+            _ => None,
+        }
+    }
 }
 
 /// The fields that tell how a ray came.
@@ -79,6 +106,7 @@ impl Material {
             emits_or_holds_out: false,
             scatters: true,
             is_emissive,
+            emission_sampling: EmissionSampling::default(),
             is_clear,
             shades_fully: false,
             corrects_bumps: true,
@@ -112,6 +140,15 @@ impl Material {
     #[inline]
     pub fn emits(&self) -> bool {
         self.is_emissive
+    }
+
+    /// True if light samples are to find its emission, where there is something else that they may find.
+    pub fn is_worth_light_samples(&self) -> bool {
+        match self.emission_sampling {
+            EmissionSampling::Auto => self.graph.is_worth_light_samples(),
+            EmissionSampling::Never => false,
+            EmissionSampling::Always => true,
+        }
     }
 
     /// The quick form of its surface, where it has one: that of a surface whose normals are corrected.

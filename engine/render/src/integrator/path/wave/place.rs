@@ -62,7 +62,8 @@ impl ScatterPlace<'_> {
             return None;
         }
         let receiving = bsdf.receiving_normal();
-        let to = stage.lights.receiver_on(point.instance, point.position, receiving, limits.openness);
+        let emits = stage.lights.triangle_source(point.instance, point.triangle).is_some();
+        let to = stage.lights.receiver_on(point.instance, emits, point.position, receiving, limits.openness);
         let upright = receiving.unwrap_or(normal).dot(point.geometric_normal).abs();
         let ends_early = matches!(limits.approximations.fast_gi, FastGi::Replace { .. });
         let to = to.at(point.moment).compensated(upright > LEAST_UPRIGHT && !ends_early);

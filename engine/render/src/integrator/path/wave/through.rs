@@ -276,7 +276,7 @@ impl MediumState {
 
     fn receiver(&self, stage: &PreparedScene, limits: &Limits, position: Vec3A) -> LightSampleContext {
         let to = match self.stack.innermost() {
-            Some(instance) => stage.lights.receiver_on(instance, position, None, limits.openness),
+            Some(instance) => stage.lights.receiver_on(instance, false, position, None, limits.openness),
             None => stage.lights.receiver(position, None, limits.openness),
         };
         to.compensated(!matches!(limits.approximations.fast_gi, FastGi::Replace { .. }))
