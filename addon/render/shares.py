@@ -58,7 +58,7 @@ def agree(
     what = ", ".join(differing[:_MOST_NAMED]) or "lights, settings or places of objects"
     more = f" and {len(differing) - _MOST_NAMED} more" if len(differing) > _MOST_NAMED else ""
     raise ExportError(
-        f"the scene is not the one of the parts before: {what}{more} differ: something in it is random in each process (a texture of type "
+        f"the scene is not the one of the parts before: {what}{more} differ: something in it is another in each process (a Bevel modifier, a texture of type "
         f"Noise), was simulated without a baked cache, or is missing on a machine; if the parts before are wrong, delete {file}"
     )
 

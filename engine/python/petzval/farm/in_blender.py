@@ -15,6 +15,10 @@ from petzval.errors import TryAgain
 from petzval.farm import packing, sizes
 
 
+#: Objects that a warning names.
+_MOST_NAMED = 5
+
+
 def run(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> str | None:
     """Does what the options ask for; the error, if any. What was found goes to the file `answer`. Raises `TryAgain`."""
     asked = options["farm"]
@@ -40,7 +44,7 @@ def _pack(scene: Any, options: dict[str, Any], addon: Any, _: TextIO) -> dict[st
     # What the options have set is no part of the file.
     bpy.ops.wm.open_mainfile(filepath=options["scene"], load_ui=False, use_scripts=False)
     is_moving = bool(options["frames"])
-    warnings = [*_random_textures(bpy), *(_unbaked(bpy) if is_moving else ())]
+    warnings = [*_random_textures(bpy), *_bevels(bpy), *(_unbaked(bpy) if is_moving else ())]
     packer = packing.Packer(bpy, options["scene"])
     try:
         main, files = packer.pack(Path(options["farm"]["target"]))
@@ -62,6 +66,18 @@ def _random_textures(bpy: Any) -> list[str]:
         f"texture '{one.name}' is of type Noise, which is random in each process: where a modifier uses it, parts are not of one scene"
         for one in bpy.data.textures
         if one.type == "NOISE"
+    ]
+
+
+def _bevels(bpy: Any) -> list[str]:
+    """A warning of objects whose meshes Blender makes anew in each process: its Bevel goes by addresses of memory."""
+    names = [f"'{one.name}'" for one in bpy.data.objects if any(made.type == "BEVEL" for made in one.modifiers)]
+    if not names:
+        return []
+    more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+    return [
+        f"the modifier Bevel of {', '.join(names[:_MOST_NAMED])}{more} may make other corners in each process: where a part is refused for it, "
+        f"apply the modifier and plan again"
     ]
 
 
