@@ -14,7 +14,6 @@ from petzval import render_in_blender as rendering
 from petzval.errors import TryAgain
 from petzval.farm import packing, sizes
 
-
 #: Objects that a warning names.
 _MOST_NAMED = 5
 
