@@ -163,7 +163,7 @@ pub(super) fn deserialize<'de, T: Row, D: Deserializer<'de>>(from: D) -> Result<
 /// The bytes of a list of at most [`MOST_ROWS`] rows.
 fn pack<T: Row>(rows: &[T]) -> Vec<u8> {
     debug_assert!(rows.len() <= MOST_ROWS);
-    let mut out = Vec::with_capacity(4 + rows.len() * size_of::<T>());
+    let mut out = Vec::with_capacity(4 + size_of_val(rows));
     out.extend_from_slice(&(rows.len() as u32).to_le_bytes());
     for column in 0..T::COLUMNS {
         pack_column(rows, column, &mut out);
@@ -296,7 +296,7 @@ mod tests {
         let numbers = |n: u64| n.wrapping_mul(0x9e37_79b9_7f4a_7c15);
         for count in [0, 1, 7, 8, 9, 2304] {
             for some in [1, 3, 1 << 20] {
-                let is_there = |n: &u64| n % some == 0;
+                let is_there = |n: &u64| n.is_multiple_of(some);
                 let word = |n| if is_there(&n) { numbers(n + 1) } else { 0 };
                 there_and_back(&(0..count).map(|n| word(n) as i64).collect::<Vec<_>>());
                 there_and_back(&(0..count).map(|n| word(n) as u32).collect::<Vec<_>>());
@@ -314,7 +314,7 @@ mod tests {
     #[test]
     fn what_ends_in_zeros_takes_few_bytes() {
         // A number of single precision in double precision, and one that all have; most rows have neither.
-        let row = |i: usize| if i % 4 == 0 { [f64::from(0.1 + i as f32), 0.0, 0.0, 1.0] } else { [0.0; 4] };
+        let row = |i: usize| if i.is_multiple_of(4) { [f64::from(0.1 + i as f32), 0.0, 0.0, 1.0] } else { [0.0; 4] };
         let bytes = there_and_back(&(0..800).map(row).collect::<Vec<_>>());
         assert!(bytes < 200 * 5 + 2 * 100 + 30, "{bytes}");
     }
