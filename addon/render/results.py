@@ -113,7 +113,10 @@ class Results:
 
     def check_memory(self, width: int, height: int, *, halves: bool, is_kept: bool) -> None:
         """Raises `ExportError` where the picture does not fit into memory; `is_kept`: on disk, too, from a copy of the film."""
-        groups = len(self._light_groups) + len(self.for_job()["parts"])
+        share = loop.WATCH.share
+        is_joined = share is not None and not share.parts
+        # Where films are joined, those of groups and parts of light stay packed.
+        groups = 0 if is_joined else len(self._light_groups) + len(self.for_job()["parts"])
         mattes = bool(self._mattes or self._indices)
         film = engine().film_bytes_a_pixel(
             surfaces=self.has_data, vectors=self.has_vectors, mattes=mattes, halves=halves, groups=groups
