@@ -154,7 +154,8 @@ def engine_names(one: Pass) -> tuple[str, ...]:
 
 def channels_of(one: Pass, job: object) -> np.ndarray:
     """A pass of a finished job, by its parts."""
-    return np.concatenate([job.part(name) for name in engine_names(one)], axis=-1)[..., : one.channels]
+    parts = [job.part(name) for name in engine_names(one)]
+    return (parts[0] if len(parts) == 1 else np.concatenate(parts, axis=-1))[..., : one.channels]
 
 
 def wanted_indices(view_layer: object, version: tuple[int, ...]) -> tuple[Pass, ...]:

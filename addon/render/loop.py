@@ -39,21 +39,37 @@ class Subject:
 
 
 @dataclass
-class Share:
-    """A part of a picture that is rendered on several machines, or what is to be joined of them."""
+class Part:
+    """A part of a picture that is rendered on several machines."""
 
     #: The tiles that are rendered: from one slot to before another, of so many; see the engine's `Job`.
     slots: tuple[int, int, int]
-    #: The file that the film is written to; empty: none. View layers and what they need beside have files of their own, named after it.
-    film: str = ""
-    #: The file that says which scene the parts are of: the first of them writes it, the others agree with it. Named as `film` is.
+    #: The file that the film is written to. View layers and what they need beside have files of their own, named after it.
+    film: str
+    #: The file in which it is kept while it goes on, named as `film` is.
+    checkpoint: str
+    #: The films and the checkpoints that were written.
+    written: list[str] = field(default_factory=list)
+    checkpoints: list[Any] = field(default_factory=list)
+    #: That all view layers took so far, s.
+    seconds: float = 0.0
+
+
+@dataclass
+class Share:
+    """Parts of a picture that is rendered on several machines, or what is to be joined of them."""
+
+    #: The parts that are rendered, one after another of each view layer; none: parts are joined.
+    parts: list[Part] = field(default_factory=list)
+    #: Called when a part begins, and when all films of it are written.
+    begun: Callable[[Part], None] = lambda _: None
+    finished: Callable[[Part], None] = lambda _: None
+    #: The file that says which scene the parts are of: the first of them writes it, the others agree with it. Named as films are.
     agreement: str = ""
     #: The films that are joined: number of the part, file and slots.
     joined: list[tuple[int, str, tuple[int, int, int]]] = field(default_factory=list)
     #: Whether the films that are joined are to be the whole picture: only then is it denoised, and stray light laid over it.
     is_whole: bool = False
-    #: The films that were written.
-    written: list[str] = field(default_factory=list)
     #: Parts that were not taken, each with the reason; and how many films were.
     refused: dict[int, str] = field(default_factory=dict)
     taken: int = 0

@@ -155,7 +155,18 @@ class Photograph:
             picture_of = checkpoint.picture(settings, camera, effects=decided, shutter=(moving, opened))
         if share is not None and checkpoint is not None:
             shares.agree(share, checkpoint, fingerprint, self.depsgraph, self.view)
-        beside |= shares.for_job(share)
+        others = functools.partial(
+            self._beside_all, native, camera, settings, moving, size, place, blur, opened, fingerprint
+        )
+        needs_sky = not self.scene.render.film_transparent and not self.results.has_shadow
+        kinds = ([False, True] if needs_sky else [False]) if catches else []
+        if share is not None and share.parts:
+            make = functools.partial(native.Job, scene, camera, settings, moving)
+            beside_them = [functools.partial(others, None, is_sky=one) for one in kinds]
+            self._take_parts(share, make, beside, checkpoint, fingerprint, beside_them, sync_seconds)
+            self._warn_late(scene)
+            return
+        beside |= shares.for_job(share, None)
         job = loop.stoppable(lambda: native.Job(scene, camera, settings, moving, **beside), self._stop_asked)
         limit_s = wanted.time_limit_s
         self.progress = progress.Progress(job, limit_s)
@@ -164,7 +175,7 @@ class Photograph:
         )
         self._progress(job.progress() if stopped else 1.0, job.samples_done())
         if share is not None:
-            shares.after(share, job, fingerprint, (self.depsgraph, self.view), stopped)
+            shares.join(share, job, fingerprint, (self.depsgraph, self.view))
         # Denoising and stray light belong to the whole picture.
         is_whole = share is None or share.is_whole
         if not is_whole:
@@ -181,20 +192,10 @@ class Photograph:
             self._develop(job)
         beside_it = None
         if catches and not stopped:
-            others = functools.partial(
-                self._beside_all, native, camera, settings, moving, size, place, blur, opened, how, fingerprint
-            )
-            needs_sky = not self.scene.render.film_transparent and not self.results.has_shadow
-            beside_it = (others(is_sky=False), others(is_sky=True) if needs_sky else None)
-        if share is not None and share.film:
-            # What the part found is in its film.
-            deliver_black(self.host, self.depsgraph, self.view.name)
-        else:
-            self._show_all(job, picture_of, beside_it)
-        for warning in scene.warnings():
-            if warning not in self.report.warnings:
-                self.report.warn(warning)
-                self._warn(warning)
+            jobs = [others(how, is_sky=is_sky) for is_sky in kinds]
+            beside_it = (jobs[0], jobs[1] if needs_sky else None)
+        self._show_all(job, picture_of, beside_it)
+        self._warn_late(scene)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
         if checkpoint:
             self._tell("Keeping the render", 1.0)
@@ -203,6 +204,40 @@ class Photograph:
                 loop.WATCH.written_checkpoints.append(written)
             elif written is not None and not stopped:
                 written.delete()
+
+    def _take_parts(self, share, make, beside, checkpoint, fingerprint, others, sync_seconds) -> None:
+        """Renders the share's parts into their films, of one scene that was read once. `make` gives a job, `others` the renders of a part
+        that the picture needs beside it."""
+        of = self.depsgraph, self.view
+        # What the parts found is in their films.
+        deliver_black(self.host, self.depsgraph, self.view.name)
+        for part in share.parts:
+            began, before = time.monotonic(), len(part.written)
+            share.begun(part)
+            checkpoint.file = checkpoints.of_view(part.checkpoint, *of)
+            asked = beside | shares.for_job(share, part) | {"checkpoint": checkpoint.arguments(fingerprint)}
+            job = loop.stoppable(functools.partial(make, **asked), self._stop_asked)
+            self.progress = progress.Progress(job, 0.0)
+            stopped = loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=self._progress)
+            if not stopped:
+                shares.keep(share, part, job, fingerprint, of)
+                for other in others:
+                    other(part)
+            self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
+            if (written := loop.stoppable(job.end_checkpoints, lambda: False)) is not None:
+                part.checkpoints.append(written)
+            part.seconds += time.monotonic() - began
+            if stopped or share.problem or len(part.written) - before <= len(others):
+                return
+            if shares.is_last(*of):
+                share.finished(part)
+
+    def _warn_late(self, scene) -> None:
+        """Says what the engine's scene has come upon during the render."""
+        for warning in scene.warnings():
+            if warning not in self.report.warnings:
+                self.report.warn(warning)
+                self._warn(warning)
 
     def _warn(self, warning: str) -> None:
         if warning not in self.said:
@@ -278,7 +313,7 @@ class Photograph:
             self.host.report({"WARNING"}, f"Not denoised: {error}")
 
     def _beside_all(
-        self, native, camera, settings, moving, size, place, blur, opened, how, fingerprint, *, is_sky: bool
+        self, native, camera, settings, moving, size, place, blur, opened, fingerprint, how, part=None, *, is_sky: bool
     ):
         """The finished render of what catches shadows without anything that throws them, or of the sky alone."""
         builder = native.SceneBuilder()
@@ -299,14 +334,17 @@ class Photograph:
         # A sky that the camera sees is none of the light on what catches shadows.
         settings = dataclasses.replace(settings, transparent_film=not is_sky)
         scene = loop.stoppable(lambda: builder.build(place, settings.threads, None), self._stop_asked)
-        kept = {"parts": self.results.guides, "plan": self.plan, "shutter": opened, **shares.for_job(loop.WATCH.share)}
+        share = loop.WATCH.share
+        kept = {"parts": self.results.guides, "plan": self.plan, "shutter": opened, **shares.for_job(share, part)}
         make = lambda: native.Job(scene, camera, settings, moving, **kept)  # noqa: E731
         job = loop.stoppable(make, self._stop_asked)
         tell = lambda part, _: self._tell("Shadow catcher background", part)  # noqa: E731
         stopped = loop.follow(job, stop_asked=self._stop_asked, show=lambda _: None, tell=tell)
-        if loop.WATCH.share is not None:
-            what = ".sky" if is_sky else ".catchers"
-            shares.after(loop.WATCH.share, job, fingerprint, (self.depsgraph, self.view), stopped, beside=what)
+        of, what = (self.depsgraph, self.view), ".sky" if is_sky else ".catchers"
+        if part is not None and not stopped:
+            shares.keep(share, part, job, fingerprint, of, what)
+        elif share is not None and not share.parts:
+            shares.join(share, job, fingerprint, of, what)
         if how is not None and not stopped:
             self._denoise(job, how)
         return job
@@ -319,7 +357,8 @@ class Photograph:
             lambda: native.Plan(scene, camera, settings, moving, shutter=opened, **wishes), self._stop_asked
         )
         planned = json.loads(self.plan.json())
-        if settings.width * settings.height * settings.samples > _WORTH_A_FORECAST:
+        is_part = loop.WATCH.share is not None
+        if settings.width * settings.height * settings.samples > _WORTH_A_FORECAST and not is_part:
             planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
         if how is not None and (predicted := planned.get("predicted")):
             _, _, width, height = settings.window or (0, 0, settings.width, settings.height)

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import json
+import zlib
+from collections.abc import Iterator
 from typing import Any
 
 import bpy
@@ -111,7 +113,10 @@ class Results:
 
     def check_memory(self, width: int, height: int, *, halves: bool, is_kept: bool) -> None:
         """Raises `ExportError` where the picture does not fit into memory; `is_kept`: on disk, too, from a copy of the film."""
-        groups = len(self._light_groups) + len(self.for_job()["parts"])
+        share = loop.WATCH.share
+        is_joined = share is not None and not share.parts
+        # Where films are joined, those of groups and parts of light stay packed.
+        groups = 0 if is_joined else len(self._light_groups) + len(self.for_job()["parts"])
         mattes = bool(self._mattes or self._indices)
         film = engine().film_bytes_a_pixel(
             surfaces=self.has_data, vectors=self.has_vectors, mattes=mattes, halves=halves, groups=groups
@@ -132,29 +137,34 @@ class Results:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it. `pictures` by the names of their
         passes; those that the job knows are added. `plan` as the engine tells it; `picture_of`: what decides the picture, whichever of its
         samples it holds."""
-        pictures = dict(pictures)
-        if self.has_shadow:
-            pictures.setdefault(passes.SHADOW.name, np.ones_like(pictures[passes.COMBINED.name][..., :3]))
-        pictures |= {one.name: job.data(one.engine_name) for one in (*self._data, *self._merging)}
-        pictures |= {one.name: job.light_group(i)[..., :3] for i, one in enumerate(self._light_groups, 1)}
-        pictures |= {one.name: job.index(one.engine_name) for one in self._indices}
-        pictures |= {one.name: passes.channels_of(one, job) for one in self._parts}
-        pictures |= {one.name: job.stray(one.engine_name) for one in self._strays}
-        for layer in self._mattes:
-            channels = job.matte(layer.engine_name)
-            for i, one in enumerate(passes.of_matte(layer, self._matte_levels)):
-                pictures[one.name] = channels[..., 4 * i : 4 * i + 4]
         layer = self._depsgraph.view_layer_eval.name
         width, height = self._window.width, self._window.height
         result = self._host.begin_result(0, 0, width, height, layer=layer, view=self._view)
-        for one in result.layers[0].passes:
-            if one.name in pictures:
-                part = tiles.clipped(tiles.Tile(0, 0, pictures[one.name]), self._window)
-                one.rect.foreach_set(tiles.flat(part))
+        there = {one.name: one for one in result.layers[0].passes}
+        # One by one: all of them together are as large as Blender's own.
+        for name, pixels in self._passes(job, pictures):
+            if name in there:
+                there[name].rect.foreach_set(tiles.flat(tiles.clipped(tiles.Tile(0, 0, pixels), self._window)))
         self._host.end_result(result)
         self._name_mattes(job)
         self._name_effects(plan)
         self._name_samples(json.loads(job.stats_json()), picture_of)
+        self._name_view(pictures[passes.COMBINED.name])
+
+    def _passes(self, job: Any, pictures: dict[str, np.ndarray]) -> Iterator[tuple[str, np.ndarray]]:
+        """All passes by their names."""
+        yield from pictures.items()
+        if self.has_shadow and passes.SHADOW.name not in pictures:
+            yield passes.SHADOW.name, np.ones_like(pictures[passes.COMBINED.name][..., :3])
+        yield from ((one.name, job.data(one.engine_name)) for one in (*self._data, *self._merging))
+        yield from ((one.name, job.light_group(i)[..., :3]) for i, one in enumerate(self._light_groups, 1))
+        yield from ((one.name, job.index(one.engine_name)) for one in self._indices)
+        yield from ((one.name, passes.channels_of(one, job)) for one in self._parts)
+        yield from ((one.name, job.stray(one.engine_name)) for one in self._strays)
+        for layer in self._mattes:
+            channels = job.matte(layer.engine_name)
+            for i, one in enumerate(passes.of_matte(layer, self._matte_levels)):
+                yield one.name, channels[..., 4 * i : 4 * i + 4]
 
     def _name_effects(self, plan: dict) -> None:
         """Says in the picture's metadata what of the lens was simulated."""
@@ -173,6 +183,16 @@ class Results:
             whole.stamp_data_add_field("petzval/samples", str(most))
         if picture_of:
             whole.stamp_data_add_field("petzval/picture", "; ".join(f"{k}={v}" for k, v in picture_of.items()))
+
+    def _name_view(self, combined: np.ndarray) -> None:
+        """Says in the picture's metadata which pixels are those of the view: Blender writes the metadata of the last view into the files of
+        all."""
+        if self._view:
+            part = tiles.clipped(tiles.Tile(0, 0, combined), self._window)
+            # Red, as the rows lie in a file.
+            red = np.ascontiguousarray(part.pixels[::-1, :, 0], dtype="<f4")
+            layer = self._depsgraph.view_layer_eval.name
+            self._host.get_result().stamp_data_add_field(f"petzval/view/{self._view}/{layer}", f"{zlib.crc32(red):08x}")
 
     def _name_mattes(self, job: Any) -> None:
         """Says in the picture's metadata what the mattes' numbers stand for."""

@@ -22,9 +22,11 @@ _TRIES, _PAUSE_S = 20, 0.1
 _MOST_NAMED = 5
 
 
-def for_job(share: loop.Share | None) -> dict[str, Any]:
-    """What the engine's `Job` is told of it."""
-    return {} if share is None else {"share": share.slots}
+def for_job(share: loop.Share | None, part: loop.Part | None) -> dict[str, Any]:
+    """What the engine's `Job` is told of a part, or of the joining of parts, which renders no tile."""
+    if share is None:
+        return {}
+    return {"share": (0, 0, 1) if part is None else part.slots}
 
 
 def agree(
@@ -56,7 +58,7 @@ def agree(
     what = ", ".join(differing[:_MOST_NAMED]) or "lights, settings or places of objects"
     more = f" and {len(differing) - _MOST_NAMED} more" if len(differing) > _MOST_NAMED else ""
     raise ExportError(
-        f"the scene is not the one of the parts before: {what}{more} differ: something in it is random in each process (a texture of type "
+        f"the scene is not the one of the parts before: {what}{more} differ: something in it is another in each process (a Bevel modifier, a texture of type "
         f"Noise), was simulated without a baked cache, or is missing on a machine; if the parts before are wrong, delete {file}"
     )
 
@@ -75,34 +77,40 @@ def _read(file: str) -> dict[str, Any] | None:
     return None
 
 
-def after(
+def keep(
     share: loop.Share,
+    part: loop.Part,
     job: Any,
     fingerprint: str,
     of: tuple[bpy.types.Depsgraph, View],
-    stopped: bool,
-    *,
     beside: str = "",
 ) -> None:
-    """Writes the film of a render that has ended, or joins the others to it. `beside`: what the render is, where it is none of the picture
-    but of something that the picture needs."""
-    fingerprint += beside
+    """Writes the film of a part that has ended. `beside`: what the render is, where it is none of the picture but of something that the
+    picture needs."""
+    file = of_view(part.film, *of) + beside
+    try:
+        loop.stoppable(lambda: job.write_film(file, fingerprint + beside), lambda: False)
+        part.written.append(file)
+    except OSError as failed:
+        share.problem = f"cannot write {file}: {failed.strerror or failed}"
 
-    def own(file: str) -> str:
-        return of_view(file, *of) + beside
 
-    if share.film and not stopped:
-        try:
-            loop.stoppable(lambda: job.write_film(own(share.film), fingerprint), lambda: False)
-            share.written.append(own(share.film))
-        except OSError as failed:
-            share.problem = f"cannot write {own(share.film)}: {failed.strerror or failed}"
+def join(share: loop.Share, job: Any, fingerprint: str, of: tuple[bpy.types.Depsgraph, View], beside: str = "") -> None:
+    """Joins the films of parts to a render that has ended. `beside` as in `keep`."""
     for part, file, slots in share.joined:
+        own = of_view(file, *of) + beside
         refused = loop.stoppable(
-            lambda file=file, slots=slots: job.join_film(own(file), fingerprint, slots), lambda: False
+            lambda own=own, slots=slots: job.join_film(own, fingerprint + beside, slots), lambda: False
         )
         if refused is None:
             share.taken += 1
         else:
             share.refused.setdefault(part, refused)
             share.is_whole = False
+
+
+def is_last(depsgraph: bpy.types.Depsgraph, view: View) -> bool:
+    """Whether no other view layer or view follows in the picture, as far as that is known before its end."""
+    # Of an evaluated scene the layer that is rendered comes first.
+    used = [layer.name for layer in depsgraph.scene.view_layers if layer.use]
+    return depsgraph.view_layer_eval.name == used[-1] and view.index + 1 == view.count

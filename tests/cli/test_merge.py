@@ -122,6 +122,25 @@ def test_from_the_command_line(blender, petzval_cli, cli_scenes, tmp_path):
         assert done.returncode in (1, 2) and said in done.stderr
 
 
+def test_the_file_of_one_eye_is_not_joined_with_that_of_the_other(parts, blender, petzval_cli, tmp_path):
+    """Both have the same names of channels, and the same metadata."""
+    scene = room(parts, blender)
+    scene.render.use_multiview, scene.camera.data.stereo.interocular_distance = True, 0.3
+    scene.render.image_settings.views_format = "INDIVIDUAL"
+    own = scene.petzval
+    own.samples = 4
+    for offset in (0, 4, 8):
+        own.sample_offset, scene.render.filepath = offset, str(tmp_path / f"{offset}.exr")
+        blender.ops.render.render(write_still=True, scene=scene.name)
+    for eye in "LR":
+        merged(petzval_cli, tmp_path / f"both_{eye}.exr", tmp_path / f"0_{eye}.exr", tmp_path / f"4_{eye}.exr")
+    # Joined ones know their eye, too.
+    for first in ("0", "both"):
+        done = petzval_cli("merge", tmp_path / f"{first}_L.exr", tmp_path / "8_R.exr", "-o", tmp_path / "x.exr")
+        assert done.returncode == 1 and "it is the view 'right'" in done.stderr, done.stderr
+        assert done.stderr.count("\n") == 1 and not (tmp_path / "x.exr").exists()
+
+
 def test_views_in_one_file_are_joined_each_by_itself(parts, blender, petzval_cli, tmp_path):
     """Their channels have the same names."""
     scene = room(parts, blender)

@@ -47,6 +47,15 @@ def job(finished_job, tmp_path):
     return folder
 
 
+@pytest.fixture(scope="session")
+def petzval_cli(tmp_path_factory):
+    """As everywhere, but all in one process: the start of Blender is most of what a merge of a small picture takes. What is about processes
+    starts its own."""
+    waiting = render_commands.Waiting(tmp_path_factory.mktemp("waiting"))
+    yield waiting.run
+    waiting.end()
+
+
 @pytest.fixture
 def commands(tmp_path):
     """Runs several commands in one process, each `petzval WORDS`: what came of each."""

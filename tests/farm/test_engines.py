@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections import Counter
 
 import pytest
 
@@ -203,6 +204,32 @@ def test_local(job, finished_job, petzval_cli):
     done = petzval_cli("farm", "run", job, "--local", "2")
     assert done.returncode == 0, done.stderr
     assert_same_picture(job / "pictures/small.exr", finished_job[1])
+
+
+def test_a_process_takes_several_parts(job, finished_job, petzval_cli):
+    """Blender starts once for each process, and once for the merge."""
+    lose(job, 0, 1, 2)
+    done = petzval_cli("farm", "run", job, "--local", "1")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count(": finished in ") == 3 and done.stdout.count("Read blend") == 2, done.stdout
+    assert_same_picture(job / "pictures/small.exr", finished_job[1])
+
+
+def test_parts_that_a_process_leaves_are_tried_alone(job, capsys):
+    from petzval.farm import local
+    from petzval.farm.job import load
+
+    lose(job, 1, 2)
+    loaded, tries = load(job), Counter()
+    # It was killed at part 1: neither the part before, which is finished, nor the one behind has had a try that failed.
+    for _ in range(local.TRIES - 1):
+        assert local._left(loaded, [0, 1, 2], -9, tries) == [[1], [2]]
+    assert local._left(loaded, [1], -9, tries) == []
+    assert "part 1: given up after 3 tries, with status -9" in capsys.readouterr().err
+    assert local._left(loaded, [1, 2], 1, tries) == [[2]] and local._left(loaded, [2], 0, tries) == []
+    # In a row, the first being the largest.
+    assert local._dealt(loaded, [0, 1, 2], 1) == [[0, 1, 2]] and local._dealt(loaded, [0, 1, 2], 9) == [[0], [1], [2]]
+    assert local._dealt(loaded, [0, 1, 2], 2) == [[0], [1, 2]] and local._dealt(loaded, [], 2) == []
 
 
 def test_dask(job, finished_job, petzval_cli):

@@ -5,10 +5,13 @@ folder."""
 from __future__ import annotations
 
 import json
+import os
+import resource
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 import zlib
 
@@ -45,6 +48,7 @@ DAMAGES = {
     "another part": (lambda job, film: (job / "parts/0002.film").read_bytes(), "it is of another part of the picture"),
     "another picture": (lambda job, film: with_header(film, lambda h: h.replace(h[-20:-12], b"01234567")), "another picture"),
     "another version": (lambda job, film: with_header(film, lambda h: h.replace(b"0.1.0", b"0.0.9")), "another version"),
+    "an older layout": (lambda job, film: film[:15] + b"4" + film[16:], "another version of Petzval"),
     "unfinished": (lambda job, film: with_header(film, lambda h: h[:-1] + b"\0"), "it is not finished"),
 }  # fmt: skip
 
@@ -147,23 +151,130 @@ def start(*words, **more) -> subprocess.Popen:
     )
 
 
-def test_a_full_disk_is_tried_again(job, petzval_cli, finished_job):
-    """A limit on the size of files stands for the disk."""
-    import resource
-
-    for file in (job / "parts").glob("0001.*"):
-        file.unlink()
+def full(most_bytes: int):
+    """A limit on the size of files stands for a full disk."""
 
     def limit():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
 
-    part = start("part", job, "1", preexec_fn=limit)
+    return limit
+
+
+def test_a_full_disk_is_tried_again(job, petzval_cli, finished_job):
+    for file in (job / "parts").glob("0001.*"):
+        file.unlink()
+    part = start("part", job, "1", preexec_fn=full(4_000))
     _, said = part.communicate(timeout=120)
     assert part.returncode == 75 and "cannot write" in said and FILM in said, said
     assert not [file for file in (job / "parts").iterdir() if file.name.startswith(("0001", "."))]
     assert petzval_cli("farm", "part", job, "1").returncode == 0
     assert (job / FILM).read_bytes()[-4:] != b""
+
+
+def test_a_full_disk_leaves_the_picture_before(job, petzval_cli, finished_job):
+    picture = job / "pictures/small.exr"
+    picture.parent.mkdir(exist_ok=True)
+    picture.write_bytes(b"the one before")
+    merge = start("merge", job, "--again", preexec_fn=full(4_000))
+    _, said = merge.communicate(timeout=120)
+    assert merge.returncode == 1 and "cannot write" in said and picture.name in said, said
+    assert picture.read_bytes() == b"the one before" and [one.name for one in picture.parent.iterdir()] == [
+        picture.name
+    ]
+    assert len(list((job / "parts").glob("*.json"))) == 3
+    assert petzval_cli("farm", "merge", job).returncode == 0
+    assert_same_picture(picture, finished_job[1])
+
+
+def test_a_full_disk_leaves_no_job(farm_scenes_folder, tmp_path):
+    new = tmp_path / "new"
+    plan = start("plan", farm_scenes_folder / "small.blend", "-o", new, preexec_fn=full(10_000))
+    _, said = plan.communicate(timeout=120)
+    assert plan.returncode == 1 and "cannot pack" in said and not new.exists(), said
+
+
+def test_a_wrong_clock_changes_nothing(job, finished_job, petzval_cli):
+    """Machines whose clocks are decades off: a part that seems older than the picture is joined all the same, and is not joined twice."""
+    marker, picture = job / "parts/0001.json", job / "pictures/small.exr"
+    told = marker.read_bytes()
+    marker.unlink()
+    for number, file in enumerate(sorted(file for file in job.rglob("*") if file.is_file())):
+        os.utime(file, (moment := 4e9 * (number % 2), moment))
+    assert petzval_cli("farm", "merge", job).returncode == 75
+    marker.write_bytes(told)
+    os.utime(marker, (1.0, 1.0))
+    assert petzval_cli("farm", "merge", job).returncode == 0
+    assert_same_picture(picture, finished_job[1])
+    before = picture.stat().st_mtime_ns
+    assert petzval_cli("farm", "merge", job).returncode == 0 and picture.stat().st_mtime_ns == before
+
+
+def test_a_slow_folder_shows_a_film_after_its_marker(job, finished_job, petzval_cli):
+    film, away = job / FILM, job.parent / "not seen yet"
+    whole = film.read_bytes()
+    for there in (None, whole[: len(whole) // 2]):
+        film.rename(away)
+        if there is not None:
+            film.write_bytes(there)
+        done = petzval_cli("farm", "status", job)
+        assert done.returncode == 75 and f"petzval farm part {job} 1" in done.stderr, done.stderr
+        away.rename(film)
+    # What was seen late is not rendered again.
+    assert petzval_cli("farm", "merge", job).returncode == 0
+    assert_same_picture(job / "pictures/small.exr", finished_job[1])
+
+
+def test_a_slow_folder_shows_half_of_an_agreement(blender, parts, tmp_path):
+    """The first part's word on the scene, before it is whole; and one that never becomes it."""
+    shares = __import__("petzval_addon.render.shares", fromlist=["agree"])
+    loop = __import__("petzval_addon.render.loop", fromlist=["Share"])
+    errors = __import__("petzval_addon.export.errors", fromlist=["ExportError"])
+    stereo = __import__("petzval_addon.export.stereo", fromlist=["ONLY"])
+    parts.set_up()
+    depsgraph = blender.context.evaluated_depsgraph_get()
+
+    class Found:
+        def pieces(self):
+            return {"mesh 0 'Wall'": "01"}
+
+    def agree(fingerprint: str) -> None:
+        shares.agree(loop.Share(agreement=str(file)), Found(), fingerprint, depsgraph, stereo.ONLY)
+
+    file = tmp_path / "still.scene"
+    agree("one")
+    whole = file.read_text()
+    for first in ("one", "two"):
+        file.write_text(whole[:20])
+        later = threading.Timer(0.4, file.write_text, [whole])
+        later.start()
+        if first == "one":
+            agree("one")
+        else:
+            with pytest.raises(errors.ExportError, match="the scene is not the one of the parts before"):
+                agree("two")
+        later.join()
+    file.write_text(whole[:20])
+    agree("two")
+    assert json.loads(file.read_text())["fingerprint"] == "two" and (tmp_path / "still.scene.damaged").exists()
+
+
+def test_a_folder_that_knows_no_case(job, blender, parts, tmp_path, petzval_cli):
+    """No two names of a job's folder are one where upper and lower case are the same; what would be is refused."""
+    assert petzval_cli("farm", "merge", job).returncode == 0
+    names = [str(file.relative_to(job)) for file in job.rglob("*")]
+    assert len({name.casefold() for name in names}) == len(names) > 10
+    parts.set_up()
+    for name in ("Wall.png", "wall.png"):
+        image = blender.data.images.new(name, 4, 4)
+        image.filepath_raw, image.file_format, image.use_fake_user = str(tmp_path / name), "PNG", True
+        image.save()
+    if len(list(tmp_path.glob("*.png"))) < 2:
+        pytest.skip("this folder knows no case itself")
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "two.blend"))
+    done = petzval_cli("farm", "plan", tmp_path / "two.blend", "-o", tmp_path / "new")
+    assert done.returncode == 1 and "differ by upper and lower case alone" in done.stderr, done.stderr
+    assert not (tmp_path / "new").exists()
 
 
 def test_a_part_twice_at_once(job, finished_job, petzval_cli):

@@ -116,6 +116,68 @@ def many(commands: list[list[str]], folder: Path, timeout_s: float = 300.0) -> l
     return done
 
 
+#: The same for commands that come one by one, while a test looks at what they have done: a line of words in, a line with the status out.
+WAITING = """
+import json, os, sys
+from petzval import cli, render_in_blender
+
+class Ended(Exception):
+    pass
+
+def end(status):
+    raise Ended(status)
+
+render_in_blender.finish = end
+answers = os.fdopen(os.dup(1), "w", buffering=1)
+while asked := sys.stdin.readline():
+    argv, files = json.loads(asked)
+    for stream, name in enumerate(files, 1):
+        file = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(file, stream)
+        os.close(file)
+    try:
+        status = cli.run_command(argv)
+    except Ended as ended:
+        status = ended.args[0]
+    except SystemExit as ended:
+        status = ended.code
+    sys.stdout.flush()
+    print(status, file=answers)
+os._exit(0)
+"""
+
+
+class Waiting:
+    """A process that runs commands one by one, with one start of Blender."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder, self._count = folder, 0
+        self._process: subprocess.Popen[str] | None = None
+
+    def run(self, *words: object) -> Done:
+        """What came of `petzval WORDS`. A command that takes the process with it has its status."""
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", WAITING], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                text=True, cwd=ROOT,
+            )  # fmt: skip
+        self._count += 1
+        files = [self._folder / f"{self._count}.{name}" for name in ("out", "err")]
+        self._process.stdin.write(json.dumps([[str(word) for word in words], [str(file) for file in files]]) + "\n")
+        self._process.stdin.flush()
+        answer = self._process.stdout.readline()
+        status = int(answer) if answer else self._process.wait(timeout=30) or -1
+        if not answer:
+            self._process = None
+        return Done(status, *(file.read_text(errors="replace") if file.exists() else "" for file in files))
+
+    def end(self) -> None:
+        """Ends the process."""
+        if self._process is not None:
+            self._process.stdin.close()
+            self._process.wait(timeout=30)
+
+
 @dataclass
 class Render(Done):
     """And of a render."""

@@ -77,6 +77,7 @@ pub fn merge(files: &[PathBuf], output: &Path, memory_bytes: u64) -> Result<Merg
     let ranges: Vec<_> = parts.iter().flat_map(|part| part.ranges.clone()).collect();
     let is_known = parts.iter().all(|part| !part.ranges.is_empty());
     parts[0].tell(even, if is_known { &ranges } else { &[] });
+    parts[0].tell_view();
     write(&parts[0], output)?;
     Ok(Merged { samples, is_exact })
 }
@@ -115,6 +116,11 @@ fn check(parts: &[PicturePart]) -> Result<(), MergeError> {
             let (with, without) = if own.contains(*name) { (part, first) } else { (first, part) };
             let (with, without) = (with.file.display(), without.file.display());
             return Err(unlike(format!("the channel {name} is in {with}, not in {without}")));
+        }
+        if let (Some(view), Some(other)) = (&part.view, &first.view)
+            && view != other
+        {
+            return Err(unlike(format!("it is the view '{view}', and {} is the view '{other}'", first.file.display())));
         }
         if let Some(what) = difference(first, part) {
             return Err(unlike(what));

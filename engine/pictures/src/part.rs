@@ -17,6 +17,9 @@ const RANGES: &str = "petzval/ranges";
 /// Attribute: what decides the picture, whichever of its samples are taken: NAME=VALUE, more of them with "; " between.
 const PICTURE: &str = "petzval/picture";
 
+/// Attribute: the checksum of a view's red, behind it the view's name, then its view layer's. A file of one view has those of all.
+const VIEW: &str = "petzval/view/";
+
 /// A picture as it is read.
 pub(crate) type Picture = Image<Layers<AnyChannels<FlatSamples>>>;
 
@@ -34,6 +37,8 @@ pub(crate) struct PicturePart {
     pub(crate) ranges: Vec<(u64, u64, u64)>,
     /// The values that decide the picture, by name; empty where the file does not say them.
     pub(crate) picture_of: BTreeMap<String, String>,
+    /// The view in stereo that it is of, where it has one alone and says which.
+    pub(crate) view: Option<String>,
 }
 
 impl PicturePart {
@@ -70,7 +75,37 @@ impl PicturePart {
         let ranges = text(RANGES).map_or_else(Vec::new, |text| text.split_whitespace().filter_map(range).collect());
         let named = |text: &str| text.split_once('=').map(|(name, value)| (name.to_owned(), value.to_owned()));
         let picture_of = text(PICTURE).map_or_else(BTreeMap::new, |text| text.split("; ").filter_map(named).collect());
-        Ok((Self { file: file.to_owned(), picture, places, view_layers, samples, ranges, picture_of }, bytes))
+        let (file, view) = (file.to_owned(), None);
+        let mut part = Self { file, picture, places, view_layers, samples, ranges, picture_of, view };
+        part.view = part.find_view();
+        Ok((part, bytes))
+    }
+
+    /// The view whose red the file has, by the attributes; `None` where none or several have it.
+    fn find_view(&self) -> Option<String> {
+        let told = self.attributes().filter_map(|(name, value)| match value {
+            AttributeValue::Text(text) => Some((name.to_string().strip_prefix(VIEW)?.to_owned(), text.to_string())),
+            _ => None,
+        });
+        let told: BTreeMap<String, String> = told.collect();
+        let mut views = told.iter().filter_map(|(name, checksum)| {
+            let (view, layer) = name.split_once('/')?;
+            (self.checksum(layer)? == *checksum).then_some(view)
+        });
+        let first = views.next()?;
+        views.all(|view| view == first).then(|| first.to_owned())
+    }
+
+    fn attributes(&self) -> impl Iterator<Item = (&Text, &AttributeValue)> {
+        let of_layers = self.picture.layer_data.iter().flat_map(|layer| &layer.attributes.other);
+        of_layers.chain(&self.picture.attributes.other)
+    }
+
+    /// The checksum of the red of a view layer, row by row from above; `None` where it is not there, or in several views.
+    fn checksum(&self, layer: &str) -> Option<String> {
+        let red = self.channel(&format!("{layer}.Combined.R")).or_else(|| self.channel("R"))?;
+        let bytes: Vec<u8> = red.iter().flat_map(|value| value.to_le_bytes()).collect();
+        Some(format!("{:08x}", crc32fast::hash(&bytes)))
     }
 
     /// Whole names of all channels.
@@ -136,6 +171,23 @@ impl PicturePart {
                 layer.attributes.other.remove(&name);
                 if let Some(value) = &value {
                     layer.attributes.other.insert(name.clone(), AttributeValue::Text(value.as_str().into()));
+                }
+            }
+        }
+    }
+
+    /// Puts the checksums of the pixels that are there now in place of those of before, for the view that it is of.
+    pub(crate) fn tell_view(&mut self) {
+        let Some(view) = &self.view else { return };
+        let own = format!("{VIEW}{view}/");
+        let names: Vec<Text> = self.attributes().map(|(name, _)| name.clone()).collect();
+        for name in names {
+            let checksum = name.to_string().strip_prefix(&own).and_then(|layer| self.checksum(layer));
+            let Some(checksum) = checksum else { continue };
+            let of_layers = self.picture.layer_data.iter_mut().map(|layer| &mut layer.attributes.other);
+            for attributes in of_layers.chain([&mut self.picture.attributes.other]) {
+                if let Some(told) = attributes.get_mut(&name) {
+                    *told = AttributeValue::Text(checksum.as_str().into());
                 }
             }
         }

@@ -16,8 +16,8 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     farm = subparsers.add_parser("farm", help="one picture on many machines", allow_abbrev=False)
     actions = farm.add_subparsers(dest="action", metavar="ACTION", required=True)
     _add_plan(actions)
-    p = _with_job(actions.add_parser("part", help="render one part of a job", allow_abbrev=False))
-    p.add_argument("part", type=types.natural, metavar="K", help="its number, from 0")
+    p = _with_job(actions.add_parser("part", help="render parts of a job", allow_abbrev=False))
+    p.add_argument("parts", type=types.natural, nargs="+", metavar="K", help="their numbers, from 0")
     p.add_argument("--again", action="store_true", help="also where it is finished")
     p.add_argument("--checkpoint-every", type=types.positive, metavar="S", help="seconds; default: 8, and the writing")
     _add_machine(p)
@@ -95,7 +95,7 @@ def run(a: argparse.Namespace) -> int:
         from .farm import part
 
         status = part.render(
-            Path(a.job), a.part, blender=a.blender, threads=a.threads, again=a.again, every_s=a.checkpoint_every
+            Path(a.job), a.parts, blender=a.blender, threads=a.threads, again=a.again, every_s=a.checkpoint_every
         )
     elif a.action == "merge":
         from .farm import merging

@@ -136,7 +136,7 @@ impl Job {
 
     fn image<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let (width, height) = self.job.film().size();
-        let pixels = without_gil(py, || self.job.picture())?;
+        let pixels = without_gil(py, || self.job.on_threads(|| self.job.picture()))?;
         array(py, pixels, width, height)
     }
 
@@ -169,7 +169,7 @@ impl Job {
                 return Err(invalid(format!("there is no pass '{other}'; use {names}")));
             }
         };
-        let flat = PyArray1::from_vec(py, without_gil(py, || self.job.data(pass))?);
+        let flat = PyArray1::from_vec(py, without_gil(py, || self.job.on_threads(|| self.job.data(pass)))?);
         Ok(flat.reshape([height as usize, width as usize, channels])?)
     }
 
@@ -178,7 +178,7 @@ impl Job {
         let film = self.job.film();
         let (width, height) = film.size();
         let channels = 4 * film.mattes().passes();
-        let flat = PyArray1::from_vec(py, without_gil(py, || self.job.matte(layer))?);
+        let flat = PyArray1::from_vec(py, without_gil(py, || self.job.on_threads(|| self.job.matte(layer)))?);
         Ok(flat.reshape([height as usize, width as usize, channels])?)
     }
 
@@ -187,7 +187,7 @@ impl Job {
         let group = number.checked_sub(1).and_then(|place| film.groups().get(place));
         let group = group.ok_or_else(|| invalid(format!("there is no light group of number {number}")))?;
         let (width, height) = film.size();
-        let pixels = without_gil(py, || group.picture())?;
+        let pixels = without_gil(py, || self.job.on_threads(|| group.picture()))?;
         array(py, pixels, width, height)
     }
 
@@ -195,13 +195,13 @@ impl Job {
         let layer = matte_layer(layer)?;
         let film = self.job.film();
         let (width, height) = film.size();
-        let flat = PyArray1::from_vec(py, without_gil(py, || film.most_seen(layer))?);
+        let flat = PyArray1::from_vec(py, without_gil(py, || self.job.on_threads(|| film.most_seen(layer)))?);
         Ok(flat.reshape([height as usize, width as usize, 1])?)
     }
 
     fn part<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let asked = part(name)?;
-        let pixels = without_gil(py, || self.job.part(asked))?;
+        let pixels = without_gil(py, || self.job.on_threads(|| self.job.part(asked)))?;
         let pixels = pixels.ok_or_else(|| invalid(format!("'{name}' is not kept")))?;
         self.array_of_three(py, pixels)
     }
@@ -261,7 +261,7 @@ impl Job {
 
     fn noisy_image<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let (width, height) = self.job.film().size();
-        let pixels = without_gil(py, || self.job.noisy_picture())?;
+        let pixels = without_gil(py, || self.job.on_threads(|| self.job.noisy_picture()))?;
         array(py, pixels, width, height)
     }
 

@@ -26,7 +26,7 @@ use crate::camera::lens::real_lens::RealLens;
 use crate::camera::shutter::Exposure;
 use crate::camera::{Camera, CameraDescription};
 use crate::film::cryptomatte::{MatteLayer, Mattes};
-use crate::film::data::{DataPass, DataSums, FARTHEST, VectorSums};
+use crate::film::data::{DataPass, FARTHEST, VectorSums};
 use crate::film::{Film, FilmChannels, TilePixels};
 use crate::integrator::aimed::AimedLights;
 use crate::integrator::path::parts::Parts;
@@ -41,7 +41,8 @@ use crate::sampler::{PathSampler, raster::Raster, warp::PixelFilter};
 use crate::stray::StrayLight;
 use adaptive::Adaptive;
 use checkpoint::{Checkpoints, Keeper, Kept, OwnFile};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 pub use report::RenderReport;
 pub use settings::{MIN_SAMPLES, Settings, SettingsError};
 use share::Share;
@@ -272,18 +273,20 @@ impl Job {
     /// A pass of data as it is now, its channels pixel by pixel, rows from below.
     pub fn data(&self, pass: DataPass) -> Vec<f32> {
         let origin = self.shared.stage.scene.origin.as_vec3();
-        let sums = self.shared.film.data();
-        let surfaces = sums.iter().map(DataSums::mean);
+        let film = &self.shared.film;
+        let surfaces = || film.data().into_par_iter().map(|sums| sums.mean());
+        let of_three = |surface: &(dyn Fn((Vec3, Vec3)) -> Vec3 + Sync)| {
+            let values: Vec<_> = surfaces().map(|s| s.map_or([0.0; 3], |found| surface(found).to_array())).collect();
+            values.into_flattened()
+        };
         match pass {
             DataPass::Depth => {
-                surfaces.map(|s| s.map_or(FARTHEST, |(position, _)| self.camera().depth(position))).collect()
+                surfaces().map(|s| s.map_or(FARTHEST, |(position, _)| self.camera().depth(position))).collect()
             }
-            DataPass::Position => {
-                surfaces.flat_map(|s| s.map_or([0.0; 3], |(position, _)| (position + origin).to_array())).collect()
-            }
-            DataPass::Samples => self.shared.film.sample_counts().into_iter().map(|n| n as f32).collect(),
-            DataPass::Vector => self.shared.film.vectors().iter().flat_map(VectorSums::mean).collect(),
-            DataPass::Normal => surfaces.flat_map(|s| s.map_or([0.0; 3], |(_, normal)| normal.to_array())).collect(),
+            DataPass::Position => of_three(&|(position, _)| position + origin),
+            DataPass::Samples => film.sample_counts().into_iter().map(|n| n as f32).collect(),
+            DataPass::Vector => film.vectors().par_iter().map(VectorSums::mean).collect::<Vec<_>>().into_flattened(),
+            DataPass::Normal => of_three(&|(_, normal)| normal),
         }
     }
 
@@ -371,6 +374,7 @@ impl Shared {
         let window = settings.window.filter(|_| !is_bidirectional);
         let tiles = film.tiles_about(window.unwrap_or([0, 0, width, height]), spreads);
         let (own, own_pixels) = share::own(beside.share, &film, &tiles);
+        let film = if own.is_empty() { film.for_joining(spreads) } else { film };
         let mut shared = Self {
             tiles,
             share: beside.share,

@@ -115,6 +115,32 @@ fn parts_of_other_pictures_are_refused() {
     assert!(said("").unwrap_err().contains("does not say of which picture it is"));
 }
 
+/// The files of two eyes have the metadata of both; their pixels say which is which, also once they are joined.
+#[test]
+fn views_are_not_joined_with_others() {
+    let folder = Folder::new("views");
+    let checksum = |red: [f32; 2]| format!("{:08x}", crc32fast::hash(red.map(f32::to_le_bytes).as_flattened()));
+    let (left, right) = ([1.0, 2.0], [1.5, 2.0]);
+    let of = |name: &str, red: [f32; 2]| {
+        let told = [checksum(left), checksum(right)];
+        let attributes = [
+            ("petzval/samples", "4"),
+            ("petzval/view/left/View Layer", told[0].as_str()),
+            ("petzval/view/right/View Layer", told[1].as_str()),
+        ];
+        folder.picture(name, &[("View Layer.Combined.R", red)], &attributes)
+    };
+    let [a, b, c] = [("a.exr", left), ("b.exr", right), ("c.exr", left)].map(|(name, red)| of(name, red));
+    let out = folder.0.join("out.exr");
+    let said = merge(&[a.clone(), b.clone()], &out, u64::MAX).unwrap_err().to_string();
+    assert!(said.contains("b.exr: it is the view 'right', and") && said.contains("a.exr is the view 'left'"), "{said}");
+    // Pixels that are of no view, as a program may have changed them, say nothing.
+    assert!(merge(&[of("d.exr", [3.0, 1.0]), b.clone()], &out, u64::MAX).is_ok());
+    assert!(merge(&[a, c], &out, u64::MAX).is_ok());
+    let said = merge(&[out.clone(), b], &folder.0.join("more.exr"), u64::MAX).unwrap_err().to_string();
+    assert!(said.contains("is the view 'left'"), "{said}");
+}
+
 /// A header may claim any number of pixels: what does not fit is refused before it is read.
 #[test]
 fn pictures_that_do_not_fit_are_refused() {

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -11,6 +13,9 @@ from petzval import atomic_files
 from petzval import render_in_blender as rendering
 from petzval.errors import TryAgain
 from petzval.farm import packing, sizes
+
+#: Objects that a warning names.
+_MOST_NAMED = 5
 
 
 def run(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> str | None:
@@ -38,7 +43,7 @@ def _pack(scene: Any, options: dict[str, Any], addon: Any, _: TextIO) -> dict[st
     # What the options have set is no part of the file.
     bpy.ops.wm.open_mainfile(filepath=options["scene"], load_ui=False, use_scripts=False)
     is_moving = bool(options["frames"])
-    warnings = [*_random_textures(bpy), *(_unbaked(bpy) if is_moving else ())]
+    warnings = [*_random_textures(bpy), *_bevels(bpy), *(_unbaked(bpy) if is_moving else ())]
     packer = packing.Packer(bpy, options["scene"])
     try:
         main, files = packer.pack(Path(options["farm"]["target"]))
@@ -60,6 +65,18 @@ def _random_textures(bpy: Any) -> list[str]:
         f"texture '{one.name}' is of type Noise, which is random in each process: where a modifier uses it, parts are not of one scene"
         for one in bpy.data.textures
         if one.type == "NOISE"
+    ]
+
+
+def _bevels(bpy: Any) -> list[str]:
+    """A warning of objects whose meshes Blender makes anew in each process: its Bevel goes by addresses of memory."""
+    names = [f"'{one.name}'" for one in bpy.data.objects if any(made.type == "BEVEL" for made in one.modifiers)]
+    if not names:
+        return []
+    more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+    return [
+        f"the modifier Bevel of {', '.join(names[:_MOST_NAMED])}{more} may make other corners in each process: where a part is refused for it, "
+        f"apply the modifier and plan again"
     ]
 
 
@@ -97,45 +114,94 @@ def _about(scene: Any, addon: Any) -> dict[str, Any]:
 
 
 def _part(scene: Any, options: dict[str, Any], addon: Any, _: TextIO) -> dict[str, Any] | str:
-    """Renders a part of a frame into its film."""
-    asked, watch = options["farm"], addon.render.loop.WATCH
-    wrong = _ready(scene, options, addon, {"frame": asked["frame"]})
-    if wrong:
-        return wrong
-    watch.checkpoint = asked["checkpoint"]
-    watch.written_checkpoints.clear()
-    share = addon.render.loop.Share(slots=tuple(asked["slots"]), film=asked["film"], agreement=asked["agreement"])
-    watch.share = share
+    """Renders parts into their films, frame by frame. Each has its marker once its films are there, whatever becomes of those behind it."""
+    watch = addon.render.loop.WATCH
+    for frame in options["farm"]["frames"]:
+        wrong = _ready(scene, options, addon, {"frame": frame["frame"]})
+        if wrong:
+            return wrong
+        # A checkpoint of each part's own.
+        watch.checkpoint = ""
+        asked = [
+            (one, addon.render.loop.Part(tuple(one["slots"]), one["film"], one["checkpoint"])) for one in frame["parts"]
+        ]
+        share = addon.render.loop.Share([part for _, part in asked], agreement=frame["agreement"])
+        wrong = _render_parts(scene, options, addon, share, {id(part): one for one, part in asked})
+        if wrong:
+            return wrong
+    return {}
+
+
+def _render_parts(
+    scene: Any, options: dict[str, Any], addon: Any, share: Any, asked: dict[int, dict[str, Any]]
+) -> str | None:
+    """Renders the parts of a frame; the error, if any."""
+    watch, most = addon.render.loop.WATCH, options["farm"]["most_seconds"]
+    watch.share, done, unwritten = share, set(), []
     late = threading.Event()
+
+    def finished(part: Any) -> None:
+        one = asked[id(part)]
+        films = {Path(film).name: Path(film).stat().st_size for film in part.written}
+        told = {"part": one["number"], "films": films, "seconds": round(part.seconds, 3)}
+        try:
+            atomic_files.write_json(Path(one["marker"]), told)
+        except OSError as failed:
+            unwritten.append(f"cannot write {one['marker']}: {failed.strerror or failed}")
+            watch.stop.set()
+            return
+        done.add(id(part))
+        for checkpoint in part.checkpoints:
+            checkpoint.delete()
+        print(f"part {one['number']}: finished in {part.seconds:.1f} s", flush=True)
+
+    with _clock(most, watch, late) as begin:
+        share.begun, share.finished = begin, finished
+        addon.render.statistics.forget()
+        problem = rendering.take(scene, watch, writes=False)
+    if problem is None and not watch.stop.is_set() and not share.problem:
+        for part in share.parts:
+            if part.written and id(part) not in done:
+                finished(part)
+    if share.problem or unwritten:
+        raise TryAgain(f"{share.problem or unwritten[0]}: is there room, and may you write there")
+    if len(done) == len(share.parts):
+        return None
+    if late.is_set():
+        raise TryAgain(f"the part takes longer than {most:g} s: it is kept, and goes on where it was at the next try")
+    if problem is not None:
+        return problem
+    if watch.stop.is_set():
+        raise KeyboardInterrupt
+    return "nothing was rendered: look at what Blender said"
+
+
+@contextlib.contextmanager
+def _clock(most_seconds: float | None, watch: Any, late: threading.Event) -> Iterator[Any]:
+    """Gives a function that is told of each part that begins: one that takes longer is stopped."""
+    clock: threading.Timer | None = None
 
     def stop() -> None:
         late.set()
         watch.stop.set()
 
-    clock = threading.Timer(asked["most_seconds"], stop) if asked["most_seconds"] else None
-    if clock is not None:
-        clock.daemon = True
-        clock.start()
-    addon.render.statistics.forget()
-    problem = rendering.take(scene, watch, writes=False)
-    if clock is not None:
-        clock.cancel()
-    if share.problem:
-        raise TryAgain(f"{share.problem}: is there room, and may you write there")
-    if late.is_set() and not share.written:
-        raise TryAgain(
-            f"the part takes longer than {asked['most_seconds']:g} s: it is kept, and goes on where it was at the next try"
-        )
-    if problem is not None:
-        return problem
-    last = addon.render.statistics.last(scene.name)
-    if watch.stop.is_set():
-        raise KeyboardInterrupt
-    if last is None or not share.written:
-        return "nothing was rendered: look at what Blender said"
-    for checkpoint in watch.written_checkpoints:
-        checkpoint.delete()
-    return {"films": share.written, "stats": last.stats, "warnings": last.warnings}
+    def end() -> None:
+        if clock is not None:
+            clock.cancel()
+
+    def begin(part: Any) -> None:
+        nonlocal clock
+        end()
+        if most_seconds:
+            # View layers before have had their time.
+            clock = threading.Timer(max(most_seconds - part.seconds, 0.0), stop)
+            clock.daemon = True
+            clock.start()
+
+    try:
+        yield begin
+    finally:
+        end()
 
 
 def _merge(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> dict[str, Any] | str:
@@ -147,9 +213,7 @@ def _merge(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> di
             return wrong
         watch.checkpoint = ""
         joined = [(part, film, tuple(slots)) for part, film, slots in frame["parts"]]
-        share = addon.render.loop.Share(
-            (0, 0, 1), agreement=frame["agreement"], joined=joined, is_whole=frame["is_whole"]
-        )
+        share = addon.render.loop.Share(agreement=frame["agreement"], joined=joined, is_whole=frame["is_whole"])
         watch.share = share
         addon.render.statistics.forget()
         output = Path(frame["picture"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval farm run --local N`: the parts of a job in processes of this machine, N at a time, then the merge."""
+"""`petzval farm run --local N`: the parts of a job in N processes of this machine, then the merge."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections import deque
+from collections import Counter, deque
 from pathlib import Path
 
 from ..errors import AGAIN, complain
@@ -38,32 +38,52 @@ def run(folder: Path, workers: int, *, blender: str | None, threads: int | None)
     job = jobs.load(folder)
     if threads is None and workers > 1:
         threads = max((os.cpu_count() or 1) // workers, 1)
-    due = deque((number, 1) for number in range(len(job.parts)) if not job.is_done(number))
-    under_way: dict[int, tuple[subprocess.Popen[bytes], int]] = {}
+    due = deque(_dealt(job, [number for number in range(len(job.parts)) if not job.is_done(number)], workers))
+    tries: Counter[int] = Counter()
+    under_way: list[tuple[subprocess.Popen[bytes], list[int]]] = []
     asked = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: asked.set())
     while (due or under_way) and not asked.is_set():
         while due and len(under_way) < workers:
-            part, tries = due.popleft()
-            own = command(folder, "part", str(part), blender=blender, threads=threads)
+            parts = due.popleft()
+            own = command(folder, "part", *map(str, parts), blender=blender, threads=threads)
             # A session of its own: Ctrl-C is handed on below, once.
-            under_way[part] = (subprocess.Popen(own, stdin=subprocess.DEVNULL, start_new_session=True), tries)
-        for part, (process, tries) in list(under_way.items()):
-            status = process.poll()
-            if status is None:
-                continue
-            del under_way[part]
-            if status and may_try_again(status) and tries < TRIES:
-                due.append((part, tries + 1))
-            elif status:
-                complain(f"part {part}: given up after {tries} tries, with status {status}")
+            under_way.append((subprocess.Popen(own, stdin=subprocess.DEVNULL, start_new_session=True), parts))
+        for one in [one for one in under_way if one[0].poll() is not None]:
+            under_way.remove(one)
+            due.extend(_left(job, one[1], one[0].returncode, tries))
         asked.wait(_POLL_S)
     if asked.is_set():
-        _end([process for process, _ in under_way.values()])
+        _end([process for process, _ in under_way])
         complain("broken off: the same command goes on from there")
         return _INTERRUPTED
     return subprocess.run(command(folder, "merge", blender=blender), stdin=subprocess.DEVNULL, check=False).returncode
+
+
+def _dealt(job: jobs.Job, parts: list[int], workers: int) -> list[list[int]]:
+    """Parts in a row for each worker, about the same work for all: a worker starts Blender once, and reads the scene of a frame once."""
+    work = [end - first for first, end, _ in map(job.slots_of, parts)]
+    hands: list[list[int]] = [[] for _ in range(workers)]
+    done = 0
+    for part, own in zip(parts, work, strict=True):
+        hands[int(workers * (done + 0.5 * own) / sum(work))].append(part)
+        done += own
+    return [hand for hand in hands if hand]
+
+
+def _left(job: jobs.Job, parts: list[int], status: int, tries: Counter[int]) -> list[list[int]]:
+    """Parts that are to be tried again of those that a process took, each by itself: one that ends a process does not end the others' tries."""
+    left = [part for part in parts if not job.is_done(part)]
+    # The first of them is the one that failed; the others have had no try.
+    tries.update(left[:1])
+    again = []
+    for place, part in enumerate(left):
+        if place > 0 or (may_try_again(status) and tries[part] < TRIES):
+            again.append([part])
+        else:
+            complain(f"part {part}: given up after {tries[part]} tries, with status {status}")
+    return again
 
 
 def _end(processes: list[subprocess.Popen[bytes]]) -> None:

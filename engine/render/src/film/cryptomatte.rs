@@ -145,27 +145,39 @@ impl MatteNotes {
 }
 
 /// Number of rays of a pixel that hit a name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Count {
-    pixel: u32,
-    id: u32,
-    rays: u32,
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Count {
+    pub pixel: u32,
+    pub id: u32,
+    pub rays: u32,
 }
 
 /// Sums of a part of the picture.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct MatteSums {
+    #[serde(with = "super::packed")]
     rays: Vec<u32>,
     /// Counts by layer; in the order of pixels, in a pixel in that of ids.
-    counts: Vec<Vec<Count>>,
+    counts: Vec<Counts>,
 }
 
+/// Counts of a layer.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Counts(#[serde(with = "super::packed")] Vec<Count>);
+
 impl MatteSums {
+    /// True if they are sums of so many pixels, or of none, for these mattes.
+    pub(super) fn fits(&self, mattes: &Mattes, pixels: usize) -> bool {
+        let is_empty = self.rays.is_empty() && self.counts.is_empty();
+        let (is_kept, layers) = (!mattes.is_empty(), mattes.layers.len());
+        is_empty || is_kept && self.rays.len() == pixels && self.counts.len() == layers
+    }
+
     pub(super) fn join(&mut self, mattes: &Mattes, notes: &MatteNotes) {
         self.rays.resize(notes.rays.len(), 0);
         self.rays.iter_mut().zip(&notes.rays).for_each(|(sum, add)| *sum += add);
-        self.counts.resize(mattes.layers.len(), Vec::new());
-        for (counts, (layer, table)) in self.counts.iter_mut().zip(&mattes.layers) {
+        self.counts.resize(mattes.layers.len(), Counts::default());
+        for (Counts(counts), (layer, table)) in self.counts.iter_mut().zip(&mattes.layers) {
             let id = |&[pixel, instance, material]: &[u32; 3]| {
                 let is_material = matches!(layer, MatteLayer::Material | MatteLayer::MaterialIndex);
                 let of = if is_material { material } else { instance };
@@ -186,7 +198,7 @@ impl MatteSums {
     /// The id that most of a pixel's rays hit; what hit nothing counts as 0.
     pub(super) fn most_seen(&self, mattes: &Mattes, layer: MatteLayer, pixel: usize) -> u32 {
         let Some((at, _)) = mattes.table(layer) else { return 0 };
-        let (Some(counts), Some(&rays)) = (self.counts.get(at), self.rays.get(pixel)) else { return 0 };
+        let (Some(Counts(counts)), Some(&rays)) = (self.counts.get(at), self.rays.get(pixel)) else { return 0 };
         let start = counts.partition_point(|c| (c.pixel as usize) < pixel);
         let of_pixel = counts[start..].iter().take_while(|c| c.pixel as usize == pixel);
         let met: u32 = of_pixel.clone().map(|c| c.rays).sum();
@@ -197,7 +209,7 @@ impl MatteSums {
 
     /// Ids and coverages of a pixel, strongest first; zero where there are no more.
     fn ranked(&self, layer: usize, pixel: usize, out: &mut [f32]) {
-        let (Some(counts), Some(&rays)) = (self.counts.get(layer), self.rays.get(pixel)) else { return };
+        let (Some(Counts(counts)), Some(&rays)) = (self.counts.get(layer), self.rays.get(pixel)) else { return };
         let start = counts.partition_point(|c| (c.pixel as usize) < pixel);
         let mut of_pixel: Vec<Count> =
             counts[start..].iter().copied().take_while(|c| c.pixel as usize == pixel).collect();
@@ -329,7 +341,7 @@ mod tests {
                 );
             }
             sums.join(&mattes, &notes);
-            assert!(sums.counts[0].len() <= 2 + SPARE);
+            assert!(sums.counts[0].0.len() <= 2 + SPARE);
         }
         assert_eq!(of_pixel(&mattes, &sums, 0), [(1499, 0.5), (1003, 0.3125)]);
     }

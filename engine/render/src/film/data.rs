@@ -7,10 +7,9 @@
 
 use crate::integrator::path::FirstSurface;
 use glam::{Vec3, Vec4};
-use serde::{Deserialize, Serialize};
 
 /// Sums of one pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DataSums {
     /// Rays that got through the lens.
     pub rays: f32,
@@ -48,11 +47,11 @@ impl DataSums {
 }
 
 /// Sums of the ways over the picture of what one pixel sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VectorSums {
     /// Rays whose way is known.
-    rays: f32,
-    sum: Vec4,
+    pub(super) rays: f32,
+    pub(super) sum: Vec4,
 }
 
 impl VectorSums {

@@ -1,6 +1,8 @@
 //! Pixels from sums: the light of the tiles in and about a part of the picture, each divided by its own counts.
 
-use super::{Film, TILE_SIZE, TilePixels, TileRect, cut};
+use super::splats::SplatSums;
+use super::{Film, TILE_SIZE, TilePixels, TileRect, TileSums, cut};
+use rayon::prelude::*;
 use std::collections::HashSet;
 
 /// Light that is kept neither by tile nor divided yet, where counts differ.
@@ -10,6 +12,13 @@ pub(super) struct GatheredLight {
     far: Vec<[f32; 3]>,
     /// Factor of each half's sums of light from anywhere.
     pub scales: [f64; 2],
+}
+
+/// How many samples the tile has that a part of the picture is in, and the divisor of [`Film::sums`].
+#[derive(Clone, Copy)]
+pub(super) struct CountsAbout {
+    pub own: u32,
+    pub divisor: f64,
 }
 
 impl Film {
@@ -30,22 +39,55 @@ impl Film {
     }
 
     /// The part of the picture that a tile is shown with.
-    fn part(&self, tile: TileRect) -> TileRect {
+    pub(super) fn part(&self, tile: TileRect) -> TileRect {
         let (x, y) = (tile.x / TILE_SIZE * TILE_SIZE, tile.y / TILE_SIZE * TILE_SIZE);
         TileRect { x, y, width: TILE_SIZE.min(self.width - x), height: TILE_SIZE.min(self.height - y) }
     }
 
-    /// The whole picture as it is now, rows from below; black where nothing arrived yet.
+    /// The whole picture as it is now, rows from below; black where nothing arrived yet. In parallel on the current rayon pool.
     pub fn picture(&self) -> Vec<[f32; 4]> {
-        let scattered = self.scattered();
-        let mut out = vec![[0.0; 4]; self.width as usize * self.height as usize];
-        for rect in cut(self.width, self.height, TILE_SIZE) {
-            let means = self.means(rect, &scattered);
-            for (row, line) in means.chunks_exact(rect.width as usize).enumerate() {
-                let start = (rect.y as usize + row) * self.width as usize + rect.x as usize;
-                out[start..start + line.len()].copy_from_slice(line);
-            }
+        if let Some(picture) = self.parked_picture() {
+            return picture;
         }
+        let scattered = self.scattered();
+        let width = self.width as usize;
+        let mut out = vec![[0.0; 4]; width * self.height as usize];
+        let rows = out.par_chunks_mut(width * TILE_SIZE as usize).enumerate();
+        rows.for_each(|(row, out)| {
+            let y = row as u32 * TILE_SIZE;
+            for x in (0..self.width).step_by(TILE_SIZE as usize) {
+                let rect = self.part(TileRect { x, y, width: 1, height: 1 });
+                for (line, means) in self.means(rect, &scattered).chunks_exact(rect.width as usize).enumerate() {
+                    out[line * width + x as usize..][..means.len()].copy_from_slice(means);
+                }
+            }
+        });
+        out
+    }
+
+    /// So many numbers of each pixel, pixel by pixel, rows from below: `write` gets the pixel's tile, its place in that tile's lists, and its
+    /// numbers, which are zero. In parallel on the current rayon pool.
+    pub(super) fn of_pixels<T: Copy + Default + Send>(
+        &self,
+        channels: usize,
+        write: impl Fn(&TileSums, usize, &mut [T]) + Sync,
+    ) -> Vec<T> {
+        let (width, side) = (self.width as usize, self.tile_size as usize);
+        let mut out = vec![T::default(); channels * width * self.height as usize];
+        if channels == 0 {
+            return out;
+        }
+        let columns = width.div_ceil(side);
+        out.par_chunks_mut(channels * width * side).enumerate().for_each(|(row, out)| {
+            for &tile in &self.places[row * columns..(row + 1) * columns] {
+                let (rect, sums) = (self.rect(tile), self.tile(tile));
+                for (y, x) in (0..rect.height).flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (y, x))) {
+                    if let Some(at) = sums.light.rect.index(x, rect.y + y) {
+                        write(&sums, at, &mut out[channels * (y as usize * width + x as usize)..][..channels]);
+                    }
+                }
+            }
+        });
         out
     }
 
@@ -86,40 +128,60 @@ impl Film {
     /// have the same count, so that nothing is rounded before the division; else one.
     fn sums(&self, rect: TileRect, scattered: &GatheredLight) -> (Vec<[f64; 4]>, f64) {
         let mut out = vec![[0.0f64; 4]; (rect.width * rect.height) as usize];
+        let counts = self.counts_about(rect, |tile| self.tile(tile).samples);
+        for tile in self.about(rect) {
+            let from = self.tile(tile);
+            if let Some(halves) = &from.halves {
+                for half in halves.iter().filter(|half| half.samples > 0) {
+                    give(from.light.rect, &half.sums, f64::from(half.samples), rect, &mut out);
+                }
+            } else if from.samples > 0 {
+                give(from.light.rect, &from.light.sums, f64::from(from.samples) / counts.divisor, rect, &mut out);
+            }
+        }
+        self.add_scattered_light(rect, counts, &self.far, scattered, &mut out);
+        (out, counts.divisor)
+    }
+
+    /// The tiles in a part of the picture and next to it, row by row from below.
+    pub(super) fn about(&self, rect: TileRect) -> impl Iterator<Item = usize> {
         let columns = self.width.div_ceil(self.tile_size);
         let rows = self.height.div_ceil(self.tile_size);
         let about = |from: u32, size: u32, count: u32| {
             (from / self.tile_size).saturating_sub(1)..((from + size - 1) / self.tile_size + 2).min(count)
         };
-        let about: Vec<usize> = about(rect.y, rect.height, rows)
-            .flat_map(|j| about(rect.x, rect.width, columns).map(move |i| (j, i)))
-            .map(|(j, i)| self.places[(j * columns + i) as usize])
-            .collect();
-        let own =
-            self.tile(self.places[(rect.y / self.tile_size * columns + rect.x / self.tile_size) as usize]).samples;
-        let is_even = !self.keep.halves && own > 0 && about.iter().all(|&tile| self.tile(tile).samples == own);
-        let divisor = if is_even { f64::from(own) } else { 1.0 };
-        for tile in about {
-            let from = self.tile(tile);
-            if let Some(halves) = &from.halves {
-                for half in halves.iter().filter(|half| half.samples > 0) {
-                    let sums = half.sums.iter().map(|sum| sum.map(f64::from));
-                    give(from.light.rect, sums, f64::from(half.samples), rect, &mut out);
-                }
-            } else if from.samples > 0 {
-                let by = f64::from(from.samples) / divisor;
-                give(from.light.rect, from.light.sums.iter().copied(), by, rect, &mut out);
-            }
-        }
+        let across = about(rect.x, rect.width, columns);
+        about(rect.y, rect.height, rows)
+            .flat_map(move |j| across.clone().map(move |i| (j, i)))
+            .map(move |(j, i)| self.places[(j * columns + i) as usize])
+    }
+
+    /// How the light of the tiles about a part of the picture is divided.
+    pub(super) fn counts_about(&self, rect: TileRect, samples: impl Fn(usize) -> u32) -> CountsAbout {
+        let columns = self.width.div_ceil(self.tile_size);
+        let own = samples(self.places[(rect.y / self.tile_size * columns + rect.x / self.tile_size) as usize]);
+        let is_even = !self.keep.halves && own > 0 && self.about(rect).all(|tile| samples(tile) == own);
+        CountsAbout { own, divisor: if is_even { f64::from(own) } else { 1.0 } }
+    }
+
+    /// Adds light that no tile keeps to the sums of a part of the picture, and multiplies by the film's factors.
+    pub(super) fn add_scattered_light(
+        &self,
+        rect: TileRect,
+        counts: CountsAbout,
+        far: &SplatSums,
+        scattered: &GatheredLight,
+        out: &mut [[f64; 4]],
+    ) {
         let number = |i: usize| {
             let (x, y) = (rect.x as usize + i % rect.width as usize, rect.y as usize + i / rect.width as usize);
             y * self.width as usize + x
         };
         // A tile that has not begun is black; how the light that falls there is to be divided is not known yet.
-        if !self.far.is_empty() && own > 0 {
-            let by = f64::from(own) / divisor;
+        if !far.is_empty() && counts.own > 0 {
+            let by = f64::from(counts.own) / counts.divisor;
             for (i, pixel) in out.iter_mut().enumerate() {
-                pixel.iter_mut().zip(self.far.get(number(i))).for_each(|(p, s)| *p += s / by);
+                pixel.iter_mut().zip(far.get(number(i))).for_each(|(p, s)| *p += s / by);
             }
         }
         if !scattered.far.is_empty() {
@@ -136,7 +198,6 @@ impl Film {
             let gain = self.gains.get(number(i)).map_or(1.0, |&gain| f64::from(gain)) * f64::from(self.exposure);
             pixel[..3].iter_mut().for_each(|part| *part *= gain);
         }
-        (out, divisor)
     }
 
     /// The rounding of the picture's numbers: the rest of the sums of its samples, rows from below, by pixel as two numbers of single
@@ -169,11 +230,19 @@ impl Film {
 }
 
 /// Adds what of a tile's light, sums in their own rectangle, falls on `rect` to its pixels, divided.
-fn give(from: TileRect, sums: impl Iterator<Item = [f64; 4]>, by: f64, rect: TileRect, to: &mut [[f64; 4]]) {
-    for (i, sum) in sums.enumerate() {
-        let (x, y) = (from.x + i as u32 % from.width, from.y + i as u32 / from.width);
-        if let Some(pixel) = rect.index(x, y) {
-            to[pixel].iter_mut().zip(sum).for_each(|(to, sum)| *to += sum / by);
+pub(super) fn give<T: Copy>(from: TileRect, sums: &[[T; 4]], by: f64, rect: TileRect, to: &mut [[f64; 4]])
+where
+    f64: From<T>,
+{
+    let (left, right) = (from.x.max(rect.x), (from.x + from.width).min(rect.x + rect.width));
+    for y in from.y.max(rect.y)..(from.y + from.height).min(rect.y + rect.height) {
+        let place = |of: TileRect, x: u32| ((y - of.y) * of.width + x - of.x) as usize;
+        if left >= right {
+            return;
+        }
+        let from = &sums[place(from, left)..][..(right - left) as usize];
+        for (to, sum) in to[place(rect, left)..].iter_mut().zip(from) {
+            to.iter_mut().zip(sum).for_each(|(to, &sum)| *to += f64::from(sum) / by);
         }
     }
 }

@@ -36,7 +36,8 @@ pub fn half_of(x: u32, y: u32) -> usize {
 pub(super) struct Half {
     /// Pixels that start samples.
     pub pixels: u32,
-    /// The sums of radiance and alpha, as in a patch.
+    /// The sums of radiance and alpha, as in a patch; empty before the first batch.
+    #[serde(with = "super::packed")]
     pub sums: Vec<[f32; 4]>,
     /// Colours beyond the patch by number of the pixel in the picture, in rising order.
     pub far: Vec<(u32, [f32; 3])>,
@@ -49,9 +50,10 @@ pub(super) struct Half {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Error {
     /// Q, by pixel of the patch.
+    #[serde(with = "super::packed")]
     squares: Vec<f32>,
     /// S, by pixel of the patch, once there are samples that are not counted.
-    sums: Option<Vec<[f32; 4]>>,
+    sums: Option<Sums>,
     samples: u32,
     batches: u32,
     /// Samples of the largest batch.
@@ -60,22 +62,30 @@ struct Error {
     scattered: [f64; 2],
 }
 
+/// Sums by pixel of a patch.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Sums(#[serde(with = "super::packed")] Vec<[f32; 4]>);
+
 impl Half {
-    pub(super) fn new(pixels: u32, patch_pixels: usize) -> Self {
-        Self {
-            pixels,
-            sums: vec![[0.0; 4]; patch_pixels],
-            far: Vec::new(),
-            samples: 0,
-            error: Error { squares: vec![0.0; patch_pixels], ..Error::default() },
-        }
+    /// One that has no samples yet.
+    pub(super) fn new(pixels: u32) -> Self {
+        Self { pixels, sums: Vec::new(), far: Vec::new(), samples: 0, error: Error::default() }
     }
 
-    /// True if both are of the same tile and film.
-    pub(super) fn is_like(&self, other: &Self) -> bool {
-        self.pixels == other.pixels
-            && self.sums.len() == other.sums.len()
-            && self.error.squares.len() == other.error.squares.len()
+    /// Makes room for the first batch.
+    pub(super) fn begin(&mut self, patch_pixels: usize) {
+        self.sums = vec![[0.0; 4]; patch_pixels];
+        self.error.squares = vec![0.0; patch_pixels];
+    }
+
+    /// True if it is a half of so many pixels, begun, of a tile with a patch of so many, in a picture of so many.
+    pub(super) fn is_of(&self, pixels: u32, patch_pixels: usize, picture_pixels: usize) -> bool {
+        let error = &self.error;
+        self.pixels == pixels
+            && self.sums.len() == patch_pixels
+            && error.squares.len() == patch_pixels
+            && error.sums.as_ref().is_none_or(|sums| sums.0.len() == patch_pixels)
+            && self.far.iter().all(|&(pixel, _)| (pixel as usize) < picture_pixels)
     }
 
     /// Adds a batch: samples for the picture, and others behind them for the error alone, each with how many a pixel. The
@@ -108,7 +118,7 @@ impl Half {
             self.add_far(patch, width);
         }
         if let Some((patch, _)) = beyond {
-            add(self.error.sums.get_or_insert_with(|| self.sums.clone()), &patch.sums);
+            add(&mut self.error.sums.get_or_insert_with(|| Sums(self.sums.clone())).0, &patch.sums);
         }
     }
 
@@ -135,7 +145,7 @@ impl Half {
             return Some(0.0);
         }
         let error = &self.error;
-        let [r, g, b, _] = error.sums.as_ref().unwrap_or(&self.sums)[i];
+        let &[r, g, b, _] = error.sums.as_ref().map_or(&self.sums, |sums| &sums.0).get(i)?;
         let of_sample = sample_variance(error.squares[i], r * r + g * g + b * b, error.samples, error.largest);
         of_sample.map(|v| v / self.samples as f32)
     }
@@ -148,7 +158,7 @@ impl Half {
             return None;
         }
         let (n, pixels) = (error.samples as f32, self.pixels as f32);
-        let sums = error.sums.as_ref().unwrap_or(&self.sums);
+        let sums = error.sums.as_ref().map_or(&self.sums, |sums| &sums.0);
         let brightness: Vec<f32> = sums.iter().map(|&[r, g, b, _]| exposure * (r + g + b) / n).collect();
         let [squares, scattered] = error.scattered.map(|sum| sum as f32 / (pixels * n));
         let scattered = exposure * scattered;

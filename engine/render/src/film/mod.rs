@@ -13,6 +13,9 @@ mod gather;
 mod groups;
 pub mod halves;
 mod kept;
+mod packed;
+mod parked;
+mod pieces;
 pub mod splats;
 mod variance;
 
@@ -22,7 +25,9 @@ use cryptomatte::{MatteLayer, MatteNotes, MatteSums, Mattes};
 use data::{DataSums, VectorSums};
 use glam::{DVec4, Vec4};
 use halves::{BLOCK_SIZE, BLOCK_SPREAD, Half, half_of};
-pub use kept::{FilmState, NotThisFilm};
+pub use kept::FilmState;
+use parked::Parked;
+pub use pieces::{FilmPiece, KeptFilm, NotThisFilm};
 use serde::{Deserialize, Serialize};
 use splats::SplatSums;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -116,6 +121,7 @@ pub struct TileAccumulator {
     rect: TileRect,
     /// Radiance and alpha by pixel, rows from below. In double precision sums of samples are exact, but for ranges of brightness
     /// beyond 2^29 in one pixel: so they do not depend on how the samples are parted.
+    #[serde(with = "packed")]
     sums: Vec<[f64; 4]>,
     /// Light that fell outside.
     far: Vec<(u32, u32, Rgb)>,
@@ -125,8 +131,10 @@ pub struct TileAccumulator {
     #[serde(skip)]
     aimed: Vec<(u32, u32, Rgb)>,
     /// Data of the surfaces by pixel; empty if not asked for.
+    #[serde(with = "packed")]
     data: Vec<DataSums>,
     /// Motion vectors by pixel; empty if not asked for.
+    #[serde(with = "packed")]
     vectors: Vec<VectorSums>,
     #[serde(skip)]
     mattes: Option<Box<MatteNotes>>,
@@ -139,14 +147,25 @@ impl TileAccumulator {
     fn new(rect: TileRect, keep: &FilmChannels) -> Self {
         let pixels = (rect.width * rect.height) as usize;
         Self {
-            rect,
             sums: vec![[0.0; 4]; pixels],
-            far: Vec::new(),
-            anywhere: keep.halves.then(Vec::new),
-            aimed: Vec::new(),
             data: if keep.surfaces { vec![DataSums::default(); pixels] } else { Vec::new() },
             vectors: if keep.vectors { vec![VectorSums::default(); pixels] } else { Vec::new() },
             mattes: (!keep.mattes.is_empty()).then(|| Box::new(MatteNotes::new(pixels))),
+            ..Self::unbegun(rect, keep)
+        }
+    }
+
+    /// One without room for light.
+    fn unbegun(rect: TileRect, keep: &FilmChannels) -> Self {
+        Self {
+            rect,
+            sums: Vec::new(),
+            far: Vec::new(),
+            anywhere: keep.halves.then(Vec::new),
+            aimed: Vec::new(),
+            data: Vec::new(),
+            vectors: Vec::new(),
+            mattes: None,
             groups: Vec::new(),
         }
     }
@@ -216,7 +235,7 @@ impl TileAccumulator {
     }
 }
 
-/// Sums of one tile.
+/// Sums of one tile. Its lists have no room before the first pass: a machine that renders some tiles of a picture needs that of these alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TileSums {
     light: TileAccumulator,
@@ -261,6 +280,8 @@ pub struct Film {
     /// A further factor for each pixel, rows from below; empty: 1 everywhere.
     gains: Arc<[f32]>,
     groups: Vec<Film>,
+    /// What was joined and waits in its packed form until it is asked for.
+    parked: Option<Parked>,
 }
 
 impl Film {
@@ -292,13 +313,11 @@ impl Film {
             (true, true) => BLOCK_SPREAD,
         };
         let tile = |&place: &usize| {
-            let mut light = TileAccumulator::new(rects[place].grown(margin, width, height), &keep);
-            let halves = keep.halves.then(|| {
-                let pixels = std::mem::take(&mut light.sums).len();
-                Box::new([0, 1].map(|half| Half::new(rects[place].count_of(half) as u32, pixels)))
-            });
+            let light = TileAccumulator::unbegun(rects[place].grown(margin, width, height), &keep);
+            let halves =
+                keep.halves.then(|| Box::new([0, 1].map(|half| Half::new(rects[place].count_of(half) as u32))));
             let mattes = MatteSums::default();
-            let squares = (keep.variance && !keep.halves).then(|| BatchSquares::new(light.sums.len()));
+            let squares = (keep.variance && !keep.halves).then(BatchSquares::new);
             let sums = TileSums { light, mattes, halves, squares, samples: 0, passes: 0, changed: false };
             (rects[place], Mutex::new(sums))
         };
@@ -308,7 +327,8 @@ impl Film {
         let (far, anywhere) = (sums(), [sums(), sums()]);
         let squares = [0, 1].map(|_| SquareSums::new(width as usize * height as usize));
         let (exposure, gains) = (1.0, Arc::default());
-        Self { width, height, tile_size, tiles, places, far, anywhere, squares, keep, exposure, gains, groups }
+        let parked = None;
+        Self { width, height, tile_size, tiles, places, far, anywhere, squares, keep, exposure, gains, groups, parked }
     }
 
     /// This film with all its light multiplied by a factor, that of groups too.
@@ -399,6 +419,7 @@ impl Film {
     }
 
     fn join(&self, sums: &mut TileSums, light: &TileAccumulator, samples: u32) {
+        sums.begin(&self.keep);
         if let Some(squares) = &mut sums.squares {
             squares.add(&light.sums, samples, &sums.light.sums, sums.samples);
         }
@@ -427,6 +448,7 @@ impl Film {
         beyond: Option<(&TileAccumulator, u32)>,
     ) {
         let mut sums = self.tile(tile);
+        sums.begin(&self.keep);
         let Some(halves) = &mut sums.halves else { return };
         halves[half].add(counted, beyond, self.width);
         for (place, group) in self.groups.iter().enumerate() {
@@ -479,24 +501,20 @@ impl Film {
 
     /// The data of the surfaces that each pixel sees, rows from below; zeros if the film was not to keep them.
     pub fn data(&self) -> Vec<DataSums> {
-        let mut out = vec![DataSums::default(); self.width as usize * self.height as usize];
-        self.each_pixel(|tile, at, pixel| {
+        self.of_pixels(1, |tile, at, out| {
             if let Some(sums) = tile.light.data.get(at) {
-                out[pixel] = *sums;
+                out[0] = *sums;
             }
-        });
-        out
+        })
     }
 
     /// The motion vectors of each pixel, rows from below; zeros if the film was not to keep them.
     pub fn vectors(&self) -> Vec<VectorSums> {
-        let mut out = vec![VectorSums::default(); self.width as usize * self.height as usize];
-        self.each_pixel(|tile, at, pixel| {
+        self.of_pixels(1, |tile, at, out| {
             if let Some(sums) = tile.light.vectors.get(at) {
-                out[pixel] = *sums;
+                out[0] = *sums;
             }
-        });
-        out
+        })
     }
 
     /// The mattes that are kept.
@@ -506,37 +524,39 @@ impl Film {
 
     /// A layer of mattes: all of its passes' channels pixel by pixel, rows from below.
     pub fn matte(&self, layer: MatteLayer) -> Vec<f32> {
-        let channels = 4 * self.keep.mattes.passes();
-        let mut out = vec![0.0; channels * self.width as usize * self.height as usize];
-        self.each_pixel(|tile, at, pixel| {
-            self.keep.mattes.write(layer, &tile.mattes, at, &mut out[channels * pixel..][..channels]);
-        });
-        out
+        self.of_pixels(4 * self.keep.mattes.passes(), |tile, at, channels| {
+            self.keep.mattes.write(layer, &tile.mattes, at, channels);
+        })
     }
 
     /// The pass index that most of each pixel's rays hit, rows from below.
     pub fn most_seen(&self, layer: MatteLayer) -> Vec<f32> {
-        let mut out = vec![0.0; self.width as usize * self.height as usize];
-        self.each_pixel(|tile, at, pixel| {
-            out[pixel] = tile.mattes.most_seen(&self.keep.mattes, layer, at) as i32 as f32;
-        });
-        out
-    }
-
-    /// Calls `what` with each pixel's tile, its place in that tile's lists, and its place in the picture.
-    fn each_pixel(&self, mut what: impl FnMut(&TileSums, usize, usize)) {
-        for (i, (rect, _)) in self.tiles.iter().enumerate() {
-            let tile = self.tile(i);
-            for (x, y) in (0..rect.height).flat_map(|y| (0..rect.width).map(move |x| (rect.x + x, rect.y + y))) {
-                if let Some(at) = tile.light.rect.index(x, y) {
-                    what(&tile, at, y as usize * self.width as usize + x as usize);
-                }
-            }
-        }
+        self.of_pixels(1, |tile, at, out| out[0] = tile.mattes.most_seen(&self.keep.mattes, layer, at) as i32 as f32)
     }
 }
 
 impl TileSums {
+    /// Makes room before the first pass.
+    fn begin(&mut self, keep: &FilmChannels) {
+        let pixels = (self.light.rect.width * self.light.rect.height) as usize;
+        if self.has_begun(pixels) {
+            return;
+        }
+        let TileAccumulator { sums, data, vectors, .. } = TileAccumulator::new(self.light.rect, keep);
+        (self.light.data, self.light.vectors) = (data, vectors);
+        match &mut self.halves {
+            Some(halves) => halves.iter_mut().for_each(|half| half.begin(pixels)),
+            None => self.light.sums = sums,
+        }
+        if let Some(squares) = &mut self.squares {
+            squares.begin(pixels);
+        }
+    }
+
+    fn has_begun(&self, pixels: usize) -> bool {
+        self.halves.as_ref().map_or(self.light.sums.len(), |halves| halves[0].sums.len()) == pixels
+    }
+
     fn join_data(&mut self, keep: &FilmChannels, from: &TileAccumulator) {
         for (sums, add) in self.light.data.iter_mut().zip(&from.data) {
             sums.join(add);

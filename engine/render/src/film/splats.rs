@@ -3,7 +3,6 @@
 //! Sums of whole numbers do not depend on the order of their terms. A value is kept as a multiple of 2^-36; large ones,
 //! as rare as lamps seen through a caustic, as a multiple of 2^-12 beside it.
 
-use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicI64, Ordering};
 
@@ -26,10 +25,19 @@ pub struct SplatSums<const CHANNELS: usize = 3> {
 }
 
 /// Sums as they are kept: quanta, the channels pixel by pixel, where any light has arrived.
-#[derive(Debug, Default, Serialize, Deserialize)]
+#[derive(Debug, Default)]
 pub struct SplatState {
     fine: Option<Vec<i64>>,
     coarse: Option<Vec<i64>>,
+}
+
+impl SplatState {
+    /// The sums that are there, each with true if they are the coarse ones.
+    pub(super) fn both(&self) -> impl Iterator<Item = (bool, &[i64])> {
+        [(false, &self.fine), (true, &self.coarse)]
+            .into_iter()
+            .filter_map(|(is_coarse, sums)| Some((is_coarse, sums.as_deref()?)))
+    }
 }
 
 impl<const CHANNELS: usize> SplatSums<CHANNELS> {
@@ -56,33 +64,17 @@ impl<const CHANNELS: usize> SplatSums<CHANNELS> {
         SplatState { fine: read(&self.fine), coarse: read(&self.coarse) }
     }
 
-    /// Sums of so many pixels as they were; `None` if they were of another number.
-    pub fn restored(pixels: usize, state: SplatState) -> Option<Self> {
-        let sums = Self::new(pixels);
-        for (sums, values) in [(&sums.fine, state.fine), (&sums.coarse, state.coarse)] {
-            let Some(values) = values else { continue };
-            if values.len() != CHANNELS * pixels {
-                return None;
-            }
-            sums.get_or_init(|| values.into_iter().map(AtomicI64::new).collect());
-        }
-        Some(sums)
+    /// Number of sums of each size.
+    pub(super) fn length(&self) -> usize {
+        CHANNELS * self.pixels
     }
 
-    /// True if kept sums are of as many pixels.
-    pub fn fits(&self, state: &SplatState) -> bool {
-        let length = CHANNELS * self.pixels;
-        [&state.fine, &state.coarse].into_iter().flatten().all(|values| values.len() == length)
-    }
-
-    /// Adds kept sums of as many pixels.
-    pub fn join(&self, state: &SplatState) {
-        for (sums, values) in [(&self.fine, &state.fine), (&self.coarse, &state.coarse)] {
-            let Some(values) = values else { continue };
-            let sums = sums.get_or_init(|| (0..CHANNELS * self.pixels).map(|_| AtomicI64::new(0)).collect());
-            for (sum, add) in sums.iter().zip(values) {
-                sum.fetch_add(*add, Ordering::Relaxed);
-            }
+    /// Adds kept sums from number `first` on.
+    pub(super) fn join(&self, is_coarse: bool, first: usize, values: &[i64]) {
+        let sums = if is_coarse { &self.coarse } else { &self.fine };
+        let sums = sums.get_or_init(|| (0..self.length()).map(|_| AtomicI64::new(0)).collect());
+        for (sum, &add) in sums[first..].iter().zip(values).filter(|(_, add)| **add != 0) {
+            sum.fetch_add(add, Ordering::Relaxed);
         }
     }
 
@@ -111,10 +103,16 @@ mod tests {
     fn sums_come_back_as_they_were() {
         let sums: SplatSums = SplatSums::new(3);
         sums.add(2, [0.25, 5000.0, -1e-3]);
-        let back: SplatSums = SplatSums::restored(3, sums.state()).unwrap();
+        let back: SplatSums = SplatSums::new(3);
+        let state = sums.state();
+        assert_eq!(state.both().count(), 2);
+        // In parts, too.
+        for (is_coarse, sums) in state.both() {
+            back.join(is_coarse, 0, &sums[..4]);
+            back.join(is_coarse, 4, &sums[4..]);
+        }
         assert_eq!([0, 1, 2].map(|i| back.get(i)), [0, 1, 2].map(|i| sums.get(i)));
-        assert!(SplatSums::<3>::restored(4, sums.state()).is_none());
-        assert!(SplatSums::<3>::restored(4, SplatSums::<3>::new(3).state()).unwrap().is_empty());
+        assert_eq!((sums.length(), SplatSums::<3>::new(3).state().both().count()), (9, 0));
     }
 
     #[test]
@@ -135,8 +133,9 @@ mod tests {
         assert_eq!(a.get(0), [0.0; 3]);
         // Nor where the sum is parted.
         let whole: SplatSums = SplatSums::new(2);
-        [&a, &b].into_iter().for_each(|part| whole.join(&part.state()));
+        for part in [&a, &b] {
+            part.state().both().for_each(|(is_coarse, sums)| whole.join(is_coarse, 0, sums));
+        }
         assert_eq!(whole.get(1), a.get(1).map(|sum| 2.0 * sum));
-        assert!(whole.fits(&a.state()) && !SplatSums::<3>::new(3).fits(&a.state()));
     }
 }

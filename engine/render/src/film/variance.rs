@@ -15,15 +15,22 @@ use serde::{Deserialize, Serialize};
 /// Squares of the sums of batches, where all pixels of a tile have the same count of samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct BatchSquares {
-    /// Q, by pixel of the patch.
+    /// Q, by pixel of the patch; empty before the first batch.
+    #[serde(with = "super::packed")]
     squares: Vec<f32>,
     /// Samples of the largest batch.
     largest: u32,
 }
 
 impl BatchSquares {
-    pub(super) fn new(patch_pixels: usize) -> Self {
-        Self { squares: vec![0.0; patch_pixels], largest: 0 }
+    /// Those of no batch.
+    pub(super) fn new() -> Self {
+        Self { squares: Vec::new(), largest: 0 }
+    }
+
+    /// Makes room for the first batch.
+    pub(super) fn begin(&mut self, patch_pixels: usize) {
+        self.squares = vec![0.0; patch_pixels];
     }
 
     /// Number of pixels.
@@ -82,8 +89,10 @@ impl Film {
             for at in 0..(rect.width * rect.height) as usize {
                 let variance = match (&tile.halves, &tile.squares) {
                     (Some(halves), _) => halves.iter().map(|half| half.variance(at)).sum(),
-                    (None, Some(squares)) => squares.variance(at, &tile.light.sums[at], tile.samples),
-                    (None, None) => None,
+                    (None, Some(squares)) if tile.samples > 0 => {
+                        squares.variance(at, &tile.light.sums[at], tile.samples)
+                    }
+                    _ => None,
                 };
                 let (x, y) = (rect.x + at as u32 % rect.width, rect.y + at as u32 / rect.width);
                 let is_unknown = variance.is_none() && own.index(x, y).is_some();

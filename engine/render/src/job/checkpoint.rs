@@ -6,7 +6,7 @@
 //! while it is copied, not while it is written; a new file takes the place of the old one when it is whole.
 
 pub use super::film_file::check_file;
-use super::film_file::{self, CheckpointBody, CheckpointHeader, Unusable};
+use super::film_file::{self, CheckpointBody, CheckpointHeader, KeptBody, Unusable};
 use super::share::Share;
 use super::{Shared, lock};
 use petzval_files::Identity;
@@ -84,7 +84,7 @@ impl Keeper {
         keeper
     }
 
-    fn read(&self) -> Result<Option<CheckpointBody>, Unusable> {
+    fn read(&self) -> Result<Option<KeptBody>, Unusable> {
         let path = &self.settings.file;
         let Some((header, body, identity)) = film_file::read(path, &self.settings.fingerprint)? else {
             return Ok(None);
@@ -102,8 +102,9 @@ impl Keeper {
         shared.stop.store(true, Ordering::Relaxed);
     }
 
-    fn take_up(&mut self, whole: CheckpointBody, shared: &mut Shared) {
-        let fits = shared.film.restore(whole.film).is_ok()
+    fn take_up(&mut self, whole: KeptBody, shared: &mut Shared) {
+        let (whole, film) = (whole.progress, whole.film);
+        let fits = shared.film.restore(film).is_ok()
             && match (&mut shared.adaptive, whole.adaptive) {
                 (Some(adaptive), Some(state)) => adaptive.restore(state),
                 (None, None) => true,
@@ -145,17 +146,17 @@ impl Keeper {
             let mut kept = lock(&self.kept);
             kept.longest_stop_s = kept.longest_stop_s.max(stop_s);
         }
-        match self.write_file(&body) {
+        match self.write_file(body) {
             Ok(()) => lock(&self.kept).written += 1,
             Err(error) => self.complain(format!("cannot be written: {error}")),
         }
     }
 
-    fn write_file(&self, body: &CheckpointBody) -> std::io::Result<()> {
+    fn write_file(&self, body: CheckpointBody) -> std::io::Result<()> {
         // Another program may have put a file of its own there.
         check_file(&self.settings.file).map_err(std::io::Error::other)?;
         let header = CheckpointHeader::new(&self.settings.fingerprint, self.share, false);
-        film_file::write(&self.settings.file, &header, body)?;
+        film_file::write(&self.settings.file, &header, body, false)?;
         let identity = Identity::of(&self.settings.file)?;
         *lock(&self.own) = Some(OwnFile { path: self.settings.file.clone(), identity });
         Ok(())

@@ -34,10 +34,15 @@ impl Job {
         let picture = Picture { width, height, light };
         let (exposure, gains) = shared.film.scales();
         let straight = Straight { stage: &shared.stage, camera: self.camera(), picture: &picture, exposure, gains };
+        self.on_threads(|| find(&straight))
+    }
+
+    /// What a function gives that runs on as many threads as the render had.
+    pub fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         // Where there can be no more threads, this one does.
         match ThreadPoolBuilder::new().num_threads(self.threads.len()).build() {
-            Ok(pool) => pool.install(|| find(&straight)),
-            Err(_) => find(&straight),
+            Ok(pool) => pool.install(work),
+            Err(_) => work(),
         }
     }
 

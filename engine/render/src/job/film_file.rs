@@ -1,24 +1,25 @@
 //! The file of a film: its header says of which picture, and of which of its tiles.
 
-use crate::film::FilmState;
+use crate::film::{FilmPiece, FilmState, KeptFilm};
 use crate::job::adaptive::AdaptiveState;
 use crate::job::share::Share;
 use crate::pipeline::Counts;
 use petzval_files::Identity;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Write};
 use std::path::Path;
 
-/// The beginning of each file; another layout has another number. Then come the length of the header, the header, its checksum, the
-/// [`CheckpointBody`], and the body's length and checksum. Numbers are little-endian.
-pub(super) const MAGIC: &[u8; 16] = b"Petzval film   4";
+/// The beginning of each file; another layout has another number. Then come the length of the header, the header and its checksum, and blocks,
+/// each with its length and its checksum before it: [`Progress`], and as many pieces of the film as that says. Numbers are little-endian.
+pub(super) const MAGIC: &[u8; 16] = b"Petzval film   5";
 /// The part of [`MAGIC`] that all layouts share.
 const MAGIC_STEM: &[u8] = b"Petzval film";
 /// Length of the longest header, bytes; it has a version and a fingerprint.
 const LONGEST_HEADER: u32 = 1 << 16;
-/// The bytes after the body: its length and its checksum.
-const TAIL_BYTES: u64 = 12;
+/// Pieces that are packed before they are written.
+const PIECES_AHEAD: usize = 32;
 /// Version of the engine, and true if products and sums are rounded together: besides the fingerprint, these decide the bits of a picture.
 const MADE_BY: (&str, bool) = (env!("CARGO_PKG_VERSION"), cfg!(target_feature = "fma"));
 
@@ -40,13 +41,28 @@ impl CheckpointHeader {
     }
 }
 
-/// The second part of a file: the state of the render.
-#[derive(Serialize, Deserialize)]
+/// The state of a render, to be written.
 pub(crate) struct CheckpointBody {
     pub seconds: f64,
     pub counts: Counts,
     pub film: FilmState,
     pub adaptive: Option<AdaptiveState>,
+}
+
+/// The first block of a file.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Progress {
+    pub seconds: f64,
+    pub counts: Counts,
+    pub adaptive: Option<AdaptiveState>,
+    films: u32,
+    pieces: u64,
+}
+
+/// The state of a render, as it was read.
+pub(crate) struct KeptBody {
+    pub progress: Progress,
+    pub film: KeptFilm,
 }
 
 /// The reason why a file is not used.
@@ -109,36 +125,21 @@ fn number<const N: usize>(file: &mut impl Read) -> Result<[u8; N], Unusable> {
     part(file, N as u64)?.try_into().map_err(|_| Unusable::Damaged)
 }
 
-/// A writer that counts and sums up its bytes.
-struct Summed<W> {
-    inner: W,
-    length: u64,
-    checksum: crc32fast::Hasher,
-    /// The first error of the inner writer.
-    failed: Option<std::io::Error>,
+/// A block with its checksum, which is not looked at yet.
+fn block(file: &mut impl Read) -> Result<(u32, Vec<u8>), Unusable> {
+    let [length, checksum] = [number(file)?, number(file)?].map(u32::from_le_bytes);
+    Ok((checksum, part(file, length.into())?))
 }
 
-impl<W: Write> Write for Summed<W> {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let written = self.inner.write(bytes).inspect_err(|error| {
-            let same = error.raw_os_error().map_or_else(|| error.kind().into(), std::io::Error::from_raw_os_error);
-            self.failed.get_or_insert(same);
-        })?;
-        self.length += written as u64;
-        self.checksum.update(&bytes[..written]);
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.inner.flush()
-    }
+fn write_block(file: &mut impl Write, bytes: &[u8]) -> std::io::Result<()> {
+    let length = u32::try_from(bytes.len()).map_err(std::io::Error::other)?;
+    file.write_all(&length.to_le_bytes())?;
+    file.write_all(&crc32fast::hash(bytes).to_le_bytes())?;
+    file.write_all(bytes)
 }
 
 /// The film of a picture of that fingerprint; `None` where there is no file, or an empty one.
-pub(crate) fn read(
-    path: &Path,
-    fingerprint: &str,
-) -> Result<Option<(CheckpointHeader, CheckpointBody, Identity)>, Unusable> {
+pub(crate) fn read(path: &Path, fingerprint: &str) -> Result<Option<(CheckpointHeader, KeptBody, Identity)>, Unusable> {
     let Some(mut file) = begin(path)? else {
         // Another version's, unless there is none.
         return if path.metadata().is_ok_and(|m| m.len() > 0) { Err(Unusable::Version) } else { Ok(None) };
@@ -159,35 +160,53 @@ pub(crate) fn read(
     if header.fingerprint != fingerprint {
         return Err(Unusable::Picture);
     }
-    let before = MAGIC.len() as u64 + 4 + u64::from(header_bytes) + 4;
-    let length = metadata.len().checked_sub(before + TAIL_BYTES).ok_or(Unusable::Damaged)?;
-    let body = part(&mut file, length)?;
-    let told = (u64::from_le_bytes(number(&mut file)?), u32::from_le_bytes(number(&mut file)?));
-    if told != (length, crc32fast::hash(&body)) {
+    let (checksum, progress) = block(&mut file)?;
+    if crc32fast::hash(&progress) != checksum {
         return Err(Unusable::Damaged);
     }
-    let (body, rest) = postcard::take_from_bytes::<CheckpointBody>(&body).map_err(|_| Unusable::Damaged)?;
-    if !rest.is_empty() {
+    let progress: Progress = postcard::from_bytes(&progress).map_err(|_| Unusable::Damaged)?;
+    let mut pieces = Vec::new();
+    for _ in 0..progress.pieces {
+        pieces.push(block(&mut file)?);
+    }
+    let is_whole = pieces.par_iter().all(|(checksum, piece)| crc32fast::hash(piece) == *checksum);
+    if !is_whole || file.read(&mut [0])? != 0 {
         return Err(Unusable::Damaged);
     }
-    Ok(Some((header, body, Identity::of_metadata(&metadata))))
+    let pieces = pieces.into_iter().map(|(_, piece)| piece).collect();
+    let film = KeptFilm { films: progress.films, pieces };
+    Ok(Some((header, KeptBody { progress, film }, Identity::of_metadata(&metadata))))
 }
 
-/// Writes a film; the old file stays until the new one is whole and on the disk.
-pub(crate) fn write(path: &Path, header: &CheckpointHeader, body: &CheckpointBody) -> std::io::Result<()> {
+/// Writes a film; the old file stays until the new one is whole and on the disk. `is_alone`: no render goes on meanwhile, so that it may be
+/// packed by all threads of the current rayon pool.
+pub(crate) fn write(
+    path: &Path,
+    header: &CheckpointHeader,
+    body: CheckpointBody,
+    is_alone: bool,
+) -> std::io::Result<()> {
     let header = postcard::to_stdvec(header).map_err(std::io::Error::other)?;
+    let CheckpointBody { seconds, counts, film, adaptive } = body;
+    let pieces = film.pieces();
+    let progress = Progress { seconds, counts, adaptive, films: film.film_count(), pieces: pieces.len() as u64 };
+    let progress = postcard::to_stdvec(&progress).map_err(std::io::Error::other)?;
     petzval_files::write(path, |file| {
         file.write_all(MAGIC)?;
         file.write_all(&(header.len() as u32).to_le_bytes())?;
         file.write_all(&header)?;
         file.write_all(&crc32fast::hash(&header).to_le_bytes())?;
-        let mut summed = Summed { inner: &mut *file, length: 0, checksum: crc32fast::Hasher::new(), failed: None };
-        // The serialiser forgets why its writer failed.
-        if let Err(error) = postcard::to_io(body, &mut summed) {
-            return Err(summed.failed.unwrap_or_else(|| std::io::Error::other(error)));
+        write_block(file, &progress)?;
+        for some in pieces.chunks(PIECES_AHEAD) {
+            let packed: Result<Vec<_>, _> = if is_alone {
+                some.par_iter().map(FilmPiece::bytes).collect()
+            } else {
+                some.iter().map(FilmPiece::bytes).collect()
+            };
+            for piece in packed.map_err(std::io::Error::other)? {
+                write_block(file, &piece)?;
+            }
         }
-        let (length, checksum) = (summed.length, summed.checksum.finalize());
-        file.write_all(&length.to_le_bytes())?;
-        file.write_all(&checksum.to_le_bytes())
+        Ok(())
     })
 }

@@ -31,14 +31,18 @@ impl Job {
         if !self.wait(Duration::ZERO) || !shared.own.iter().all(|&tile| shared.is_complete(tile)) {
             return Err(KeepError::Unfinished);
         }
+        // What was joined is in other files.
+        if shared.film.has_parked() {
+            return Err(KeepError::Unfinished);
+        }
         let header = CheckpointHeader::new(fingerprint, shared.share, true);
-        Ok(film_file::write(file, &header, &shared.body(0.0).0)?)
+        Ok(self.on_threads(|| film_file::write(file, &header, shared.body(0.0).0, true))?)
     }
 
     /// Adds the film of another share, once this render has ended; the reason why it is not taken, if there is one: the film is as it was then.
     pub fn join_film(&self, file: &Path, fingerprint: &str, share: Share) -> Option<String> {
         self.wait(Duration::MAX);
-        self.shared.join_film(file, fingerprint, share).err().map(|why| why.to_string())
+        self.on_threads(|| self.shared.join_film(file, fingerprint, share)).err().map(|why| why.to_string())
     }
 }
 
@@ -59,16 +63,16 @@ impl Shared {
             return Err(Unusable::Unfinished);
         }
         let (tiles, _) = share::own(share, &self.film, &self.tiles);
-        let is_adaptive = body.adaptive.is_some() == self.adaptive.is_some();
-        if !is_adaptive || self.film.join_state(body.film, &tiles).is_err() {
+        let is_adaptive = body.progress.adaptive.is_some() == self.adaptive.is_some();
+        if !is_adaptive || self.film.join_kept(body.film, &tiles).is_err() {
             return Err(Unusable::Damaged);
         }
-        if let (Some(adaptive), Some(state)) = (&self.adaptive, &body.adaptive)
+        if let (Some(adaptive), Some(state)) = (&self.adaptive, &body.progress.adaptive)
             && !adaptive.join(state, &tiles)
         {
             return Err(Unusable::Damaged);
         }
-        lock(&self.counts).add(&body.counts);
+        lock(&self.counts).add(&body.progress.counts);
         Ok(())
     }
 }

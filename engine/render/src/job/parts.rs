@@ -2,6 +2,7 @@
 
 use super::{Job, Shared};
 use crate::integrator::path::parts::LightPass;
+use rayon::prelude::*;
 
 impl Job {
     /// A part of the light so far, three numbers a pixel, rows from below: light as it is, any other part divided by its reference. `None`:
@@ -15,7 +16,7 @@ impl Shared {
     /// See [`Job::part`].
     pub(super) fn part(&self, part: LightPass) -> Option<Vec<[f32; 3]>> {
         let place = self.parts.place(part)?;
-        let whole = self.film.parts()[place].picture().into_iter().map(|[r, g, b, _]| [r, g, b]);
+        let whole = self.film.parts()[place].picture().into_par_iter().map(|[r, g, b, _]| [r, g, b]);
         let Some(base) = part.relative_to().and_then(|base| self.part(base)) else { return Some(whole.collect()) };
         let relative = whole.zip(base).map(|(of, base)| over(of, base));
         // Kept is what mist leaves: where a ray finds nothing, that is nothing.
