@@ -12,6 +12,7 @@ import time
 from collections import deque
 from pathlib import Path
 
+from .. import interrupts, processes
 from ..errors import AGAIN, complain
 from . import job as jobs
 
@@ -30,7 +31,7 @@ def command(folder: Path, *words: str, blender: str | None = None, threads: int 
 
 def may_try_again(status: int) -> bool:
     """Whether another try may help: the command says so, or was killed."""
-    return status in (AGAIN, _INTERRUPTED) or status < 0
+    return status in (AGAIN, _INTERRUPTED) or processes.has_crashed(status)
 
 
 def run(folder: Path, workers: int, *, blender: str | None, threads: int | None) -> int:
@@ -41,14 +42,14 @@ def run(folder: Path, workers: int, *, blender: str | None, threads: int | None)
     due = deque((number, 1) for number in range(len(job.parts)) if not job.is_done(number))
     under_way: dict[int, tuple[subprocess.Popen[bytes], int]] = {}
     asked = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in interrupts.SIGNALS:
         signal.signal(number, lambda *_: asked.set())
     while (due or under_way) and not asked.is_set():
         while due and len(under_way) < workers:
             part, tries = due.popleft()
             own = command(folder, "part", str(part), blender=blender, threads=threads)
-            # A session of its own: Ctrl-C is handed on below, once.
-            under_way[part] = (subprocess.Popen(own, stdin=subprocess.DEVNULL, start_new_session=True), tries)
+            # In a group of its own: Ctrl-C is handed on below, once.
+            under_way[part] = (subprocess.Popen(own, stdin=subprocess.DEVNULL, **processes.own_group()), tries)
         for part, (process, tries) in list(under_way.items()):
             status = process.poll()
             if status is None:
@@ -66,12 +67,12 @@ def run(folder: Path, workers: int, *, blender: str | None, threads: int | None)
     return subprocess.run(command(folder, "merge", blender=blender), stdin=subprocess.DEVNULL, check=False).returncode
 
 
-def _end(processes: list[subprocess.Popen[bytes]]) -> None:
+def _end(parts: list[subprocess.Popen[bytes]]) -> None:
     """Asks processes to keep what they have, and to end."""
-    for process in processes:
-        process.send_signal(signal.SIGTERM)
+    for process in parts:
+        processes.ask_to_end(process)
     began = time.monotonic()
-    for process in processes:
+    for process in parts:
         try:
             process.wait(max(60.0 - (time.monotonic() - began), 0.1))
         except subprocess.TimeoutExpired:
