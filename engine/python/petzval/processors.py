@@ -122,19 +122,19 @@ def choose(engines: Collection[str], flags: Collection[str] | None, wish: str = 
         level = wish if wish.startswith("x86-64-") else f"x86-64-{wish}"
         if level not in held:
             raise ProcessorError(f"{WISH} is '{wish}': there are engines for {', '.join(held)}: name one, or unset it")
-        if lacking := _lacking(level, flags):
-            raise ProcessorError(f"{WISH} is '{wish}': this processor lacks {_words(lacking)}: unset it")
+        if missing := lacking(level, flags):
+            raise ProcessorError(f"{WISH} is '{wish}': this processor lacks {_words(missing)}: unset it")
         return level
-    fitting = [level for level in held if not _lacking(level, flags)]
+    fitting = [level for level in held if not lacking(level, flags)]
     if not fitting:
         raise ProcessorError(
-            f"this processor lacks {_words(_lacking(held[0], flags))}, and the wheel's engines begin at {held[0]}: "
+            f"this processor lacks {_words(lacking(held[0], flags))}, and the wheel's engines begin at {held[0]}: "
             "build one for it, by `RUSTFLAGS=-Ctarget-cpu=native pip install .` in Petzval's source"
         )
     return fitting[-1] if flags is not None else held[0]
 
 
-def _lacking(level: str, flags: Collection[str] | None) -> set[str]:
+def lacking(level: str, flags: Collection[str] | None) -> set[str]:
     """What a processor of these flags lacks for a level; nothing where they are not known."""
     if flags is None:
         return set()
