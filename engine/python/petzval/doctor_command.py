@@ -59,9 +59,10 @@ def run(arguments: argparse.Namespace) -> int:
 def examine(blender: str | None = None) -> dict[str, Any]:
     """What there is. `missing` are lines on what keeps Petzval from rendering, `advice` on what else could be had."""
     engine = _engine()
-    blenders = [{"program": str(program), "version": _version_of(program)} for program in _programs(blender)]
+    programs = _programs(blender)
+    blenders = [{"program": str(program), "version": _version_of(program)} for program in programs]
     bpy = _installed("bpy")
-    homes = [_home(Path(one["program"])) for one in blenders]
+    homes = [_home(program) for program in programs]
     spec = importlib.util.find_spec("bpy")
     homes += [Path(place) for place in (spec.submodule_search_locations or ())] if spec else []
     denoiser = denoiser_library.find(homes)
