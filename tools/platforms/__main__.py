@@ -22,6 +22,9 @@ def main() -> int:
     test = actions.add_parser("test")
     test.add_argument("--only", nargs="+", choices=sorted(emulated.EMULATORS), help="default: all that can be emulated")
     test.add_argument("--filter", nargs="+", default=[], metavar="TEST", help="tests with these in their names")
+    test.add_argument(
+        "--crates", nargs="+", metavar="NAME", help="files, optics, ...; default: all that each emulator can bear"
+    )
     options = parser.parse_args()
     return {"wheels": _wheels, "check": _check, "test": _test}[options.action](options)
 
@@ -50,7 +53,7 @@ def _test(options: argparse.Namespace) -> int:
     is_good = True
     for name in options.only or emulated.EMULATORS:
         try:
-            is_good &= emulated.test(name, options.filter)
+            is_good &= emulated.test(name, options.filter, options.crates)
         except building.BuildError as error:
             print(f"petzval: {name}: {error}", file=sys.stderr)
             is_good = False
