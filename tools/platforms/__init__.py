@@ -59,7 +59,7 @@ PLATFORMS = {
 LIBRARIES = {
     "linux": re.compile(r"(libc|libm|ld-linux-x86-64|ld-linux-aarch64)\.so\.\d|lib(pthread|dl|rt)\.so\.\d|libgcc_s\.so\.1"),
     "windows": re.compile(r"(kernel32|ntdll|bcrypt|bcryptprimitives|advapi32|ws2_32|userenv|python3)\.dll|api-ms-win-(core|crt)-[\w-]+\.dll"),
-    "macos": re.compile(r"/usr/lib/(libSystem\.B|libiconv\.2|libcharset\.1)\.dylib"),
+    "macos": re.compile(r"/usr/lib/libSystem\.B\.dylib"),
 }  # fmt: skip
 
 

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
-from . import ROOT, Platform, checking
+from . import ROOT, Platform, binaries, checking
 
 _BUNDLED = ROOT / "engine/python/petzval/_bundled"
 _NEW = ROOT / "dist/new"
@@ -63,6 +65,21 @@ def bundle(platform: Platform) -> None:
         subprocess.run(command, cwd=ROOT, env=os.environ | {"PYTHONPATH": str(ROOT / "tools")}, check=True)
 
 
+def _unknown_of_mac(made: Path) -> list[str]:
+    """Functions that a Mac's modules ask for, and neither Python nor the system has: its linker leaves them for later."""
+    command = [ROOT / ".venv-wheels/bin/python", "-c", "import ziglang; print(ziglang.__file__)"]
+    zig = Path(subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()).parent
+    known = set(re.findall(r"[\w$.]+", (zig / "lib/libc/darwin/libSystem.tbd").read_text()))
+    wrong = []
+    with zipfile.ZipFile(made) as archive:
+        for name in archive.namelist():
+            if name.endswith(".so"):
+                imports = binaries.read(archive.read(name)).imports
+                wrong += [f"{name}: {one}: of no library" for one in sorted(imports)
+                          if not one.startswith(("Py", "_Py")) and not {f"_{one}", one} & known]  # fmt: skip
+    return wrong
+
+
 def wheel(platform: Platform, *, is_fast: bool) -> Path:
     """Builds a platform's wheel into dist/. Raises `BuildError`."""
     add_target(platform)
@@ -87,7 +104,9 @@ def wheel(platform: Platform, *, is_fast: bool) -> Path:
     if platform.levels:
         subprocess.run([sys.executable, ROOT / "tools/join-wheels.py", new, *platform.levels], check=True)
     (made,) = new.glob("petzval-*.whl")
-    if wrong := checking.of_wheel(made, made.name):
+    wrong = checking.of_wheel(made, made.name)
+    wrong += _unknown_of_mac(made) if platform.system == "macos" else []
+    if wrong:
         raise BuildError("; ".join(wrong))
     for old in (ROOT / "dist").glob(f"petzval-*-{platform.tag}.whl"):
         old.unlink()
