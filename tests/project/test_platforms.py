@@ -17,7 +17,7 @@ from pathlib import Path
 import platforms
 import pytest
 import supply
-from platforms import binaries, checking
+from platforms import binaries, building, checking
 
 from petzval import processors
 from support.places import ROOT
@@ -133,6 +133,47 @@ def test_a_newer_system_is_named(monkeypatch):
 def test_what_is_no_module_is_named(data):
     with pytest.raises(binaries.BinaryError, match="module"):
         binaries.read(data)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["windows-x64", "windows-arm64", "macos-x64", "macos-arm64"])
+def test_a_linked_library_hands_out_what_is_listed_alone(tmp_path, name):
+    if not ZIG.exists() or shutil.which("rustc") is None:
+        pytest.skip("no zig, or no Rust: run make wheels")
+    one = platforms.PLATFORMS[name]
+    (tmp_path / "module.c").write_text(
+        SOURCE if one.system == "macos" else "int PyInit__native(int x) { return x; } int other(int x) { return x; }\n"
+    )
+    compiled = ["-m", "ziglang", "cc", "-target", one.zig, "-c", "module.c", "-o", "module.o"]
+    subprocess.run([ZIG, *compiled], cwd=tmp_path, check=True, capture_output=True)
+    # As rustc has them.
+    if one.system == "windows":
+        (tmp_path / "list.def").write_text('EXPORTS\n    "PyInit__native"\n')
+        words = [f"-Wl,{tmp_path}/list.def", "module.o", "-shared"]
+    else:
+        (tmp_path / "list").write_text("_PyInit__native\n")
+        words = ["-Wl,-exported_symbols_list", f"-Wl,{tmp_path}/list", "module.o", "-lSystem", "-lc", "-lm", "-liconv", "-arch",
+                 {"x64": "x86_64", "arm64": "arm64"}[one.machine], "-mmacosx-version-min=11.0.0", "-Wl,-dead_strip", "-dynamiclib",
+                 "-nodefaultlibs", "-undefined", "dynamic_lookup", "-Wl,-install_name,@rpath/a.so"]  # fmt: skip
+    environment = os.environ | {"PETZVAL_ZIG_TARGET": one.zig}
+    command = [ROOT / "tools/zig-linker.sh", *words, "-o", "out"]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    module = binaries.read((tmp_path / "out").read_bytes())
+    assert module.exports == {"PyInit__native"} and (module.system, module.machine) == (one.system, one.machine)
+    if one.system == "macos":
+        assert module.libraries == ["/usr/lib/libSystem.B.dylib"] and module.oldest == (11, 0)
+        assert "PyNumber_Long" in module.imports and module.is_signed == (one.machine == "arm64")
+
+
+def test_what_a_mac_has_not_is_named(tmp_path, monkeypatch):
+    if not ZIG.exists():
+        pytest.skip("no zig: run make wheels")
+    with zipfile.ZipFile(tmp_path / "a.whl", "w") as archive:
+        archive.writestr("petzval/_native.abi3.so", "")
+    module = binaries.Module("macos", "arm64", imports={"PyLong_Type", "memcpy", "no_such_function"})
+    monkeypatch.setattr(binaries, "read", lambda data: module)
+    assert building._unknown_of_mac(tmp_path / "a.whl") == ["petzval/_native.abi3.so: no_such_function: of no library"]
 
 
 # Wheels and extensions -------------------------------------------------------------------------------------------
