@@ -71,6 +71,10 @@ def check_machine(job: jobs.Job) -> None:
         raise CommandError(
             f"the job was planned with Petzval {job.engine}, and this is {_native.__version__}: install that version here"
         )
+    if job.system != sys.platform:
+        raise CommandError(
+            f"the job was planned on {job.system}, and this is {sys.platform}, whose C library has other last digits: leave it to other machines"
+        )
     if job.processor != _native.PROCESSOR:
         raise CommandError(
             f"the job is for engines of {job.processor}, and this machine's is for {_native.PROCESSOR}, whose last bits differ: leave it "
