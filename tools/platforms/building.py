@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import shutil
@@ -83,6 +84,14 @@ def _unknown_of_mac(made: Path) -> list[str]:
 def wheel(platform: Platform, *, is_fast: bool) -> Path:
     """Builds a platform's wheel into dist/. Raises `BuildError`."""
     add_target(platform)
+    (ROOT / "dist").mkdir(exist_ok=True)
+    # One build at a time: tools/build-wheel.sh lays its files into the same folder.
+    with (ROOT / "dist/.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        return _wheel(platform, is_fast=is_fast)
+
+
+def _wheel(platform: Platform, *, is_fast: bool) -> Path:
     target = os.environ.get("CARGO_TARGET_DIR", str(ROOT / "target"))
     cargo_home = os.environ.get("CARGO_HOME", str(Path.home() / ".cargo"))
     sources = f"--remap-path-prefix={ROOT}=petzval --remap-path-prefix={cargo_home}/registry/src=crates"

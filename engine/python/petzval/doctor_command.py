@@ -140,7 +140,7 @@ def _engine() -> dict[str, str]:
 def _level() -> str:
     """The best level of engines that this processor runs."""
     flags = processors.flags_of_this_processor()
-    if flags is None:
+    if flags is None or platform.machine().lower() not in ("x86_64", "amd64"):
         return platform.machine() or "unknown"
     fitting = [level for level in processors.LEVELS if not processors.lacking(level, flags)]
     return fitting[-1] if fitting else f"below {next(iter(processors.LEVELS))}"
