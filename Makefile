@@ -24,9 +24,12 @@ GPU_OPTIONS =
 # Of a 3D view in the pictures of Blender's window, which is denoised there.
 UI_SAMPLES = 16
 GHOSTS_OPTIONS =
+# --only windows-x64 macos-arm64 ...; --fast compiles in a third of the time, to try.
+WHEELS_ALL_OPTIONS =
+TEST_PLATFORMS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all lint setup build wheels extension speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all test-platforms lint setup build wheels wheels-all extension extensions-all release speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -43,6 +46,10 @@ test: ## everything: Rust, Python, bpy 5.2 and 4.5, the real Blender; sets up wh
 test-all: ## the same, and bpy 5.0 and 4.2 too
 	@tools/test.sh --all
 
+test-platforms: .venv-tools ## the engine's Rust tests for Windows by Wine, for Linux on ARM by QEMU
+	@tools/setup-python.sh wheels
+	@PYTHONPATH=tools .venv-tools/bin/python -m platforms test $(TEST_PLATFORMS_OPTIONS)
+
 lint: .venv-tools setup build ## formatting and lints of Rust and Python, and types
 	cargo fmt --all --check
 	PYO3_PYTHON=$(CURDIR)/.venv-tools/bin/python cargo clippy --all-targets --workspace --locked -- -D warnings
@@ -52,6 +59,18 @@ lint: .venv-tools setup build ## formatting and lints of Rust and Python, and ty
 
 wheels: setup ## the wheel that is shipped, dist/petzval-*.whl, with every optimisation; docs/packaging.md has other machines
 	@tools/build-wheel.sh --release
+
+wheels-all: wheels ## the wheels of every system that has a Blender, made here; docs/packaging.md
+	@tools/setup-python.sh wheels
+	@PYTHONPATH=tools .venv-tools/bin/python -m platforms wheels $(WHEELS_ALL_OPTIONS)
+
+extensions-all: wheels-all ## the Blender extension of every system, checked: dist/petzval-VERSION-PLATFORM.zip
+	@tools/setup-blender.sh || true
+	@tools/build-extension.sh
+	@PYTHONPATH=tools .venv-tools/bin/python -m platforms check --all
+
+release: extensions-all ## an extensions repository for Blender, and all that a release has, in dist/release; docs/packaging.md
+	@tools/release.sh
 
 extension: build ## the Blender extension of each wheel in dist/, dist/petzval-VERSION-PLATFORM.zip; `make wheels` first to ship it
 	@tools/setup-blender.sh || true

@@ -27,11 +27,12 @@ from .operators import report as report_operator
 from .operators import sampling as sampling_operators
 from .operators import select as select_operator
 from .queries import autofocus, lookout, scene_size, viewport_camera
-from .settings import properties
+from .settings import properties, versions
 
 # What is used stands before what uses it.
 PARTS = (
     properties,
+    versions,
     redraw,
     viewport_camera,
     lookout,

@@ -139,6 +139,7 @@ build() {
     cp -R addon lenses "$package/_bundled/"
     find "$package/_bundled" -name __pycache__ -prune -exec rm -rf {} +
     PYTHONPATH=tools .venv-tools/bin/python -m supply notices "$package/_bundled/THIRD-PARTY-NOTICES.txt"
+    PYTHONPATH=tools .venv-tools/bin/python -m supply sbom "$package/_bundled/SBOM.cdx.json"
     PATH="$PWD/.venv-tools/bin:$PATH"
     case $build in
     development) run maturin build --profile dev --out dist/new ;;

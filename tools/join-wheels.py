@@ -3,7 +3,7 @@
 """Makes one wheel of several that differ in their compiled module: join-wheels.py FOLDER LEVEL...
 
 FOLDER/LEVEL/ holds the wheel compiled for that level of processor. The one that comes out, in FOLDER, has the modules as
-`petzval/_engines/LEVEL/_native.abi3.so` and all else from the first.
+`petzval/_engines/LEVEL/_native.abi3.so` (on Windows `_native.pyd`) and all else from the first.
 """
 
 import base64
@@ -14,7 +14,7 @@ import sys
 import zipfile
 from pathlib import Path
 
-MODULE = "petzval/_native.abi3.so"
+MODULES = ("petzval/_native.abi3.so", "petzval/_native.pyd")
 ENGINES = "petzval/_engines/"
 
 
@@ -27,8 +27,9 @@ def record_row(name: str, data: bytes) -> list[str]:
 def module_of(wheel: Path, level: str) -> tuple[zipfile.ZipInfo, bytes]:
     """The compiled module under its new name."""
     with zipfile.ZipFile(wheel) as archive:
-        info, data = archive.getinfo(MODULE), archive.read(MODULE)
-    info.filename = f"{ENGINES}{level}/{Path(MODULE).name}"
+        (module,) = (name for name in MODULES if name in archive.namelist())
+        info, data = archive.getinfo(module), archive.read(module)
+    info.filename = f"{ENGINES}{level}/{Path(module).name}"
     return info, data
 
 
@@ -49,8 +50,8 @@ def join(folder: Path, levels: list[str]) -> Path:
         for info in source.infolist():
             if info.filename.endswith(".dist-info/RECORD"):
                 record = info
-            elif info.filename == MODULE or not info.filename.startswith(ENGINES):
-                files = modules if info.filename == MODULE else [(info, source.read(info))]
+            elif info.filename in MODULES or not info.filename.startswith(ENGINES):
+                files = modules if info.filename in MODULES else [(info, source.read(info))]
                 for one, data in files:
                     target.writestr(one, data, zipfile.ZIP_DEFLATED)
                     rows.append(record_row(one.filename, data))

@@ -12,6 +12,7 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -22,10 +23,14 @@ SEEDS = {} if os.environ.get("PETZVAL_TEST_ALL") else {"PROPTEST_RNG_SEED": "1"}
 LINE = re.compile(r"^test (\S+).* \.\.\. ok <([0-9.]+)s>$", re.MULTILINE)
 
 
-def programs() -> list[tuple[str, Path, Path]]:
-    """Every test program of the workspace: the target's name, the file, the folder of its package."""
-    command = ["cargo", "test", "--workspace", "--locked", "--tests", "--no-run", "--message-format=json"]
-    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
+def programs(
+    which: Sequence[str] = ("--workspace",), own: Mapping[str, str] | None = None
+) -> list[tuple[str, Path, Path]]:
+    """Every test program that cargo compiles by these options, in this environment: the target's name, the file, the folder of its package."""
+    command = ["cargo", "test", *which, "--locked", "--tests", "--no-run", "--message-format=json"]
+    done = subprocess.run(
+        command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False, env=os.environ | dict(own or {})
+    )
     if done.returncode:
         messages = (json.loads(line) for line in done.stdout.splitlines() if line.startswith("{"))
         for message in messages:

@@ -13,7 +13,7 @@ def used_bytes() -> int | None:
         try:
             with open("/proc/self/statm", encoding="ascii") as file:
                 return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-        except (OSError, ValueError, IndexError):
+        except (AttributeError, OSError, ValueError, IndexError):
             return None
     return _of_windows("WorkingSetSize") if sys.platform == "win32" else None
 
@@ -22,8 +22,10 @@ def peak_bytes() -> int | None:
     """The most that it ever took; None where the system does not say."""
     if sys.platform == "win32":
         return _of_windows("PeakWorkingSetSize")
-    import resource
-
+    try:
+        import resource
+    except ImportError:
+        return None
     # Kilobytes, but bytes on a Mac.
     unit = 1 if sys.platform == "darwin" else 1024
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit

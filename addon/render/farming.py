@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
+import sys
 import tempfile
 import time
 import urllib.error
@@ -16,6 +16,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
+
+from petzval import processes
 
 #: Between two looks at the parts that have come, s.
 LOOK_S = 3.0
@@ -86,7 +88,7 @@ class FarmRun:
         """Asks what runs here to keep what it has, and to end. What a scheduler was handed goes on."""
         for process in (self._process, self._merging):
             if process is not None and process.poll() is None:
-                process.send_signal(signal.SIGTERM)
+                processes.ask_to_end(process)
 
     def _plan(self) -> None:
         own = self.asked
@@ -168,6 +170,8 @@ class FarmRun:
             stdout=subprocess.DEVNULL,
             stderr=self._said,
             env=os.environ | self.asked.environment,
+            # On Windows none can be asked to end but a group.
+            **(processes.own_group() if sys.platform == "win32" else {}),
         )
 
     def _ended(self, process: subprocess.Popen[bytes], what: str) -> None:

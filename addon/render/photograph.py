@@ -21,6 +21,7 @@ from ..export import world as world_export
 from ..export.motion import Frame, Motion
 from ..export.report import Report
 from ..native import engine
+from ..settings import versions
 from . import checkpoints, loop, messages, persistent, planning, progress, shares, staging, statistics
 from .results import Results, deliver_black
 
@@ -78,6 +79,8 @@ class Photograph:
     def _take(self, shutter: shutters.Shutter | None) -> None:
         native = engine()
         self._tell("Reading the scene", 0.0)
+        for warning in versions.warnings():
+            self._warn(warning)
         began = time.perf_counter()
         width, height = camera_export.resolution(self.scene.render)
         eye = self._eye()

@@ -44,6 +44,14 @@ class PetzvalScene(bpy.types.PropertyGroup):
         default="2",
     )
 
+    settings_version: IntProperty(
+        name="Version of Settings",
+        description="Number of the version of Petzval's settings by which the file was saved",
+        default=0,
+        min=0,
+        options={"HIDDEN"},
+    )
+
     samples: IntProperty(
         name="Samples",
         description="Camera rays for each pixel; with a noise threshold, the most that a pixel gets. Where none of these was set, "

@@ -35,3 +35,40 @@ def test_a_preset_of_the_version_before_loads(blender, parts):
         if line.startswith("petzval."):
             name, value = line.removeprefix("petzval.").split(" = ")
             assert getattr(own, name) == pytest.approx(eval(value)), name
+
+
+@pytest.fixture
+def versions(parts):
+    return parts.part("settings.versions")
+
+
+def test_a_file_of_the_version_before_gets_the_number_of_this_one(blender, versions):
+    blender.ops.wm.open_mainfile(filepath=str(SAVED / "settings.blend"))
+    assert versions.of_file() == versions.VERSION > 0 and versions.warnings() == []
+
+
+def test_steps_are_taken_once_in_their_order(blender, versions, tmp_path, monkeypatch):
+    taken = []
+    monkeypatch.setattr(versions, "VERSION", 3)
+    steps = {version: lambda version=version: taken.append(version) for version in (1, 2, 3, 4)}
+    monkeypatch.setattr(versions, "STEPS", steps)
+    blender.ops.wm.open_mainfile(filepath=str(SAVED / "settings.blend"))
+    assert taken == [1, 2, 3]
+    # Saved, and opened again: it is of this version.
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "new.blend"))
+    blender.ops.wm.open_mainfile(filepath=str(tmp_path / "new.blend"))
+    assert taken == [1, 2, 3] and versions.of_file() == 3
+
+
+def test_a_file_of_a_newer_version_says_so_and_keeps_its_number(blender, parts, versions, tmp_path, monkeypatch):
+    parts.set_up(model="PINHOLE")
+    newer = versions.VERSION + 1
+    with monkeypatch.context() as patch:
+        patch.setattr(versions, "VERSION", newer)
+        blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "newer.blend"))
+    blender.ops.wm.open_mainfile(filepath=str(tmp_path / "newer.blend"))
+    (line,) = versions.warnings()
+    assert f"settings {newer}" in line and "update Petzval" in line
+    blender.ops.wm.save_as_mainfile(filepath=str(tmp_path / "again.blend"))
+    blender.ops.wm.open_mainfile(filepath=str(tmp_path / "again.blend"))
+    assert versions.of_file() == newer

@@ -99,6 +99,7 @@ CHANGES = {
     "parts without end": (lambda told: told["parts"][0].update(end=1 << 70), "not of the slots"),
     "a negative part": (lambda told: told["parts"][0].update(first=-1), "no natural number"),
     "another version": (lambda told: told.update(engine="0.0.9"), "install that version here"),
+    "another system": (lambda told: told.update(system="plan9"), "planned on plan9"),
     "another processor": (lambda told: told.update(processor="x86-64-v9"), "leave it to other machines"),
     "a changed file": (lambda told: told["files"]["scene/shots/scene/small.blend"].__setitem__(1, "0" * 40), "copy the job's folder again"),
     "a short file": (lambda told: told["files"]["scene/shots/scene/small.blend"].__setitem__(0, 5), "copy the job's folder again"),

@@ -26,6 +26,11 @@ RUN_ELSEWHERE = {
     "extension",
     "docs",
     "pages-again",
+    # By .github/workflows: six builds of the engine, and all Rust tests again.
+    "wheels-all",
+    "extensions-all",
+    "release",
+    "test-platforms",
 }
 #: Small runs of the others, by `make test-all`: the target's variables.
 RECIPES = {

@@ -74,9 +74,56 @@ def test_what_the_kernel_says(tmp_path, monkeypatch, text, flags):
     file = tmp_path / "cpuinfo"
     file.write_text(text)
     monkeypatch.setattr(processors, "_CPUINFO", file)
-    assert processors.flags_of_this_processor() == flags
+    assert processors._flags_by_cpuinfo() == flags
 
 
 def test_a_kernel_that_does_not_say(tmp_path, monkeypatch):
     monkeypatch.setattr(processors, "_CPUINFO", tmp_path / "none")
-    assert processors.flags_of_this_processor() is None
+    assert processors._flags_by_cpuinfo() is None
+
+
+def test_windows_numbers_its_features():
+    old = {10, 13, 14}
+    v2 = old | {36, 37, 38}
+    assert processors._flags_by_windows(lambda number: number in old) is None, "it knows no newer numbers"
+    assert choose(ALL, processors._flags_by_windows(lambda number: number in v2)) == "x86-64-v2"
+    assert choose(ALL, processors._flags_by_windows(lambda number: number in v2 | {39, 40})) == "x86-64-v3"
+    assert choose(ALL, processors._flags_by_windows(lambda number: number in v2 | {39, 40, 41})) == "x86-64-v4"
+
+
+#: As `sysctl` says it on a Mac of 2015, and of 2012.
+FEATURES = (
+    "FPU VME DE PSE TSC MSR PAE MCE CX8 APIC SEP MTRR PGE MCA CMOV PAT PSE36 CLFSH DS ACPI MMX FXSR SSE SSE2 SS HTT TM PBE SSE3 PCLMULQDQ "
+    "DTES64 MON DSCPL VMX EST TM2 SSSE3 CX16 TPR PDCM SSE4.1 SSE4.2 x2APIC POPCNT AES PCID XSAVE OSXSAVE TSCTMR AVX1.0 RDRAND F16C"
+)
+MAC_2015 = {
+    "machdep.cpu.features": FEATURES.replace("SSSE3", "SSSE3 FMA").replace("x2APIC", "x2APIC MOVBE"),
+    "machdep.cpu.extfeatures": "SYSCALL XD 1GBPAGE EM64T LAHF LZCNT PREFETCHW RDTSCP TSCI",
+    "machdep.cpu.leaf7_features": "RDWRFSGS TSC_THREAD_OFFSET BMI1 AVX2 SMEP BMI2 ERMS INVPCID FPU_CSDS",
+}
+MAC_2012 = {"machdep.cpu.features": FEATURES, "machdep.cpu.extfeatures": "SYSCALL XD EM64T LAHF RDTSCP TSCI"}
+
+
+@pytest.mark.parametrize(
+    ("told", "best"),
+    [(MAC_2015, "x86-64-v3"), (MAC_2012, "x86-64-v2"), ({}, "x86-64-v2")],
+    ids=["2015", "2012", "silent"],
+)
+def test_a_mac_names_its_features(told, best):
+    assert choose(ALL, processors._flags_by_sysctl(lambda name: told.get(name, ""))) == best
+
+
+@pytest.mark.parametrize(("system", "best"), [("win32", "x86-64-v3"), ("darwin", "x86-64-v3")])
+def test_each_system_is_asked_in_its_way(monkeypatch, system, best):
+    class Library:
+        def __init__(self, _name):
+            pass
+
+        @staticmethod
+        def IsProcessorFeaturePresent(number):  # noqa: N802
+            return number < 41
+
+    monkeypatch.setattr(processors.sys, "platform", system)
+    monkeypatch.setattr(processors.ctypes, "WinDLL", Library, raising=False)
+    monkeypatch.setattr(processors, "_sysctl", lambda name: MAC_2015[name])
+    assert choose(ALL, processors.flags_of_this_processor()) == best

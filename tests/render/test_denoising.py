@@ -150,7 +150,7 @@ def test_blenders_own_library_is_found_on_every_system(parts, blender, tmp_path,
     denoiser, file = parts.part("data.denoiser"), tmp_path / library
     file.parent.mkdir(parents=True)
     file.write_text("")
-    monkeypatch.setattr(denoiser.sys, "platform", system)
+    monkeypatch.setattr("petzval.denoiser_library.sys.platform", system)
     monkeypatch.setattr(denoiser, "_local", lambda: str(tmp_path / scripts))
     denoiser.library.cache_clear()
     try:

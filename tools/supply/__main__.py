@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python3 -m supply`, tools/ on the path: `notices OUT` writes the licences of all linked crates; `advisories RUSTSEC PYPA` takes the
+"""`python3 -m supply`, tools/ on the path: `notices OUT` writes the licences of all linked crates, and `sbom OUT` their bill of materials; `advisories RUSTSEC PYPA` takes the
 advisories of what is locked from checkouts of the two databases into advisories.json; `lock` adds to tools/requirements the hashes of all files of the pinned
 packages, from the package index that pip uses."""
 
@@ -17,20 +17,25 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from . import ADVISORIES, REQUIREMENTS, locked_crates, normal, notices, pinned_packages
+from . import ADVISORIES, REQUIREMENTS, locked_crates, normal, notices, pinned_packages, sbom
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="supply", description="What Petzval is built from.")
     actions = parser.add_subparsers(dest="action", required=True)
-    actions.add_parser("notices").add_argument("out", type=Path)
+    for name in ("notices", "sbom"):
+        action = actions.add_parser(name)
+        action.add_argument("out", type=Path)
+        action.add_argument("--target", help="a target of Rust; default: this machine's")
     take = actions.add_parser("advisories")
     take.add_argument("rustsec", type=Path, help="a checkout of the RustSec advisory database")
     take.add_argument("pypa", type=Path, help="a checkout of the PyPA advisory database")
     actions.add_parser("lock").add_argument("environments", nargs="+", help="as tools/setup-python.sh calls them")
     options = parser.parse_args()
     if options.action == "notices":
-        options.out.write_text(notices(), encoding="utf-8")
+        options.out.write_text(notices(options.target), encoding="utf-8")
+    elif options.action == "sbom":
+        options.out.write_text(json.dumps(sbom(options.target), indent=1) + "\n", encoding="utf-8")
     elif options.action == "lock":
         for name in options.environments:
             lock(name)

@@ -1,7 +1,7 @@
 //! Colour models and the nodes that change one colour.
 
 use crate::choice::choices;
-use crate::lanes::{Number, Vector};
+use crate::lanes::{Number, Vector, most};
 use crate::vector::each;
 use glam::Vec3A;
 
@@ -76,7 +76,7 @@ pub(crate) fn hsl_to_rgb(hsl: Vec3A) -> Vec3A {
     let [hue, saturation, lightness] = hsl.to_array();
     let pure = Vec3A::new((hue * 6.0 - 3.0).abs() - 1.0, 2.0 - (hue * 6.0 - 2.0).abs(), 2.0 - (hue * 6.0 - 4.0).abs());
     let chroma = (1.0 - (2.0 * lightness - 1.0).abs()) * saturation;
-    (pure.clamp(Vec3A::ZERO, Vec3A::ONE) - 0.5) * chroma + lightness
+    (pure.saturated() - 0.5) * chroma + lightness
 }
 
 /// A model's numbers to RGB.
@@ -105,11 +105,11 @@ pub(crate) fn hue_saturation(colour: Vec3A, hue: f32, saturation: f32, value: f3
     }
     hsv.y = (hsv.y * saturation).clamp(0.0, 1.0);
     hsv.z *= value;
-    (hsv_to_rgb(hsv) * factor + colour * (1.0 - factor)).max(Vec3A::ZERO)
+    most(hsv_to_rgb(hsv) * factor + colour * (1.0 - factor), Vec3A::ZERO)
 }
 
 pub(crate) fn bright_contrast(colour: Vec3A, bright: f32, contrast: f32) -> Vec3A {
-    (colour * (1.0 + contrast) + (bright - contrast * 0.5)).max(Vec3A::ZERO)
+    most(colour * (1.0 + contrast) + (bright - contrast * 0.5), Vec3A::ZERO)
 }
 
 pub(crate) fn gamma(colour: Vec3A, gamma: f32) -> Vec3A {

@@ -107,6 +107,19 @@ pub trait Vector: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     }
 }
 
+/// The larger of each part; that of the second where one is no number, on every processor.
+#[inline(always)]
+pub(crate) fn most(a: Vec3A, b: Vec3A) -> Vec3A {
+    // The instruction of x86-64 does that; that of ARM hands on what is no number.
+    if cfg!(target_arch = "x86_64") { a.max(b) } else { Vec3A::select(a.cmpgt(b), a, b) }
+}
+
+/// The smaller of each part; that of the second where one is no number, on every processor.
+#[inline(always)]
+pub(crate) fn least(a: Vec3A, b: Vec3A) -> Vec3A {
+    if cfg!(target_arch = "x86_64") { a.min(b) } else { Vec3A::select(a.cmplt(b), a, b) }
+}
+
 impl Vector for Vec3A {
     type Number = f32;
 
@@ -136,7 +149,7 @@ impl Vector for Vec3A {
     }
     #[inline(always)]
     fn saturated(self) -> Self {
-        self.clamp(Self::ZERO, Self::ONE)
+        least(most(self, Self::ZERO), Self::ONE)
     }
     #[inline(always)]
     fn splat(value: f32) -> Self {

@@ -2,7 +2,7 @@
 
 use crate::choice::choices;
 use crate::colour::{hsv_to_rgb, rgb_to_hsv};
-use crate::lanes::{Number, Vector};
+use crate::lanes::{Number, Vector, least, most};
 use glam::Vec3A;
 
 choices! {
@@ -73,10 +73,10 @@ impl Blend {
         let rest = 1.0 - t;
         let over = |result: Vec3A| a * rest + result * t;
         match self {
-            Self::Darken => over(a.min(b)),
-            Self::Lighten => over(a.max(b)),
+            Self::Darken => over(least(a, b)),
+            Self::Lighten => over(most(a, b)),
             Self::Difference => over((a - b).abs()),
-            Self::Exclusion => over(a + b - a * b * 2.0).max(Vec3A::ZERO),
+            Self::Exclusion => most(over(a + b - a * b * 2.0), Vec3A::ZERO),
             Self::Overlay => each2(a, b, |a, b| {
                 if a < 0.5 { a * (rest + 2.0 * t * b) } else { 1.0 - (rest + 2.0 * t * (1.0 - b)) * (1.0 - a) }
             }),

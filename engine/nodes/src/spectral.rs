@@ -2,6 +2,7 @@
 //!
 //! Source of the table: CIE 015:2018, colour-matching functions of the 1931 2-degree observer.
 
+use crate::lanes::most;
 use glam::Vec3A;
 use std::sync::LazyLock;
 
@@ -59,7 +60,7 @@ pub(crate) fn wavelength(nm: f32) -> Vec3A {
     }
     let row = place as usize;
     let [before, after] = [row, row + 1].map(|row| Vec3A::from_array(OBSERVER[row]));
-    (rec709(before.lerp(after, place - row as f32)) * BRIGHTNESS).max(Vec3A::ZERO)
+    most(rec709(before.lerp(after, place - row as f32)) * BRIGHTNESS, Vec3A::ZERO)
 }
 
 const COOLEST_K: f32 = 800.0;
@@ -76,7 +77,7 @@ pub fn blackbody(kelvin: f32) -> Vec3A {
     let kelvin = if kelvin.is_nan() { COOLEST_K } else { kelvin.clamp(COOLEST_K, HOTTEST_K) };
     let place = (1.0 / COOLEST_K - 1.0 / kelvin) / (1.0 / COOLEST_K - 1.0 / HOTTEST_K) * STEPS as f32;
     let step = (place as usize).min(STEPS - 1);
-    TABLE[step].lerp(TABLE[step + 1], place - step as f32).max(Vec3A::ZERO)
+    most(TABLE[step].lerp(TABLE[step + 1], place - step as f32), Vec3A::ZERO)
 }
 
 /// Planck's law seen by the observer, at luminance 1.

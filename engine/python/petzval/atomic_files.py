@@ -33,9 +33,9 @@ def replacing(file: Path, check: Callable[[Path], None] | None = None) -> Iterat
 
 
 def write_text(file: Path, text: str) -> None:
-    """Writes text in UTF-8. Raises `OSError`; the old file stays then."""
+    """Writes text in UTF-8, with the same line ends on every system. Raises `OSError`; the old file stays then."""
     with replacing(file) as part:
-        part.write_text(text, encoding="utf-8")
+        part.write_text(text, encoding="utf-8", newline="\n")
 
 
 def write_bytes(file: Path, data: bytes) -> None:
@@ -47,7 +47,7 @@ def write_bytes(file: Path, data: bytes) -> None:
 def create_text(file: Path, text: str) -> None:
     """Writes text in UTF-8 into a file that is not there yet: the first of several processes does. Raises `FileExistsError` in the others, which
     may find it before it is whole, and `OSError`."""
-    with file.open("x", encoding="utf-8") as out:
+    with file.open("x", encoding="utf-8", newline="\n") as out:
         out.write(text)
 
 

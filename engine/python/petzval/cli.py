@@ -24,6 +24,7 @@ from .processors import ProcessorError
 
 #: Subcommand: its module and its line in `petzval --help`.
 COMMANDS = {
+    "doctor": ("doctor_command", "say what is installed, what is missing, and what to do"),
     "lens": ("lens_command", "check or convert a lens file, show its first-order data, trace rays through it"),
     "glass": ("glass_command", "say what is known of a glass, draw its dispersion, list the glasses"),
     "surface": ("surface_command", "trace rays at single surfaces"),

@@ -18,7 +18,10 @@ from collections.abc import Callable
 INTERRUPTED = 130
 # A terminal and the program before this one may both hand on one Ctrl-C; only a later one means: at once.
 _ONE_KEYPRESS_SECONDS = 1.0
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+#: The signals that break a command off; Windows has Ctrl-Break too.
+SIGNALS: tuple[signal.Signals, ...] = (signal.SIGINT, signal.SIGTERM)
+if sys.platform == "win32":
+    SIGNALS += (signal.SIGBREAK,)
 
 
 class _Listener:
@@ -87,15 +90,15 @@ def listen() -> None:
     if _listener.is_listening:
         return
     _listener.start()
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
-        listen_by_handlers()
+    if sys.platform == "win32":
+        _listen_to_console()
         return
     # Threads that start later inherit the mask.
-    signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+    signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
 
     def wait() -> None:
         while True:
-            signal.sigwait(_SIGNALS)
+            signal.sigwait(SIGNALS)
             _listener.heard()
 
     threading.Thread(target=wait, name="petzval signals", daemon=True).start()
@@ -105,8 +108,27 @@ def listen_by_handlers() -> None:
     """Hears signals from now on where other threads run already, as inside of a Blender program."""
     if not _listener.is_listening:
         _listener.start()
-    for number in _SIGNALS:
+    if sys.platform == "win32":
+        _listen_to_console()
+        return
+    for number in SIGNALS:
         signal.signal(number, _listener.heard)
+
+
+if sys.platform == "win32":
+    #: What the console calls, kept while it may.
+    _console_calls: list[object] = []
+
+    def _listen_to_console() -> None:
+        """Has the console call, in a thread of its own: Python's handlers run in the main thread, which may be inside Blender."""
+        import ctypes
+
+        def heard(_event: int) -> int:
+            _listener.heard()
+            return 1
+
+        _console_calls.append(call := ctypes.WINFUNCTYPE(ctypes.c_int, ctypes.c_uint)(heard))
+        ctypes.WinDLL("kernel32").SetConsoleCtrlHandler(call, 1)
 
 
 def ask(stop: Callable[[], None]) -> None:

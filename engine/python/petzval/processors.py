@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which of the wheel's engines is for this processor.
 
-A wheel for Linux on x86-64 holds the engine several times, each compiled for one of the levels that the processors'
-makers agreed on: `_engines/LEVEL/_native.abi3.so`. Other wheels hold one engine, for every processor of their kind, and
-need nothing of this.
+A wheel for x86-64 holds the engine several times, each compiled for one of the levels that the processors' makers agreed
+on: `_engines/LEVEL/_native.abi3.so`, on Windows `_native.pyd`. Other wheels hold one engine, for every processor of their
+kind, and need nothing of this.
 
-What the processor can do the kernel says: /proc/cpuinfo needs no other package, and leaves out what the kernel has not
-switched on, such as the wide registers. numpy knows too, but under a private name, and it would have to be loaded first.
+What the processor can do the system says: that needs no other package, and leaves out what the system has not switched on,
+such as the wide registers. numpy knows too, but under a private name, and it would have to be loaded first.
 """
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import os
-from collections.abc import Collection, Iterable
+import sys
+from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
 
 #: Each level, and the flags of /proc/cpuinfo that it adds to the one before.
@@ -26,6 +29,18 @@ WISH = "PETZVAL_PROCESSOR"
 
 _PACKAGE = Path(__file__).resolve().parent
 _CPUINFO = Path("/proc/cpuinfo")
+#: Names of compiled modules, by the system.
+MODULES = ("_native.abi3.so", "_native.pyd")
+#: Flags by the numbers of `IsProcessorFeaturePresent` (winnt.h). Windows has a number for AVX2 and none for what came with it: no
+#: processor on which Windows 10 runs has the one without the others.
+_WINDOWS_FEATURES = {
+    13: {"pni"}, 14: {"cx16", "lahf_lm", "popcnt"}, 36: {"ssse3"}, 37: {"sse4_1"}, 38: {"sse4_2"}, 39: {"avx", "xsave"},
+    40: {"abm", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"}, 41: {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"},
+}  # fmt: skip
+_SSE4_2 = 38
+#: What `sysctl` calls flags on a Mac, where it is not their name in small letters.
+_MAC_NAMES = {"sse3": "pni", "sse4.1": "sse4_1", "sse4.2": "sse4_2", "avx1.0": "avx", "lahf": "lahf_lm", "lzcnt": "abm"}
+_MAC_LISTS = ("machdep.cpu.features", "machdep.cpu.extfeatures", "machdep.cpu.leaf7_features")
 
 
 class ProcessorError(ImportError):
@@ -34,14 +49,56 @@ class ProcessorError(ImportError):
 
 def engine_file() -> Path:
     """The compiled module to load. Raises `ImportError`, or a `ProcessorError`, where there is none."""
-    files = {file.parent.name: file for file in sorted((_PACKAGE / "_engines").glob("*/_native.abi3.so"))}
+    files = engines()
     if not files:
         raise ImportError(f"there is no compiled module in {_PACKAGE}")
     return files[choose(files, flags_of_this_processor(), os.environ.get(WISH, ""))]
 
 
+def engines() -> dict[str, Path]:
+    """The compiled modules of the package by their levels; none where it has one for all."""
+    return {file.parent.name: file for name in MODULES for file in sorted((_PACKAGE / "_engines").glob(f"*/{name}"))}
+
+
+def has_one_engine() -> bool:
+    """Whether a compiled module lies beside the package's files: Python loads it before any other."""
+    return any((_PACKAGE / name).exists() for name in MODULES)
+
+
 def flags_of_this_processor() -> frozenset[str] | None:
-    """What the first processor can do; None where the kernel does not say. All of a machine are alike."""
+    """What the first processor can do; None where the system does not say. All of a machine are alike."""
+    if sys.platform == "win32":
+        return _flags_by_windows(ctypes.WinDLL("kernel32").IsProcessorFeaturePresent)
+    if sys.platform == "darwin":
+        return _flags_by_sysctl(_sysctl)
+    return _flags_by_cpuinfo()
+
+
+def _flags_by_windows(is_present: Callable[[int], int]) -> frozenset[str] | None:
+    # Before its version 2004 Windows knew no number above that of CMPXCHG16B.
+    if not is_present(_SSE4_2):
+        return None
+    return frozenset().union(*(flags for number, flags in _WINDOWS_FEATURES.items() if is_present(number)))
+
+
+def _flags_by_sysctl(ask: Callable[[str], str]) -> frozenset[str] | None:
+    words = [word.lower() for name in _MAC_LISTS for word in ask(name).split()]
+    # XSAVE is there, but it counts where the system has switched it on.
+    words = ["" if word == "xsave" else "xsave" if word == "osxsave" else word for word in words]
+    return frozenset(_MAC_NAMES.get(word, word) for word in words if word) or None
+
+
+def _sysctl(name: str) -> str:
+    """A text of the Mac's kernel; empty where it has none of this name."""
+    length = ctypes.c_size_t(4096)
+    text = ctypes.create_string_buffer(length.value)
+    with contextlib.suppress(OSError, AttributeError):
+        if ctypes.CDLL(None).sysctlbyname(name.encode(), text, ctypes.byref(length), None, ctypes.c_size_t(0)) == 0:
+            return text.value.decode("ascii", errors="replace")
+    return ""
+
+
+def _flags_by_cpuinfo() -> frozenset[str] | None:
     try:
         with _CPUINFO.open(encoding="ascii", errors="replace") as lines:
             for line in lines:
@@ -65,19 +122,19 @@ def choose(engines: Collection[str], flags: Collection[str] | None, wish: str = 
         level = wish if wish.startswith("x86-64-") else f"x86-64-{wish}"
         if level not in held:
             raise ProcessorError(f"{WISH} is '{wish}': there are engines for {', '.join(held)}: name one, or unset it")
-        if lacking := _lacking(level, flags):
-            raise ProcessorError(f"{WISH} is '{wish}': this processor lacks {_words(lacking)}: unset it")
+        if missing := lacking(level, flags):
+            raise ProcessorError(f"{WISH} is '{wish}': this processor lacks {_words(missing)}: unset it")
         return level
-    fitting = [level for level in held if not _lacking(level, flags)]
+    fitting = [level for level in held if not lacking(level, flags)]
     if not fitting:
         raise ProcessorError(
-            f"this processor lacks {_words(_lacking(held[0], flags))}, and the wheel's engines begin at {held[0]}: "
+            f"this processor lacks {_words(lacking(held[0], flags))}, and the wheel's engines begin at {held[0]}: "
             "build one for it, by `RUSTFLAGS=-Ctarget-cpu=native pip install .` in Petzval's source"
         )
     return fitting[-1] if flags is not None else held[0]
 
 
-def _lacking(level: str, flags: Collection[str] | None) -> set[str]:
+def lacking(level: str, flags: Collection[str] | None) -> set[str]:
     """What a processor of these flags lacks for a level; nothing where they are not known."""
     if flags is None:
         return set()

@@ -98,7 +98,10 @@ def finish(status: int) -> None:
 
 def _own_stderr(fd: int | None) -> TextIO:
     """The terminal's stderr for Petzval alone; what Blender says there goes to stdout from here on."""
-    voice = os.fdopen(os.dup(2) if fd is None else fd, "w", buffering=1, errors="replace")
+    from petzval import processes
+
+    own = os.dup(2) if fd is None else processes.taken_over(fd)
+    voice = os.fdopen(own, "w", buffering=1, errors="replace")
     sys.stdout.flush()
     os.dup2(1, 2)
     return voice
@@ -524,11 +527,11 @@ def _one_line(error: BaseException) -> str:
 def _main() -> None:
     options = json.loads(sys.argv[sys.argv.index("--") + 1])
     sys.path.insert(0, options["package_parent"])
-    from petzval import interrupts
+    from petzval import interrupts, processes
 
     interrupts.listen_by_handlers()
     # Signals that come earlier are heard by the program before this one.
-    os.write(options["ready_fd"], b".")
+    os.write(processes.taken_over(options["ready_fd"]), b".")
     # As scene_options reads it.
     status = render(options)
     from petzval.errors import AGAIN

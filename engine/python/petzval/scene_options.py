@@ -5,11 +5,9 @@ in this Python's bpy, or in a Blender that is named."""
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import math
 import os
-import select
 import signal
 import subprocess
 import sys
@@ -19,7 +17,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from . import argument_types as types
-from . import interrupts
+from . import interrupts, processes
 from .description import MOST_BLADES
 from .errors import AGAIN, CommandError
 from .interrupts import INTERRUPTED
@@ -256,41 +254,41 @@ def in_blender(program: str, options: dict[str, Any]) -> int:
     # of their own.
     voice = os.dup(2)
     ready, tell_ready = os.pipe()
-    os.set_blocking(ready, False)
-    handed_over = {**options, "package_parent": str(Path(__file__).resolve().parent.parent), "stderr_fd": voice,
-                   "ready_fd": tell_ready}  # fmt: skip
+    handed_down, (its_voice, its_ready) = processes.handed_down(voice, tell_ready)
+    handed_over = {**options, "package_parent": str(Path(__file__).resolve().parent.parent), "stderr_fd": its_voice,
+                   "ready_fd": its_ready}  # fmt: skip
     command = [program, "-b", "--factory-startup", "--disable-autoexec", "--python-exit-code", "3"]
     command += ["--python", str(runner), "--", json.dumps(handed_over)]
     child: subprocess.Popen[bytes] | None = None
     asked: list[int] = []
+    is_ended = False
 
     def hand_on(number: int, _frame: object) -> None:
+        nonlocal is_ended
         asked.append(number)
-        if child is not None:
-            # Until it is ready Blender itself hears the signal, and may ignore it.
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(child.pid, number if _has_byte(ready) else signal.SIGKILL)
+        if child is None:
+            return
+        # Until it is ready Blender itself hears the signal, and may ignore it.
+        if processes.has_byte(ready):
+            processes.signal_group(child, number)
+        else:
+            is_ended = True
+            processes.end_group(child)
 
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in interrupts.SIGNALS:
         signal.signal(number, hand_on)
     try:
         # A group of its own: the terminal's Ctrl-C comes here alone, and goes on to all that the program started.
         child = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT, pass_fds=(voice, tell_ready),
-            start_new_session=True,
-        )  # fmt: skip
+            command, stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT, **handed_down, **processes.own_group()
+        )
     except OSError as error:
         raise CommandError(f"cannot start {program}: {error.strerror}: give --blender a Blender program") from None
     if asked:
         hand_on(asked[-1], None)
-    status = child.wait()
+    status = processes.wait(child)
     if status in _OWN_STATUS:
         return _OWN_STATUS[status]
-    if asked and status == -signal.SIGKILL:
+    if is_ended:
         raise CommandError("broken off before the first sample: nothing was written", INTERRUPTED)
     raise CommandError(f"{program} ended with status {status}: it does not run, or crashed: see what it said above")
-
-
-def _has_byte(pipe: int) -> bool:
-    """Whether something was ever written into a pipe, of which nothing is read."""
-    return bool(select.select([pipe], [], [], 0.0)[0])

@@ -103,6 +103,33 @@ fn devices_are_refused_links_followed_and_permissions_kept() {
     assert_eq!(fs::metadata(&target).unwrap().permissions().mode() & 0o777, 0o640);
 }
 
+#[cfg(windows)]
+#[test]
+fn a_file_that_another_program_holds_stays_as_it_is() {
+    use std::os::windows::fs::OpenOptionsExt;
+    let folder = Folder::new();
+    let place = folder.file("größe 1.lens", "old");
+    assert!(place.to_str().unwrap().contains(":\\"), "a path with its drive");
+    let held = OpenOptions::new().read(true).share_mode(0).open(&place).unwrap();
+    assert!(put(&place, "new").is_err());
+    drop(held);
+    assert_eq!(fs::read_to_string(&place).unwrap(), "old");
+    assert_eq!(folder.names(), ["größe 1.lens"]);
+    put(&place, "new").unwrap();
+    assert_eq!(fs::read_to_string(&place).unwrap(), "new");
+}
+
+#[cfg(windows)]
+#[test]
+fn one_file_has_many_spellings() {
+    let folder = Folder::new();
+    folder.file("Picture.exr", "old");
+    let spelled = format!("{}/PICTURE.EXR", folder.0.display());
+    put(Path::new(&spelled), "new").unwrap();
+    assert_eq!(folder.names().len(), 1);
+    assert_eq!(fs::read_to_string(folder.0.join("picture.exr")).unwrap(), "new");
+}
+
 #[test]
 fn another_identity_after_each_replacement() {
     let folder = Folder::new();

@@ -88,7 +88,7 @@ impl Program {
             }
             Operation::Mix(blend) => blend.apply(number(0), vector(1), vector(2)),
             Operation::MixParts => interpolate(vector(1), vector(2), vector(0)),
-            Operation::Saturate => vector(0).clamp(Vec3A::ZERO, Vec3A::ONE),
+            Operation::Saturate => vector(0).saturated(),
             Operation::Invert => colour::invert(vector(0), number(1)),
             Operation::Gamma => colour::gamma(vector(0), number(1)),
             Operation::BrightContrast => colour::bright_contrast(vector(0), number(1), number(2)),

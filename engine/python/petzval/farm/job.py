@@ -49,6 +49,8 @@ class Job:
     engine: str
     #: What the engine was compiled for.
     processor: str
+    #: What Python calls the operating system, whose C library computes sines and powers.
+    system: str
     blender: str
     #: Slots into which the tiles of a picture are dealt.
     slots: int
@@ -106,7 +108,7 @@ class Job:
         limits = {"seconds": self.most_seconds, "memory_mb": self.most_memory_mb}
         told = {
             "format": FORMAT, "scene": self.scene, "picture": self.picture, "options": self.options, "engine": self.engine,
-            "processor": self.processor, "blender": self.blender, "about": self.about, "limits": limits,
+            "processor": self.processor, "system": self.system, "blender": self.blender, "about": self.about, "limits": limits,
         }  # fmt: skip
         lines = [f"  {json.dumps(name)}: {json.dumps(value)}," for name, value in told.items()]
         parts = [json.dumps({"part": i, **dataclasses.asdict(part)}) for i, part in enumerate(self.parts)]
@@ -160,6 +162,7 @@ def _read(folder: Path, told: dict[str, Any]) -> Job:
         picture=_plain_name(_text(told["picture"])),
         engine=_text(told["engine"]),
         processor=_text(told["processor"]),
+        system=_text(told["system"]),
         blender=_text(told["blender"]),
         slots=slots,
         parts=parts,

@@ -12,6 +12,7 @@ import time
 from collections import Counter, deque
 from pathlib import Path
 
+from .. import interrupts, processes
 from ..errors import AGAIN, complain
 from . import job as jobs
 
@@ -30,7 +31,7 @@ def command(folder: Path, *words: str, blender: str | None = None, threads: int 
 
 def may_try_again(status: int) -> bool:
     """Whether another try may help: the command says so, or was killed."""
-    return status in (AGAIN, _INTERRUPTED) or status < 0
+    return status in (AGAIN, _INTERRUPTED) or processes.has_crashed(status)
 
 
 def run(folder: Path, workers: int, *, blender: str | None, threads: int | None) -> int:
@@ -42,14 +43,14 @@ def run(folder: Path, workers: int, *, blender: str | None, threads: int | None)
     tries: Counter[int] = Counter()
     under_way: list[tuple[subprocess.Popen[bytes], list[int]]] = []
     asked = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in interrupts.SIGNALS:
         signal.signal(number, lambda *_: asked.set())
     while (due or under_way) and not asked.is_set():
         while due and len(under_way) < workers:
             parts = due.popleft()
             own = command(folder, "part", *map(str, parts), blender=blender, threads=threads)
-            # A session of its own: Ctrl-C is handed on below, once.
-            under_way.append((subprocess.Popen(own, stdin=subprocess.DEVNULL, start_new_session=True), parts))
+            # In a group of its own: Ctrl-C is handed on below, once.
+            under_way.append((subprocess.Popen(own, stdin=subprocess.DEVNULL, **processes.own_group()), parts))
         for one in [one for one in under_way if one[0].poll() is not None]:
             under_way.remove(one)
             due.extend(_left(job, one[1], one[0].returncode, tries))
@@ -86,12 +87,12 @@ def _left(job: jobs.Job, parts: list[int], status: int, tries: Counter[int]) -> 
     return again
 
 
-def _end(processes: list[subprocess.Popen[bytes]]) -> None:
+def _end(parts: list[subprocess.Popen[bytes]]) -> None:
     """Asks processes to keep what they have, and to end."""
-    for process in processes:
-        process.send_signal(signal.SIGTERM)
+    for process in parts:
+        processes.ask_to_end(process)
     began = time.monotonic()
-    for process in processes:
+    for process in parts:
         try:
             process.wait(max(60.0 - (time.monotonic() - began), 0.1))
         except subprocess.TimeoutExpired:

@@ -95,7 +95,9 @@ def _parts_of(frame: dict[str, Any]) -> dict[str, Any]:
 def _is_merged(frame: dict[str, Any]) -> bool:
     """Whether a frame's picture is made of just the parts that are there."""
     try:
-        return Path(frame["picture"]).is_file() and json.loads(_note(frame).read_text()) == _parts_of(frame)
+        return Path(frame["picture"]).is_file() and json.loads(_note(frame).read_text(encoding="utf-8")) == _parts_of(
+            frame
+        )
     except (OSError, ValueError):
         return False
 

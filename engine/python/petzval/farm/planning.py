@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import shutil
 import stat
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -100,6 +101,7 @@ def _job(a: argparse.Namespace, folder: Path, options: dict[str, Any], picture: 
         picture=str(picture),
         engine=_native.__version__,
         processor=_processor(a.processor),
+        system=sys.platform,
         blender=told["blender"],
         slots=slots,
         parts=tuple(Part(frame, first, end) for frame in frames for first, end in cut),

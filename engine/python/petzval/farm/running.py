@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from .. import interrupts, scene_options
+from .. import interrupts, processors, scene_options
 from ..errors import CommandError
 from . import job as jobs
 
@@ -71,6 +71,10 @@ def check_machine(job: jobs.Job) -> None:
         raise CommandError(
             f"the job was planned with Petzval {job.engine}, and this is {_native.__version__}: install that version here"
         )
+    if job.system != sys.platform:
+        raise CommandError(
+            f"the job was planned on {job.system}, and this is {sys.platform}, whose C library has other last digits: leave it to other machines"
+        )
     if job.processor != _native.PROCESSOR:
         raise CommandError(
             f"the job is for engines of {job.processor}, and this machine's is for {_native.PROCESSOR}, whose last bits differ: leave it "
@@ -80,13 +84,10 @@ def check_machine(job: jobs.Job) -> None:
 
 def pin_processor(job: jobs.Job) -> None:
     """Has the engine of the job's level loaded, before it is loaded, where the wheel has several."""
-    from ..processors import LEVELS, WISH
-
-    if job.processor in LEVELS and has_engines():
-        os.environ[WISH] = job.processor
+    if job.processor in processors.LEVELS and has_engines():
+        os.environ[processors.WISH] = job.processor
 
 
 def has_engines() -> bool:
     """Whether this installation has engines for several levels of processors."""
-    package = Path(__file__).resolve().parent.parent
-    return not (package / "_native.abi3.so").exists() and any((package / "_engines").glob("*/_native.abi3.so"))
+    return not processors.has_one_engine() and bool(processors.engines())
