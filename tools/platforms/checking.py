@@ -72,7 +72,9 @@ def of_extension(file: Path) -> list[str]:
         name = wheel.removeprefix("./wheels/")
         wrong += [f"{file.name}: {one} is there, and the manifest does not name it" for one in archive.namelist()
                   if one.startswith("wheels/") and one not in ("wheels/", wheel.removeprefix("./"))]  # fmt: skip
-        if PLATFORMS.get(named) is not platform_of(name) or file.name != f"petzval-{manifest['version']}-{named}.zip":
+        of_this = PLATFORMS.get(named)
+        is_of_this = of_this is not None and of_this.tag in Path(name).stem.rpartition("-")[2].split(".")
+        if not is_of_this or file.name != f"petzval-{manifest['version']}-{named}.zip":
             wrong.append(f"{file.name}: it is for {named}, and its wheel is {name}")
         wrong += [f"{file.name}: {one}" for one in of_wheel(io.BytesIO(archive.read(wheel.removeprefix("./"))), name)]
     return wrong
