@@ -11,7 +11,7 @@ except ImportError as error:
     raise ImportError(f"Petzval's package is missing ({error}): install the extension again") from None
 
 from . import engine, native, redraw, ui
-from .data import favourites
+from .data import favourites, settings_version
 from .drawing import gizmos, live_drawing, overlay, thumbnails
 from .operators import common as operators
 from .operators import cost as cost_operator
@@ -27,12 +27,12 @@ from .operators import report as report_operator
 from .operators import sampling as sampling_operators
 from .operators import select as select_operator
 from .queries import autofocus, lookout, scene_size, viewport_camera
-from .settings import properties, versions
+from .settings import properties
 
 # What is used stands before what uses it.
 PARTS = (
     properties,
-    versions,
+    settings_version,
     redraw,
     viewport_camera,
     lookout,

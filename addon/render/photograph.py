@@ -12,7 +12,7 @@ import bpy
 
 from petzval.description import CameraDescription, DenoisingDescription, ShutterDescription, changed, focused
 
-from ..data import denoiser, effects, passes, process_memory
+from ..data import denoiser, effects, passes, process_memory, settings_version
 from ..export import camera as camera_export
 from ..export import denoising, sampling, stereo, velocity
 from ..export import settings as render_settings
@@ -21,7 +21,6 @@ from ..export import world as world_export
 from ..export.motion import Frame, Motion
 from ..export.report import Report
 from ..native import engine
-from ..settings import versions
 from . import checkpoints, loop, messages, persistent, planning, progress, shares, staging, statistics
 from .results import Results, deliver_black
 
@@ -79,7 +78,7 @@ class Photograph:
     def _take(self, shutter: shutters.Shutter | None) -> None:
         native = engine()
         self._tell("Reading the scene", 0.0)
-        for warning in versions.warnings():
+        for warning in settings_version.warnings():
             self._warn(warning)
         began = time.perf_counter()
         width, height = camera_export.resolution(self.scene.render)

@@ -39,7 +39,7 @@ def test_a_preset_of_the_version_before_loads(blender, parts):
 
 @pytest.fixture
 def versions(parts):
-    return parts.part("settings.versions")
+    return parts.part("data.settings_version")
 
 
 def test_a_file_of_the_version_before_gets_the_number_of_this_one(blender, versions):

@@ -13,7 +13,8 @@ def keep_fluids(scene: Any) -> list[str]:
     either: only what is baked is in the picture."""
     import bpy
 
-    if not bpy.app.module:
+    # The module has no program. (Blender 4.3 has no `bpy.app.module`.)
+    if bpy.app.binary_path:
         return []
     fluids = [(thing.name, one) for thing in scene.objects for one in thing.modifiers if one.type == "FLUID"]
     if fluids:

@@ -4,6 +4,7 @@
 //! Each ray that gets through the lens counts alike, as for the other passes of data, so that a matte is blurred as the
 //! picture is. A name is known by its hash, a number whose bits also are those of an ordinary float.
 
+use super::packed::Row;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -150,6 +151,21 @@ pub(super) struct Count {
     pub pixel: u32,
     pub id: u32,
     pub rays: u32,
+}
+
+impl Row for Count {
+    const COLUMNS: usize = 3;
+    const ZERO: Self = Self { pixel: 0, id: 0, rays: 0 };
+    fn bits(&self, column: usize) -> u64 {
+        u64::from([self.pixel, self.id, self.rays][column])
+    }
+    fn set(&mut self, column: usize, bits: u64) {
+        *match column {
+            0 => &mut self.pixel,
+            1 => &mut self.id,
+            _ => &mut self.rays,
+        } = bits as u32;
+    }
 }
 
 /// Sums of a part of the picture.

@@ -8,7 +8,6 @@
 //! zero) and the number of zero bytes below, with [`HAS_ZEROS`] where a bit for each row follows, and [`IS_ALIKE`] where one number stands for
 //! all that are not zero.
 
-use super::cryptomatte::Count;
 use super::data::{DataSums, VectorSums};
 use serde::de::{Error, Visitor};
 use serde::{Deserializer, Serializer};
@@ -118,21 +117,6 @@ impl Row for VectorSums {
     fn set(&mut self, column: usize, bits: u64) {
         let number = f32::from_bits(bits as u32);
         if column == 0 { self.rays = number } else { self.sum[column - 1] = number }
-    }
-}
-
-impl Row for Count {
-    const COLUMNS: usize = 3;
-    const ZERO: Self = Self { pixel: 0, id: 0, rays: 0 };
-    fn bits(&self, column: usize) -> u64 {
-        u64::from([self.pixel, self.id, self.rays][column])
-    }
-    fn set(&mut self, column: usize, bits: u64) {
-        *match column {
-            0 => &mut self.pixel,
-            1 => &mut self.id,
-            _ => &mut self.rays,
-        } = bits as u32;
     }
 }
 

@@ -54,9 +54,15 @@ impl CoincidentFaces {
     }
 }
 
+/// True if a hit on a triangle is not at its edge, where its neighbour may be hit, too.
+fn is_within(hit: &Hit) -> bool {
+    const EDGE: f32 = 1e-3;
+    hit.u.min(hit.v).min(1.0 - hit.u - hit.v) > EDGE
+}
+
 /// The instances of two coincident faces at a ray's first hit; `None` where there is one face alone.
 fn instances(stage: &PreparedScene, ray: &Ray) -> Option<[u32; 2]> {
-    let first = stage.accel.closest(ray, Rays::CAMERA)?;
+    let first = stage.accel.closest(ray, Rays::CAMERA).filter(is_within)?;
     let surface = |hit: &Hit| {
         let instance = &stage.scene.instances[hit.instance as usize];
         let is_flat = stage.scene.meshes[instance.mesh as usize].is_of_triangles();
@@ -70,7 +76,10 @@ fn instances(stage: &PreparedScene, ray: &Ray) -> Option<[u32; 2]> {
     let mut found = None;
     let mut is_there = |hit: &Hit| {
         let is_other = (hit.instance, hit.triangle) != (first.instance, first.triangle);
-        if is_other && surface(hit).is_some_and(|s| s.geometric_normal.dot(here.geometric_normal).abs() > PARALLEL) {
+        if is_other
+            && is_within(hit)
+            && surface(hit).is_some_and(|s| s.geometric_normal.dot(here.geometric_normal).abs() > PARALLEL)
+        {
             found = Some([first.instance, hit.instance]);
         }
         // Goes on until one is found.
