@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 const GROUPS: &str = "/sys/fs/cgroup";
 
-/// What the machine has left, or the narrowest of the control groups that this process is in.
+/// Free memory, bytes: of the machine, or of the narrowest of the control groups that this process is in.
 pub(super) fn free_bytes() -> Option<u64> {
     let meminfo = fs::read_to_string("/proc/meminfo").ok()?;
     let of_machine = kibibytes(&meminfo, "MemAvailable:")?.saturating_mul(1024);
@@ -37,7 +37,7 @@ fn folders(memberships: &str) -> Vec<PathBuf> {
     found
 }
 
-/// What a control group may still take; `None` where it has no limit.
+/// Bytes that a control group may still take; `None` where it has no limit.
 fn left_in(group: &Path) -> Option<u64> {
     let number = |name: &str| fs::read_to_string(group.join(name)).ok()?.trim().parse::<u64>().ok();
     let stat = fs::read_to_string(group.join("memory.stat")).unwrap_or_default();

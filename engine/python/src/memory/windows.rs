@@ -21,7 +21,7 @@ unsafe extern "system" {
     fn GlobalMemoryStatusEx(status: *mut MemoryStatus) -> i32;
 }
 
-/// Physical memory that the machine has left.
+/// Free memory, bytes: physical memory that the machine has left.
 pub(super) fn free_bytes() -> Option<u64> {
     let length = u32::try_from(size_of::<MemoryStatus>()).ok()?;
     let mut status = MemoryStatus { length, ..MemoryStatus::default() };

@@ -14,7 +14,7 @@ pub(super) struct GatheredLight {
     pub scales: [f64; 2],
 }
 
-/// How many samples the tile has that a part of the picture is in, and the divisor of [`Film::sums`].
+/// Number of samples of the tile that a part of the picture is in, and the divisor of [`Film::sums`].
 #[derive(Clone, Copy)]
 pub(super) struct CountsAbout {
     pub own: u32,
@@ -156,7 +156,7 @@ impl Film {
             .map(move |(j, i)| self.places[(j * columns + i) as usize])
     }
 
-    /// How the light of the tiles about a part of the picture is divided.
+    /// The counts by which the light of the tiles about a part of the picture is divided; `samples` gives those of a tile.
     pub(super) fn counts_about(&self, rect: TileRect, samples: impl Fn(usize) -> u32) -> CountsAbout {
         let columns = self.width.div_ceil(self.tile_size);
         let own = samples(self.places[(rect.y / self.tile_size * columns + rect.x / self.tile_size) as usize]);

@@ -280,7 +280,7 @@ pub struct Film {
     /// A further factor for each pixel, rows from below; empty: 1 everywhere.
     gains: Arc<[f32]>,
     groups: Vec<Film>,
-    /// What was joined and waits in its packed form until it is asked for.
+    /// Light that was joined, in its packed form until a picture of it is asked for.
     parked: Option<Parked>,
 }
 

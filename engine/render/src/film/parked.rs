@@ -16,7 +16,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Rows of tiles whose pixels are gathered together: those next to them are unpacked once more.
 const BAND: u32 = 4;
 
-/// What was joined to a film.
+/// Light that was joined to a film, in the packed pieces of its files.
 pub(super) struct Parked {
     pieces: Mutex<Vec<Vec<u8>>>,
     spreads: bool,
