@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
 import zlib
 
 import pytest
@@ -24,12 +25,14 @@ from support.places import ROOT
 pytestmark = pytest.mark.once
 
 FILM = "parts/0001.film"
+VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"].encode()
 
 
 def with_header(film: bytes, change) -> bytes:
     """A film whose header is another one, with the checksum that fits."""
     length = int.from_bytes(film[16:20], "little")
     header = change(film[20 : 20 + length])
+    assert header != film[20 : 20 + length]
     begin = film[:16] + len(header).to_bytes(4, "little") + header
     return begin + zlib.crc32(header).to_bytes(4, "little") + film[24 + length :]
 
@@ -47,7 +50,7 @@ DAMAGES = {
     "no film": (lambda job, film: b"x" * len(film), "it is no checkpoint"),
     "another part": (lambda job, film: (job / "parts/0002.film").read_bytes(), "it is of another part of the picture"),
     "another picture": (lambda job, film: with_header(film, lambda h: h.replace(h[-20:-12], b"01234567")), "another picture"),
-    "another version": (lambda job, film: with_header(film, lambda h: h.replace(b"0.1.0", b"0.0.9")), "another version"),
+    "another version": (lambda job, film: with_header(film, lambda h: h.replace(VERSION, b"0.0.9")), "another version"),
     "an older layout": (lambda job, film: film[:15] + b"4" + film[16:], "another version of Petzval"),
     "unfinished": (lambda job, film: with_header(film, lambda h: h[:-1] + b"\0"), "it is not finished"),
 }  # fmt: skip
