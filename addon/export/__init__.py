@@ -48,10 +48,11 @@ def send_scene(
     kept = Kept(builder) if kept is None else kept
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     images = Images(kept, report, scene.frame_current, _image_limit(depsgraph))
-    materials = Materials(kept, images, Aovs(layer), report, layer.material_override)
+    aovs = Aovs(layer)
+    materials = Materials(kept, images, aovs, report, layer.material_override)
     groups = LightGroups(layer)
     own = sky_of(depsgraph)
-    builder.set_world(_sky(depsgraph, images, groups, report))
+    builder.set_world(_sky(depsgraph, images, groups, aovs))
     stage = Stage(
         kept, materials, images, groups, report, check_stop, motion, blur, only_catchers=only_catchers, baked=baked
     )
@@ -132,15 +133,11 @@ def send_sky(depsgraph: bpy.types.Depsgraph, builder: Any, report: Report) -> No
     """Fills a `SceneBuilder` with the world alone."""
     groups = LightGroups(depsgraph.view_layer_eval)
     images = Images(Kept(builder), report, depsgraph.scene_eval.frame_current, _image_limit(depsgraph))
-    builder.set_world(_sky(depsgraph, images, groups, report))
+    builder.set_world(_sky(depsgraph, images, groups, Aovs(depsgraph.view_layer_eval)))
 
 
-def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, report: Report) -> WorldDescription:
+def _sky(depsgraph: bpy.types.Depsgraph, images: Images, groups: LightGroups, aovs: Aovs) -> WorldDescription:
     own = sky_of(depsgraph)
-    listed = {one.name for one in depsgraph.view_layer_eval.aovs}
-    tree = None if own is None else own.node_tree
-    if listed and tree is not None and any(n.type == "OUTPUT_AOV" and n.aov_name in listed for n in tree.nodes):
-        report.warn(f"World '{own.name}': shader AOVs of worlds are not supported yet, they are zero")
-    sky = world.describe(own, images)
+    sky = world.describe(own, images, aovs)
     sky.light_group = groups.number(own)
     return sky

@@ -12,17 +12,22 @@ from mathutils import Euler, Matrix
 from petzval.description import WorldDescription
 
 from . import graph, nodes, visibility
+from .aovs import Aovs
 from .camera import rows
 from .image import Images
 from .material import uses_nodes
 
 
-def describe(world: bpy.types.World | None, images: Images) -> WorldDescription:
+def describe(world: bpy.types.World | None, images: Images, aovs: Aovs) -> WorldDescription:
     """What the engine is told of the world; none is black."""
     if world is None:
         return WorldDescription()
     description = _surface(world, images)
     description.hidden_from = visibility.world_hidden_from(world)
+    if uses_nodes(world):
+        found = aovs.describe(world.node_tree, lambda node: images.of_node(node, world))
+        if found is not None:
+            description.aovs = json.dumps(found[0]), found[1]
     cycles = getattr(world, "cycles", None)
     # Without light samples of the world neither does anything in Cycles.
     if getattr(cycles, "sampling_method", "NONE") != "NONE":

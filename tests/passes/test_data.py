@@ -90,3 +90,43 @@ def scene_warnings():
     from support import scenes
 
     return scenes.part("render.statistics").last("Scene").warnings
+
+
+@pytest.mark.parametrize("what", ["seen", "hidden from the camera", "behind a transparent film"])
+def test_world_aovs(blender, parts, tmp_path, what):
+    """Where a camera ray ends in the sky, transparent surfaces passed: what Cycles writes, which runs the world's nodes where their colour varies."""
+    import bpy
+
+    from support import render_passes
+
+    scene = parts.set_up(render_passes.WIDTH, render_passes.HEIGHT)
+    scene.world = bpy.data.worlds.new("Sky")
+    scene.world.use_nodes = True
+    tree = scene.world.node_tree
+    place, split = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(place.outputs["Generated"], split.inputs[0])
+    tree.links.new(place.outputs["Generated"], tree.nodes["Background"].inputs["Color"])
+    for name, kind, socket, source in (
+        ("Way", "COLOR", "Color", place.outputs["Generated"]),
+        ("Height", "VALUE", "Value", split.outputs["Z"]),
+    ):
+        made, node = scene.view_layers[0].aovs.add(), tree.nodes.new("ShaderNodeOutputAOV")
+        made.name, made.type, node.aov_name = name, kind, name
+        tree.links.new(source, node.inputs[socket])
+    for x, is_clear in ((-1.0, True), (1.0, False)):
+        bpy.ops.mesh.primitive_cube_add(size=1.2, location=(x, 5.0, 0.0))
+        material, nodes, surface = parts.material(f"At {x}")
+        if is_clear:
+            nodes.links.new(nodes.nodes.new("ShaderNodeBsdfTransparent").outputs[0], surface)
+        bpy.context.object.data.materials.append(material)
+    scene.world.cycles_visibility.camera = what != "hidden from the camera"
+    scene.render.film_transparent = what == "behind a transparent film"
+    ours = render_passes.photograph(tmp_path / "petzval.exr", samples=16)
+    theirs = render_passes.photograph(tmp_path / "cycles.exr", "CYCLES", samples=16)
+    if what == "seen":
+        assert theirs["Way"][..., 1].max() > 0.9
+        assert np.ptp(theirs["Height"]) > 0.3
+    for name in ("Way", "Height"):
+        # 16 samples a pixel at the edges of one cube, 256 pixels a block.
+        close(render_passes, ours, theirs, name, 0.01)
+    assert not scene_warnings()

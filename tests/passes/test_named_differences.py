@@ -13,15 +13,6 @@ def said(parts, scene, folder) -> str:
     return " ".join(parts.part("render.statistics").last(scene.name).warnings)
 
 
-def test_shader_aovs_of_worlds(parts, blender, tmp_path):
-    scene = parts.set_up(8, 8, 1)
-    node = scene.world.node_tree.nodes.new("ShaderNodeOutputAOV")
-    node.aov_name = "mask"
-    assert not said(parts, scene, tmp_path)
-    scene.view_layers[0].aovs.add().name = "mask"
-    assert "AOVs of worlds" in said(parts, scene, tmp_path)
-
-
 def test_shadow_catchers_behind_volumes(parts, blender, tmp_path):
     scene = parts.set_up(8, 8, 1)
     blender.ops.mesh.primitive_plane_add(size=4.0, location=(0.0, 4.0, -1.0))

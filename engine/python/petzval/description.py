@@ -337,6 +337,8 @@ class WorldDescription:
     cast_shadow: bool = True  # objects throw shadows in its light samples
     # Instead of colour and image: the nodes, as JSON of what `export/graph.py` makes of them.
     graph: str | None = None
+    # The graph of its AOV Output nodes, likewise, and the numbers of their values.
+    aovs: tuple[str, list[int]] | None = None
 
 
 Settings = TypeVar("Settings")

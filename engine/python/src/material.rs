@@ -56,11 +56,7 @@ impl PyMaterial {
             None => None,
             Some((json, numbers)) => {
                 let (graph, told) = graphs.read(json, m.pass_index, Displacement::default(), &owner)?;
-                for what in told {
-                    if !reports.contains(&what) {
-                        reports.push(what);
-                    }
-                }
+                add_new(&mut reports, told);
                 Some(Aovs { graph, numbers })
             }
         };
@@ -70,6 +66,15 @@ impl PyMaterial {
         let made = Material::new(m.name, graph);
         let material = Material { pass_index, aovs, shades_fully, corrects_bumps, emission_sampling, ..made };
         Ok((material, reports))
+    }
+}
+
+/// Adds the reports that are not there yet.
+fn add_new(reports: &mut Vec<String>, told: Vec<String>) {
+    for what in told {
+        if !reports.contains(&what) {
+            reports.push(what);
+        }
     }
 }
 
@@ -151,13 +156,18 @@ pub(crate) struct PyWorld {
     max_bounces: u32,
     cast_shadow: bool,
     graph: Option<String>,
+    aovs: Option<(String, Vec<u16>)>,
 }
 
 impl PyWorld {
     /// The world, and what of its nodes the engine does otherwise than Blender.
     pub(crate) fn world(self, graphs: &mut Graphs) -> Result<(World, Vec<String>), Error> {
         let w = self;
-        let (graph, reports) = graphs.of_world(w.graph)?;
+        let (graph, mut reports) = graphs.of_world(w.graph)?;
+        let (json, numbers) = w.aovs.unzip();
+        let (aov_graph, told) = graphs.of_world(json)?;
+        add_new(&mut reports, told);
+        let aovs = aov_graph.zip(numbers).map(|(graph, numbers)| Aovs { graph, numbers });
         let world = World {
             color: rgb(w.color),
             texture: w.image,
@@ -167,6 +177,7 @@ impl PyWorld {
             max_bounces: w.max_bounces,
             cast_shadow: w.cast_shadow,
             graph,
+            aovs,
         };
         Ok((world, reports))
     }

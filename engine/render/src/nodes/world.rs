@@ -7,6 +7,7 @@ use crate::scene::Scene;
 use crate::scene::closure::Closure;
 use crate::scene::graph::Graph;
 use crate::scene::lamp::{Lamp, LampKind};
+use crate::scene::material::Aovs;
 use crate::scene::texture::Texture;
 use crate::scene::viewport::Viewport;
 use crate::scene::visibility::Rays;
@@ -119,6 +120,24 @@ fn radiance_of(graph: &Graph, scene: &Scene, direction: Vec3A, way: PathState, s
         program.run(&place, &Images(&scene.textures), registers);
         emitted(graph, registers)
     })
+}
+
+/// Calls `found(number, value)` with the shader AOVs of a world in a direction (unit, pointing away from the scene).
+pub fn aovs(aovs: &Aovs, scene: &Scene, direction: Vec3A, way: PathState, mut found: impl FnMut(u16, Rgb)) {
+    let Aovs { graph, numbers } = aovs;
+    let program = &graph.program;
+    let place =
+        Infinity { direction, way, shows_sun: true, viewport: &scene.viewport, attributes: &program.attributes };
+    REGISTERS.with_borrow_mut(|registers| {
+        program.run(&place, &Images(&scene.textures), registers);
+        for (layer, &number) in graph.layers.iter().zip(numbers) {
+            if let Closure::Emission { color, strength } = &layer.closure {
+                let [color, strength] = [*color, *strength].map(|source| source.value(program, registers));
+                let value = color * strength.x;
+                found(number, if value.is_finite() { value.into() } else { Rgb::ZERO });
+            }
+        }
+    });
 }
 
 /// Radiance emitted by the closures of a program that has run; negative where they take light away.

@@ -1,6 +1,7 @@
 //! Light from infinity: one colour, or an equirectangular image.
 
 use super::graph::Graph;
+use super::material::Aovs;
 use super::texture::{Extension, Interpolation, Texture};
 use super::visibility::Rays;
 use crate::Rgb;
@@ -28,6 +29,8 @@ pub struct World {
     pub cast_shadow: bool,
     /// The world as the camera sees it, where nodes compute it; the rest is then what surfaces see.
     pub graph: Option<Arc<Graph>>,
+    /// Shader AOVs, where the world's nodes have AOV Output nodes that the view layer names.
+    pub aovs: Option<Aovs>,
 }
 
 impl Default for World {
@@ -41,6 +44,7 @@ impl Default for World {
             max_bounces: u32::MAX,
             cast_shadow: true,
             graph: None,
+            aovs: None,
         }
     }
 }

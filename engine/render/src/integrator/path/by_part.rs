@@ -11,6 +11,7 @@ use crate::integrator::PreparedScene;
 use crate::nodes::{PathState, View};
 use crate::shading::{LobeDecomposition, LobeShares};
 use crate::surface::SurfacePoint;
+use glam::Vec3A;
 
 /// The lobes of the first scattering, by which a path's light is shared out.
 #[derive(Clone, Copy, Debug)]
@@ -275,14 +276,26 @@ impl ByPart {
             sums[place] = Rgb::splat(self.parts.seen().clear(point.position));
         }
         if self.has_aovs {
-            crate::nodes::aovs(stage.around(), point, view, |number, value| {
-                if let Some(place) = self.parts.place(LightPass::Aov(number)).filter(|_| value.is_finite()) {
-                    sums[place] = value;
-                }
-                if let Some(place) = self.parts.place(LightPass::AovAlpha(number)) {
-                    sums[place] = Rgb::ONE;
-                }
-            });
+            crate::nodes::aovs(stage.around(), point, view, |number, value| self.set_aov(sums, number, value));
+        }
+    }
+
+    /// The world at the end of a camera ray, whose places are `sums`.
+    pub(super) fn finds_world(&self, sums: &mut [Rgb], stage: &PreparedScene, direction: Vec3A, way: PathState) {
+        let scene = &stage.scene;
+        if let Some(aovs) =
+            scene.world.aovs.as_ref().filter(|_| self.has_aovs && scene.world.visible.all_of(way.finds()))
+        {
+            crate::nodes::world::aovs(aovs, scene, direction, way, |number, value| self.set_aov(sums, number, value));
+        }
+    }
+
+    fn set_aov(&self, sums: &mut [Rgb], number: u16, value: Rgb) {
+        if let Some(place) = self.parts.place(LightPass::Aov(number)).filter(|_| value.is_finite()) {
+            sums[place] = value;
+        }
+        if let Some(place) = self.parts.place(LightPass::AovAlpha(number)) {
+            sums[place] = Rgb::ONE;
         }
     }
 }

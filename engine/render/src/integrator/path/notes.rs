@@ -9,6 +9,7 @@ use crate::integrator::PreparedScene;
 use crate::nodes::{PathState, View};
 use crate::shading::{LobeDecomposition, LobeShares};
 use crate::surface::SurfacePoint;
+use glam::Vec3A;
 
 /// Notes on the light that paths found, beside its sum.
 pub trait AovSink {
@@ -51,6 +52,9 @@ pub trait AovSink {
 
     /// The first surface that a path did not pass.
     fn finds(&mut self, path: u32, stage: &PreparedScene, point: &SurfacePoint, view: &View);
+
+    /// The world at the end of a camera ray that no surface stopped.
+    fn finds_world(&mut self, path: u32, stage: &PreparedScene, direction: Vec3A, way: PathState);
 
     /// A surface that is to scatter a path, with the path's throughput up to it and its distance from the ray's origin.
     fn looks_at(&mut self, path: u32, way: PathState, throughput: Rgb, bsdf: &impl LobeDecomposition, distance: f32);
@@ -111,6 +115,9 @@ impl AovSink for NoAovs {
 
     #[inline(always)]
     fn finds(&mut self, _: u32, _: &PreparedScene, _: &SurfacePoint, _: &View) {}
+
+    #[inline(always)]
+    fn finds_world(&mut self, _: u32, _: &PreparedScene, _: Vec3A, _: PathState) {}
 
     #[inline(always)]
     fn looks_at(&mut self, _: u32, _: PathState, _: Rgb, _: &impl LobeDecomposition, _: f32) {}
@@ -219,6 +226,11 @@ impl AovSink for AovBuffers {
     fn finds(&mut self, path: u32, stage: &PreparedScene, point: &SurfacePoint, view: &View) {
         let (count, groups) = (self.count(), usize::from(self.groups));
         self.parts.finds(of_parts(&mut self.sums, path as usize, groups, count), path, stage, point, view);
+    }
+
+    fn finds_world(&mut self, path: u32, stage: &PreparedScene, direction: Vec3A, way: PathState) {
+        let (count, groups) = (self.count(), usize::from(self.groups));
+        self.parts.finds_world(of_parts(&mut self.sums, path as usize, groups, count), stage, direction, way);
     }
 
     fn looks_at(&mut self, path: u32, way: PathState, throughput: Rgb, bsdf: &impl LobeDecomposition, distance: f32) {

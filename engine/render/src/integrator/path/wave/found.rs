@@ -105,6 +105,9 @@ impl Path {
         if self.way.is_camera() && (limits.hide_sky || self.strategy.is_aimed()) {
             return;
         }
+        if self.way.is_camera() {
+            found.notes.finds_world(found.path, stage, self.ray.direction, self.way);
+        }
         let is_film = limits.hide_sky && self.is_on_film;
         if is_film {
             found.result.hole += self.throughput.element_sum() / 3.0;
