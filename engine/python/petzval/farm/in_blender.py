@@ -12,7 +12,7 @@ from typing import Any, TextIO
 from petzval import atomic_files
 from petzval import render_in_blender as rendering
 from petzval.errors import TryAgain
-from petzval.farm import packing, sizes
+from petzval.farm import bevels, packing, sizes
 
 #: Objects that a warning names.
 _MOST_NAMED = 5
@@ -40,13 +40,24 @@ def _pack(scene: Any, options: dict[str, Any], addon: Any, _: TextIO) -> dict[st
     if wrong:
         return wrong
     about = _about(scene, addon)
+    frame = scene.frame_current
+    moves = (
+        bool(options["frames"])
+        or scene.render.use_motion_blur
+        or any(layer.use_pass_vector for layer in scene.view_layers)
+    )
     # What the options have set is no part of the file.
     bpy.ops.wm.open_mainfile(filepath=options["scene"], load_ui=False, use_scripts=False)
     is_moving = bool(options["frames"])
-    warnings = [*_random_textures(bpy), *_bevels(bpy), *(_unbaked(bpy) if is_moving else ())]
+    warnings = [*_random_textures(bpy), *(_unbaked(bpy) if is_moving else ())]
+    has_bevels = any(made.type == "BEVEL" for one in bpy.data.objects for made in one.modifiers)
     packer = packing.Packer(bpy, options["scene"])
     try:
-        main, files = packer.pack(Path(options["farm"]["target"]))
+        target = Path(options["farm"]["target"])
+        main, files = packer.pack(target)
+        if has_bevels:
+            blends = [target / name for name in files if name.endswith(".blend")]
+            warnings += _apply_bevels(bpy, blends, frame, moves=moves)
     except OSError as failed:
         named = f"{failed.filename}: " if failed.filename else ""
         return f"cannot pack {options['scene']}: {named}{failed.strerror or failed}"
@@ -68,9 +79,21 @@ def _random_textures(bpy: Any) -> list[str]:
     ]
 
 
-def _bevels(bpy: Any) -> list[str]:
-    """A warning of objects whose meshes Blender makes anew in each process: its Bevel goes by addresses of memory."""
-    names = [f"'{one.name}'" for one in bpy.data.objects if any(made.type == "BEVEL" for made in one.modifiers)]
+def _apply_bevels(bpy: Any, blends: list[Path], frame: int, *, moves: bool) -> list[str]:
+    """Applies the Bevel modifiers of the packed .blends, and saves these. Warnings of those that stay. Raises `OSError`."""
+    names = []
+    for blend in blends:
+        bpy.ops.wm.open_mainfile(filepath=str(blend), load_ui=False, use_scripts=False)
+        done, left = bevels.apply_all(bpy, frame, moves=moves)
+        names += [f"'{name}'" for name in left]
+        if not done:
+            continue
+        try:
+            bpy.ops.wm.save_as_mainfile(
+                filepath=str(blend), compress=True, copy=True, relative_remap=False, check_existing=False
+            )
+        except RuntimeError as failed:
+            raise OSError(str(failed).strip()) from None
     if not names:
         return []
     more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""

@@ -61,8 +61,8 @@ class Packer:
         self.warnings: list[str] = []
 
     def pack(self, target: Path) -> tuple[str, list[str]]:
-        """Copies everything into `target`; names of the .blend and of all files, relative to it. Another .blend is open afterwards, where
-        there are libraries. Raises `OSError`."""
+        """Copies everything into `target`; names of the .blend and of all files, relative to it. Those of .blends come first. Another .blend is open
+        afterwards, where there are libraries. Raises `OSError`."""
         self._collect(self._main)
         libraries = {
             self._absolute(one.filepath, one.parent) for one in self._bpy.data.libraries if not self._is_packed(one)
