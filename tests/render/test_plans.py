@@ -215,7 +215,9 @@ def only_what_is_on(one: Pictures) -> list[str]:
         wrong.append("a lens was traced that was not called for")
     if one.choice["model"] == "exact" and not traced:
         wrong.append("no lens was traced")
-    if one.choice["wavelengths"] == 1 and (one.stats["pipeline"] != "film" or on & {"lateral_colour", "axial_colour"}):
+    # The densities of rays that light tracing asks for are those of the hero pipeline, with one wavelength too.
+    is_plain = one.stats["pipeline"] == "film" or one.stats["light_tracing"]["lights"] > 0
+    if one.choice["wavelengths"] == 1 and (not is_plain or on & {"lateral_colour", "axial_colour"}):
         wrong.append("one wavelength, but packets of them were carried")
     if one.choice["model"] == "pinhole" and "defocus" in on:
         wrong.append("a pinhole that blurs")
