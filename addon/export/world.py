@@ -18,6 +18,9 @@ from .image import Images
 from .material import uses_nodes
 
 
+_IMAGES = {"ShaderNodeTexEnvironment", "ShaderNodeTexImage"}
+
+
 def describe(world: bpy.types.World | None, images: Images, aovs: Aovs) -> WorldDescription:
     """What the engine is told of the world; none is black."""
     if world is None:
@@ -60,7 +63,8 @@ def _surface(world: bpy.types.World, images: Images) -> WorldDescription:
     if not uses_nodes(world):
         return WorldDescription(color=tuple(world.color))
     described = graph.describe(world.node_tree, lambda node: images.of_node(node, world))
-    return _plain(described) or WorldDescription(graph=json.dumps(described))
+    has_image = any(node["type"] in _IMAGES for node in described["nodes"])
+    return _plain(described) or WorldDescription(graph=json.dumps(described), has_image=has_image)
 
 
 def _plain(described: dict[str, Any]) -> WorldDescription | None:

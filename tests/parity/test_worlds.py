@@ -134,3 +134,39 @@ def test_worlds(stage, blender, tmp_path, build):
     is_lost = build is lost_image
     # Magenta has no green.
     alike(tmp_path, 0.02, floor=0.1 * is_lost, warns="lost.hdr" * is_lost)
+
+
+def two_alike(t: Tree):
+    """One colour, by nodes that could give another to other rays."""
+    path = t.node("LightPath")
+    both = [t.node("Background", Color=(0.5, 0.6, 0.8, 1.0)) for _ in range(2)]
+    t.shows(
+        t.node("MixShader", _0=path.outputs["Is Camera Ray"], _1=both[0].outputs[0], _2=both[1].outputs[0]).outputs[0]
+    )
+
+
+def one_colour(t: Tree):
+    t.shows(t.node("Background", Color=(0.5, 0.6, 0.8, 1.0)).outputs[0])
+
+
+@pytest.mark.parametrize("build", [lost_image, two_alike, one_colour], ids=lambda one: one.__name__)
+def test_one_colour_behind_glass_that_throws_no_shadow(stage, blender, tmp_path, build):
+    """Light samples pass such glass, rays of closures do not, so what the ball gets hangs on which worlds are sampled: in Cycles those with an image,
+    although it is missing and one colour."""
+    scene = blender.context.scene
+    tree = stage.with_nodes(scene.world)
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    build(Tree(tree, output.inputs["Surface"]))
+    made, nodes, surface = stage.material()
+    nodes.links.new(nodes.nodes.new("ShaderNodeBsdfDiffuse").outputs[0], surface)
+    blender.context.object.data.materials.append(made)
+    blender.ops.mesh.primitive_cube_add(size=3.0)
+    shell, nodes, surface = stage.material("Shell")
+    t = Tree(nodes, surface)
+    dark = t.node("BsdfGlossy", Color=(0.4, 0.4, 0.4, 1.0), Roughness=0.2).outputs[0]
+    seen = t.node("MixShader", _0=0.5, _1=dark, _2=t.node("BsdfTransparent").outputs[0]).outputs[0]
+    is_shadow = t.node("LightPath").outputs["Is Shadow Ray"]
+    t.shows(t.node("MixShader", _0=is_shadow, _1=seen, _2=t.node("BsdfTransparent").outputs[0]).outputs[0])
+    blender.context.object.data.materials.append(shell)
+    is_lost = build is lost_image
+    alike(tmp_path, 0.02, floor=0.1 * is_lost, warns="lost.hdr" * is_lost)

@@ -335,6 +335,7 @@ class WorldDescription:
     light_group: int = 0  # its number; 0 is none
     max_bounces: int = 1024  # scatterings of a path beyond which the sky is not sampled as a light
     cast_shadow: bool = True  # objects throw shadows in its light samples
+    has_image: bool = False  # the nodes look an image up, or one that is missing
     # Instead of colour and image: the nodes, as JSON of what `export/graph.py` makes of them.
     graph: str | None = None
     # The graph of its AOV Output nodes, likewise, and the numbers of their values.

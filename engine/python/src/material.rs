@@ -155,6 +155,7 @@ pub(crate) struct PyWorld {
     light_group: u16,
     max_bounces: u32,
     cast_shadow: bool,
+    has_image: bool,
     graph: Option<String>,
     aovs: Option<(String, Vec<u16>)>,
 }
@@ -176,6 +177,7 @@ impl PyWorld {
             light_group: w.light_group,
             max_bounces: w.max_bounces,
             cast_shadow: w.cast_shadow,
+            has_image: w.has_image,
             graph,
             aovs,
         };

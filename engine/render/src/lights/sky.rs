@@ -7,14 +7,12 @@ use crate::nodes::PathState;
 use crate::sampler::distribution::Grid2d;
 use crate::scene::{
     Scene,
-    graph::Graph,
     texture::Texture,
-    visibility::{LightSets, Rays},
+    visibility::LightSets,
     world::{direction_to_equirectangular, equirectangular_to_direction},
 };
 use crate::{Rgb, luminance, nodes};
 use glam::{Vec2, Vec3A, Vec4Swizzles};
-use petzval_nodes::Field;
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -100,7 +98,7 @@ impl Sky {
         let made_of = scene.world.texture.map(|t| (scene.textures[t as usize].clone(), scene.world.color));
         let is_kept = |previous: &&Self| {
             let is_compensated = previous.image.as_ref().is_some_and(|tables| tables.compensated.is_some());
-            is_same_image(&previous.made_of, &made_of) && is_compensated == finds_alike(scene)
+            is_same_image(&previous.made_of, &made_of) && is_compensated == nodes::world::finds_alike(scene)
         };
         let (image, world) = match previous.filter(is_kept) {
             Some(previous) => (previous.image.clone(), previous.world),
@@ -341,25 +339,8 @@ fn table_by(scene: &Scene, brightness: Vec<f32>, columns: usize, rows: usize) ->
     let whole = Grid2d::new(&weights, columns, rows)?;
     let beyond = |(i, &weight): (usize, &f32)| (weight - mean * cosines[i / columns]).max(LEAST_KEPT * weight);
     let beyond: Vec<f32> = weights.iter().enumerate().map(beyond).collect();
-    let compensated = if finds_alike(scene) { Grid2d::new(&beyond, columns, rows) } else { None };
+    let compensated = if nodes::world::finds_alike(scene) { Grid2d::new(&beyond, columns, rows) } else { None };
     Some(ImageTables { whole, compensated })
-}
-
-/// True if what lets shadow rays through lets rays of closures through, too. Else each kind of sample finds light that the other does not,
-/// and the picture depends on the weights of both: as in Cycles, they are those of the whole image.
-fn finds_alike(scene: &Scene) -> bool {
-    const INDIRECT: Rays = Rays::BOUNCE.and(Rays::SHADOW).and(Rays::VOLUME_SCATTER);
-    /// Blender's default, which no path reaches.
-    const UNLIMITED: u32 = 1024;
-    let is_alike = |visible: Rays| visible.all_of(INDIRECT) || !visible.any_of(INDIRECT);
-    let depends = |graph: &Graph| {
-        graph.transmittance_reads_any(&nodes::OF_BOUNCES) || graph.transmittance_reads_any(&[Field::IsShadowRay])
-    };
-    // The limits of a world hold for light samples alone.
-    scene.world.cast_shadow
-        && scene.world.max_bounces >= UNLIMITED
-        && scene.instances.iter().all(|instance| is_alike(instance.visible))
-        && !scene.materials.iter().any(|material| material.shades_fully || depends(&material.graph))
 }
 
 #[cfg(test)]

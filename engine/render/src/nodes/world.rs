@@ -1,7 +1,7 @@
 //! A world of nodes: its radiance from a direction, and an image of all directions, by which lights are chosen.
 
 use super::images::Images;
-use super::path_state::PathState;
+use super::path_state::{OF_BOUNCES, PathState};
 use crate::sampler::warp::{frame, sample_disk, to_world};
 use crate::scene::Scene;
 use crate::scene::closure::Closure;
@@ -182,16 +182,38 @@ pub fn bake(scene: &mut Scene, previous: Option<&Scene>) {
         sum / (WITHIN * WITHIN) as f32
     };
     let pixels: Vec<Rgb> = (0..columns * rows).into_par_iter().map(pixel).collect();
+    // One colour is sampled well by closures, but where light samples find what these do not, they count: Cycles samples each world that
+    // has an image.
+    let is_sampled = scene.world.has_image && !finds_alike(scene);
     let world = &mut scene.world;
     world.rotation = Mat3A::IDENTITY;
-    if pixels.iter().all(|pixel| *pixel == pixels[0]) {
+    let is_one_colour = pixels.iter().all(|pixel| *pixel == pixels[0]);
+    if is_one_colour && !is_sampled {
         (world.color, world.texture) = (pixels[0], None);
         return;
     }
-    let values: Vec<f32> = pixels.iter().flat_map(|p| [p.x, p.y, p.z, 1.0]).collect();
+    let (columns, rows) = if is_one_colour { (2, 1) } else { (columns, rows) };
+    let values: Vec<f32> = pixels[..columns * rows].iter().flat_map(|p| [p.x, p.y, p.z, 1.0]).collect();
     let Ok(texture) = Texture::from_floats("world", columns, rows, &values, false) else { return };
     (world.color, world.texture) = (Rgb::ONE, Some(scene.textures.len() as u32));
     scene.textures.push(Arc::new(texture));
+}
+
+/// True if what lets shadow rays through lets rays of closures through, too. Else each kind of sample finds light that the other does not,
+/// and the picture depends on the weights of both: as in Cycles, they are those of the whole image.
+pub fn finds_alike(scene: &Scene) -> bool {
+    const INDIRECT: Rays = Rays::BOUNCE.and(Rays::SHADOW).and(Rays::VOLUME_SCATTER);
+    /// Blender's default, which no path reaches.
+    const UNLIMITED: u32 = 1024;
+    let is_alike = |visible: Rays| visible.all_of(INDIRECT) || !visible.any_of(INDIRECT);
+    let depends = |graph: &Graph| {
+        graph.transmittance_reads_any(&OF_BOUNCES) || graph.transmittance_reads_any(&[Field::IsShadowRay])
+    };
+    // The limits of a world hold for light samples alone.
+    scene.world.cast_shadow
+        && scene.world.max_bounces >= UNLIMITED
+        && scene.instances.iter().all(|instance| is_alike(instance.visible))
+        && !scene.materials.iter().any(|material| material.shades_fully || depends(&material.graph))
 }
 
 /// True if the sky of a scene that is not baked yet equals that of a baked one: its nodes, and all that these may read.
@@ -203,7 +225,11 @@ fn is_same(scene: &Scene, baked: &Scene) -> bool {
     let own = baked.world.texture.map_or(baked.textures.len(), |at| at as usize);
     let images =
         own == scene.textures.len() && baked.textures.iter().zip(&scene.textures).all(|(a, b)| Arc::ptr_eq(a, b));
-    is_one(&scene.world.graph, &baked.world.graph) && images && scene.viewport == baked.viewport
+    is_one(&scene.world.graph, &baked.world.graph)
+        && images
+        && scene.viewport == baked.viewport
+        && scene.world.has_image == baked.world.has_image
+        && finds_alike(scene) == finds_alike(baked)
 }
 
 /// The lamp that stands for a sky's sun: as bright all over as the disc is on average, the other nodes included. For a disc that the

@@ -27,6 +27,8 @@ pub struct World {
     pub max_bounces: u32,
     /// True if objects throw shadows in light samples of the world.
     pub cast_shadow: bool,
+    /// True if nodes look an image up; an image that is missing, and one colour, counts.
+    pub has_image: bool,
     /// The world as the camera sees it, where nodes compute it; the rest is then what surfaces see.
     pub graph: Option<Arc<Graph>>,
     /// Shader AOVs, where the world's nodes have AOV Output nodes that the view layer names.
@@ -43,6 +45,7 @@ impl Default for World {
             light_group: 0,
             max_bounces: u32::MAX,
             cast_shadow: true,
+            has_image: false,
             graph: None,
             aovs: None,
         }
