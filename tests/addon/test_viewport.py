@@ -463,7 +463,7 @@ def test_small_lamps_find_the_lens_in_a_view(viewer):
             settings=dataclasses.replace(viewer.session._asked.settings, samples=16384, light_tracing=False),
         )
     )
-    assert viewer.session.wait(120.0) and not viewer.session.error
+    assert viewer.session.wait(600.0) and not viewer.session.error
     plain = viewer.session.picture.pixels[..., :3].mean()
     assert found.mean() == pytest.approx(plain, rel=0.05), (found.mean(), plain)
 
