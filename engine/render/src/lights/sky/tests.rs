@@ -5,6 +5,7 @@ use super::*;
 use crate::sampler::warp;
 use crate::scene::material::Material;
 use crate::scene::mesh::MeshDescription;
+use crate::scene::visibility::Rays;
 use crate::scene::{SceneBuilder, world::World};
 use glam::{DMat4, DVec3, Vec3};
 
