@@ -66,7 +66,7 @@ impl Reader<'_> {
     /// An attribute that is a number above zero.
     fn positive(&self, node: Node<'_, '_>, name: &str) -> Result<f64, LensfunError> {
         let value = self.number(node, name)?.filter(|value| *value > 0.0);
-        value.ok_or_else(|| self.wrong(node, format!("<{}> needs a {name} above zero", node.tag_name().name())))
+        value.ok_or_else(|| self.wrong(node, format!("<{}> needs {name} above zero", node.tag_name().name())))
     }
 
     fn lens(&self, node: Node<'_, '_>) -> Result<CalibratedLens, LensfunError> {
