@@ -70,7 +70,10 @@ fn calibrations_are_those_of_lensfun() {
 fn lenses_have_what_the_file_says() {
     let database = database();
     let lens = database.find("sigma 8mm").unwrap();
-    assert_eq!((lens.name().as_str(), lens.projection), ("Sigma 8mm f/3.5 EX DG Circular", Some(Projection::Equisolid)));
+    assert_eq!(
+        (lens.name().as_str(), lens.projection),
+        ("Sigma 8mm f/3.5 EX DG Circular", Some(Projection::Equisolid))
+    );
     let lens = database.find("PowerShot G12").unwrap();
     let sensor = lens.sets[0].sensor;
     assert!((sensor.aspect_ratio - 4.0 / 3.0).abs() < 1e-15 && sensor.crop_factor == 4.63);
@@ -91,7 +94,11 @@ fn a_name_that_is_no_lens_or_several_says_so() {
         "no lens in the lensfun database is called 'Nikkor Z 24-70mm f/2.8 S'; did you mean Nikon Nikkor Z 24-70mm f/4 S, \
          Nikon AF-S DX Nikkor 35mm f/1.8G, Nikon AF-S VR Zoom-Nikkor 70-300mm f/4.5-5.6G IF-ED?"
     );
-    assert!(message("nikkor").starts_with("'nikkor' may be 3 lenses of the lensfun database: Nikon "), "{}", message("nikkor"));
+    assert!(
+        message("nikkor").starts_with("'nikkor' may be 3 lenses of the lensfun database: Nikon "),
+        "{}",
+        message("nikkor")
+    );
     assert!(matches!(database.find("Xyz"), Err(LensfunError::Unknown { .. })));
     assert!(matches!(database.find(""), Err(LensfunError::Unknown { .. })));
 }
@@ -101,7 +108,9 @@ fn what_is_no_database_is_told_with_its_place() {
     let message = |text: &str| Database::parse(text, "my.xml").unwrap_err().to_string();
     assert_eq!(message("<a/>"), "my.xml:1:1: <a> where <lensdatabase> belongs; give a lensfun database");
     assert!(message("not xml").starts_with("my.xml:1:1: this is no XML"), "{}", message("not xml"));
-    let lens = |rows: &str| format!("<lensdatabase>\n<lens><model>M</model><calibration>\n{rows}</calibration></lens></lensdatabase>");
+    let lens = |rows: &str| {
+        format!("<lensdatabase>\n<lens><model>M</model><calibration>\n{rows}</calibration></lens></lensdatabase>")
+    };
     assert_eq!(
         message(&lens("<distortion model=\"ptlens\" focal=\"35\" a=\"abc\"/>")),
         "my.xml:3:1: a=\"abc\" of <distortion> is not a finite number; write one"
