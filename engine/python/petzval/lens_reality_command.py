@@ -30,7 +30,7 @@ def add_parser(actions: argparse._SubParsersAction[argparse.ArgumentParser], kin
     reality.add_argument("--product", metavar="NAME", help="of the lens in the database; default: that of the lens file")
     reality.add_argument(
         "--marked", type=number, metavar="MM",
-        help="focal length that the product is marked with; default: --focal-length, or the product's shortest",
+        help="focal length that the product is marked with; default: the measured one nearest to the focal length",
     )  # fmt: skip
     reality.add_argument("--crop-factor", type=number, metavar="C", help="of the camera; default: by the lens's film")
     reality.add_argument(

@@ -87,6 +87,16 @@ impl CalibratedLens {
         if begins { self.model.clone() } else { format!("{} {}", self.maker, self.model) }
     }
 
+    /// The measured marked focal length that is nearest to a focal length, both mm; that itself where nothing was measured.
+    pub fn nearest_marked_mm(&self, focal_mm: f64) -> f64 {
+        let distortions = self.sets.iter().flat_map(|set| set.distortion.iter().map(|row| row.focal_mm));
+        let lights = self.sets.iter().flat_map(|set| set.vignetting.iter().map(|row| row.focal_mm));
+        let nearest = |found: f64, next: f64| {
+            if (next - focal_mm).abs() < (found - focal_mm).abs() { next } else { found }
+        };
+        distortions.chain(lights).reduce(nearest).unwrap_or(focal_mm)
+    }
+
     /// The set that was measured with the largest sensor that is no smaller than the camera's, and has what `has` asks for.
     fn set(&self, crop_factor: f64, has: impl Fn(&CalibrationSet) -> bool) -> Option<&CalibrationSet> {
         let ratio = |set: &CalibrationSet| crop_factor / set.sensor.crop_factor;

@@ -79,6 +79,7 @@ fn lenses_have_what_the_file_says() {
     assert!((sensor.aspect_ratio - 4.0 / 3.0).abs() < 1e-15 && sensor.crop_factor == 4.63);
     let zoom = database.find("Nikon Nikkor Z 24-70mm f/4 S").unwrap();
     assert_eq!((zoom.focal_range_mm, zoom.mounts.as_slice()), ([24.0, 70.0], ["Nikon Z".to_owned()].as_slice()));
+    assert_eq!((zoom.nearest_marked_mm(24.7), zoom.nearest_marked_mm(60.5)), (24.0, 70.0));
     // Beyond the ends of the zoom the calibration of the end holds; on a larger sensor there is none.
     assert_eq!(zoom.distortion(1.0, 12.0).unwrap().focal_mm, 24.0);
     assert_eq!(zoom.distortion(0.79, 24.0), None);

@@ -12,7 +12,7 @@ use petzval_optics::reality::{
     ColourRow, DistortionBeside, VignettingRow, colour_beside, distortion_beside, fields_to, vignetting_beside,
 };
 use petzval_optics::sensitivity::Sensitivities;
-use petzval_optics::system::{FocalLength, LensSettings};
+use petzval_optics::system::LensSettings;
 use serde::Serialize;
 
 /// What is asked for of a comparison.
@@ -22,7 +22,7 @@ pub struct RealityOptions {
     pub lensfun: Option<PathBuf>,
     /// The product's name there; `None`: that of the lens file's header, `# lensfun:`.
     pub product: Option<String>,
-    /// The marked focal length of the measurement; `None`: that of the lens's settings, or the product's shortest.
+    /// The marked focal length of the measurement; `None`: the measured one nearest to the lens's focal length as it is set.
     pub marked_mm: Option<f64>,
     /// The crop factor of the camera; `None`: that of the film in the lens file's header, or 1.
     pub crop_factor: Option<f64>,
@@ -123,10 +123,6 @@ pub fn reality(lens: &Prescription, settings: &LensSettings, options: &RealityOp
         ReportError::OutOfRange(format!("no camera's sensitivities are called '{}': give {known}", options.sensor))
     })?;
     let product = options.product(lens)?;
-    let marked_mm = options.marked_mm.unwrap_or(match settings.focal_length {
-        FocalLength::Millimetres(mm) => mm,
-        FocalLength::AsPublished | FocalLength::Scale(_) => product.focal_range_mm[0],
-    });
     let film_mm = lens.metadata.film_mm.unwrap_or([36.0, 24.0]);
     let of_film = 36.0_f64.hypot(24.0) / film_mm[0].hypot(film_mm[1]);
     let crop_factor = options.crop_factor.unwrap_or(of_film);
@@ -137,6 +133,7 @@ pub fn reality(lens: &Prescription, settings: &LensSettings, options: &RealityOp
     let analysis = main.analysis(&system)?;
     let fields = fields_to(&analysis, corner_mm, options.count);
     let paraxial = Paraxial::new(&system, line_nm::D);
+    let marked_mm = options.marked_mm.unwrap_or_else(|| product.nearest_marked_mm(analysis.height_by_slope_mm().abs()));
     let measured = product.distortion(crop_factor, marked_mm).zip(product.projection);
     let distortion = measured.and_then(|(measured, projection)| {
         distortion_beside(&fields, analysis.height_by_slope_mm().abs(), &measured, projection)
