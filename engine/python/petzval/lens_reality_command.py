@@ -27,7 +27,9 @@ def add_parser(actions: argparse._SubParsersAction[argparse.ArgumentParser], kin
         "--lensfun", metavar="PATH",
         help="a lensfun database: an .xml file, or the folder that holds them; default: the installed one",
     )  # fmt: skip
-    reality.add_argument("--product", metavar="NAME", help="of the lens in the database; default: that of the lens file")
+    reality.add_argument(
+        "--product", metavar="NAME", help="of the lens in the database; default: that of the lens file"
+    )
     reality.add_argument(
         "--marked", type=number, metavar="MM",
         help="focal length that the product is marked with; default: the measured one nearest to the focal length",
@@ -37,9 +39,14 @@ def add_parser(actions: argparse._SubParsersAction[argparse.ArgumentParser], kin
         "--f-numbers", nargs="+", type=number, default=[], metavar="N", help="of vignetting; default: wide open and 8"
     )
     reality.add_argument(
-        "--sensor", choices=SENSORS, default=SENSORS[0], help=f"whose channels see lateral colour; default: {SENSORS[0]}"
+        "--sensor",
+        choices=SENSORS,
+        default=SENSORS[0],
+        help=f"whose channels see lateral colour; default: {SENSORS[0]}",
     )
-    reality.add_argument("--colour-f-number", type=number, default=8.0, metavar="N", help="of lateral colour; default: 8")
+    reality.add_argument(
+        "--colour-f-number", type=number, default=8.0, metavar="N", help="of lateral colour; default: 8"
+    )
     reality.add_argument("--count", type=natural, default=21, metavar="N", help="of the fields; default: 21")
     reality.add_argument(
         "-o", "--output", metavar="OUT", help="a picture: .svg, .png or .pdf; or .json; default: a table is printed"
@@ -136,7 +143,9 @@ def draw(found: dict[str, Any], figure: Any) -> None:
     if found["distortion"] is not None:
         rows = found["distortion"]["rows"]
         heights = [row["height_mm"] for row in rows]
-        distortion.plot(heights, [100.0 * row["rays_part"] for row in rows], color="#c0392b", linewidth=1.5, label="by rays")
+        distortion.plot(
+            heights, [100.0 * row["rays_part"] for row in rows], color="#c0392b", linewidth=1.5, label="by rays"
+        )
         distortion.plot(
             heights, [100.0 * row["measured_part"] for row in rows], color=DARK, linewidth=1.2, dashes=(4, 2),
             label="measured",
@@ -148,7 +157,9 @@ def draw(found: dict[str, Any], figure: Any) -> None:
         rows = [row for row in one["rows"] if row["measured_stops"] is not None]
         heights = [row["height_mm"] for row in rows]
         tint = field_colour(i)
-        light.plot(heights, [row["rays_stops"] for row in rows], color=tint, linewidth=1.5, label=f"F/{one['f_number']:.3g}")
+        light.plot(
+            heights, [row["rays_stops"] for row in rows], color=tint, linewidth=1.5, label=f"F/{one['f_number']:.3g}"
+        )
         light.plot(heights, [row["measured_stops"] for row in rows], color=tint, linewidth=1.2, dashes=(4, 2))
     if found["vignetting"]:
         light.legend(loc="best", fontsize=8)
