@@ -7,13 +7,20 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import re
+import statistics
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree as ElementTree
+from collections import defaultdict
+from collections.abc import Callable
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import lens_index
 import pages
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -97,6 +104,63 @@ def colour_cells(found: Any) -> str:
     return " | ".join(pair)
 
 
+def formula(row: ElementTree.Element, crop: float) -> Callable[[float], float] | None:
+    """The distorted radius by the straight one, mm, with the scale of the axis; `None` for rare models."""
+
+    def term(key: str) -> float:
+        return float(row.get(key, 0.0))
+
+    if row.get("model") == "ptlens":
+        a, b, c = term("a"), term("b"), term("c")
+    elif row.get("model") == "poly3":
+        a, b, c = 0.0, term("k1"), 0.0
+    else:
+        return None
+    unit = math.hypot(36.0, 24.0) / crop / 2.0 / math.hypot(1.5, 1.0)
+    d = 1.0 - a - b - c
+    return lambda r: r * (1.0 + c / d**2 * r / unit + b / d**3 * (r / unit) ** 2 + a / d**4 * (r / unit) ** 3)
+
+
+def apart_um(one: Callable[[float], float], other: Callable[[float], float], corner_mm: float) -> tuple[float, float]:
+    """Root mean square over the area and largest distance of two distortions with one free scale, micrometres."""
+    radii = [corner_mm * (i + 1) / 40.0 for i in range(40)]
+
+    def square(scale: float) -> float:
+        return sum(r * (one(scale * r) - other(r)) ** 2 for r in radii)
+
+    low, high = 0.95, 1.05
+    for _ in range(60):
+        a, b = low + (high - low) / 3.0, high - (high - low) / 3.0
+        low, high = (low, b) if square(a) < square(b) else (a, high)
+    left = [one(low * r) - other(r) for r in radii]
+    rms = math.sqrt(sum(r * x * x for r, x in zip(radii, left, strict=True)) / sum(radii))
+    return 1e3 * rms, 1e3 * max(map(abs, left))
+
+
+def spread(lensfun: str) -> list[str]:
+    """How far two measurements of one product are apart, which were made with two sensors: a row."""
+    place = Path(lensfun)
+    files = sorted(place.glob("*.xml")) if place.is_dir() else [place]
+    known: dict[tuple[str, float], dict[float, Callable[[float], float]]] = defaultdict(dict)
+    for lens in (lens for file in files for lens in ElementTree.parse(file).getroot().findall("lens")):
+        crop = float(lens.findtext("cropfactor") or 1.0)
+        if lens.find("aspect-ratio") is None and lens.find("type") is None:
+            for row in lens.iterfind("calibration/distortion"):
+                if (found := formula(row, crop)) is not None:
+                    known[lens.findtext("model") or "", float(row.get("focal", 0.0))][crop] = found
+    pairs = [
+        (product, apart_um(by_crop[a], by_crop[b], 0.5 * math.hypot(36.0, 24.0) / b))
+        for (product, _), by_crop in known.items()
+        for a, b in combinations(sorted(by_crop), 2)
+    ]
+    if len(pairs) < 4:
+        return []
+    worst = statistics.quantiles([largest for _, (_, largest) in pairs], n=4)
+    rms = statistics.median(rms for _, (rms, _) in pairs)
+    products = len({product for product, _ in pairs})
+    return ["", f"| {len(pairs)} | {products} | {rms:.0f} | {worst[0]:.0f} | {worst[1]:.0f} | {worst[2]:.0f} |", ""]
+
+
 def tables(lensfun: str, only: list[str], draw: bool) -> dict[str, list[str]]:
     """Rows of the page by their marks."""
     found_rows: dict[str, list[str]] = {"distortion": [], "vignetting": [], "colour": [], "curves": []}
@@ -127,7 +191,9 @@ def tables(lensfun: str, only: list[str], draw: bool) -> dict[str, list[str]]:
         if draw:
             PICTURES.mkdir(parents=True, exist_ok=True)
             real, marked, _ = settings(name, text)[0]
-            at(name, lensfun, real, marked, "-o", PICTURES / f"{name}.svg")
+            picture = PICTURES / f"{name}.svg"
+            at(name, lensfun, real, marked, "-o", picture)
+            picture.write_text(lens_index.compact(picture.read_text(encoding="utf-8")), encoding="utf-8")
         found_rows["curves"] += [f"![{name} beside {found['product']}](images/reality/{name}.svg)", ""]
     heads = {
         "distortion": ["| lens | marked, mm | rays, mm | % by rays | % measured | apart, um | own, um | |", "|---|---:|---:|---:|---:|---:|---:|---|"],
@@ -135,7 +201,11 @@ def tables(lensfun: str, only: list[str], draw: bool) -> dict[str, list[str]]:
         "colour": ["| lens | marked, mm | red, um | blue, um | Nikon D700: red | blue |", "|---|---:|---|---|---|---|"],
         "curves": [],
     }  # fmt: skip
-    return {mark: ["", *heads[mark], *rows, ""] for mark, rows in found_rows.items()}
+    written = {mark: ["", *heads[mark], *rows, ""] for mark, rows in found_rows.items()}
+    if pairs := spread(lensfun):
+        head = "| pairs | products | mean square, um | largest: a quarter below, um | half | three quarters |"
+        written["spread"] = ["", head, "|---:|---:|---:|---:|---:|---:|", *pairs[1:]]
+    return written
 
 
 def main() -> None:
