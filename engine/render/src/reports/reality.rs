@@ -90,7 +90,7 @@ impl RealityOptions {
     fn product(&self, lens: &Prescription) -> Result<CalibratedLens, ReportError> {
         let named = self.product.as_deref().or_else(|| lens.metadata.text("lensfun"));
         let name = named.ok_or_else(|| ReportError::Lens {
-            lens: lens.metadata.name.clone().unwrap_or_default(),
+            lens: lens.name.clone(),
             why: "its file names no product of lensfun (# lensfun: NAME); give --product NAME".to_owned(),
         })?;
         let database = match &self.lensfun {
