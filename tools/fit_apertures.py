@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 #: Parts of the beam's radius for which rim rays are traced once; between them heights are interpolated.
-PARTS = np.array([0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0, 1.15, 1.3])
+PARTS = np.array([0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0])
 #: Directions in the stop of rim rays; the other half is the same by symmetry.
 AROUND = ((0, 1), (0, -1), (1, 0), (math.sqrt(0.5), math.sqrt(0.5)), (math.sqrt(0.5), -math.sqrt(0.5)))
 #: The edge that a glass keeps, mm; of a layer of resin or cement.
@@ -164,12 +164,17 @@ class Lens:
         """The largest diameters for which glasses keep an edge, mm; no narrower than the table's."""
         most = np.array([2.0 * 0.98 / abs(c) / math.sqrt(max(1.0 + k, 1.0)) if c else 1e3
                          for c, k in zip(self.curvature, self.conic, strict=True)])  # fmt: skip
+        own = most.copy()
         radii = np.arange(0.5, 80.0, 0.05)
+
+        def ground(i: int) -> np.ndarray:
+            # Beyond its own reach a surface goes on as a plane.
+            return self.sag(i, np.minimum(radii, own[i] / 2.0))
+
         for i in range(len(self.gap) - 1):
             if self.glass[i] != "air":
                 edge = EDGE_MM if self.gap[i] > 2 * EDGE_MM else THIN_EDGE_MM
-                thick = self.gap[i] + self.sag(i + 1, radii) - self.sag(i, radii)
-                bad = ~(thick >= edge)
+                bad = ~(self.gap[i] + ground(i + 1) - ground(i) >= edge)
                 first = radii[np.argmax(bad)] if bad.any() else radii[-1]
                 most[i : i + 2] = np.minimum(most[i : i + 2], 2.0 * first)
         return np.maximum(most, self.diameter)
@@ -270,12 +275,16 @@ def fit(
         off = [beams.stops(rims, max(n, f_number)) - measured_stops(rows[n], beams.heights_mm) for n in widest]
         return float(np.sqrt(np.mean(np.square(np.array(off)[:, 2:]))))
 
-    best = min((left(m, c), m, c) for m in np.arange(0.2, 1.21, 0.1) for c in np.arange(0.1, 1.21, 0.1))
+    # Of parts that the beam on the axis makes good anyway, the largest.
+    def tried(middle: float, corner: float) -> tuple[float, float, float]:
+        return round(left(middle, corner), 6), -middle, -corner
+
+    best = min(tried(m, c) for m in np.arange(0.2, 0.95, 0.1) for c in np.arange(0.1, 0.95, 0.1))
     for step in (0.05, 0.025, 0.0125):
-        _, m, c = best
-        tries = [(x, y) for x in (m - step, m, m + step) for y in (c - step, c, c + step) if min(x, y) > 0.0]
-        best = min((left(x, y), x, y) for x, y in tries)
-    return best[1], best[2], widest, best[0]
+        m, c = -best[1], -best[2]
+        tries = [(x, y) for x in (m - step, m, m + step) for y in (c - step, c, c + step)]
+        best = min(tried(x, y) for x, y in tries if min(x, y) > 0.0 and max(x, y) <= 1.0)
+    return -best[1], -best[2], widest, best[0]
 
 
 def main() -> None:
@@ -284,6 +293,8 @@ def main() -> None:
     parser.add_argument("lensfun", type=Path)
     parser.add_argument("--crop", type=float, default=1.0, help="of the measurement; default: 1")
     given = parser.parse_args()
+    # Rays that miss a surface are numbers that are none until they are left out.
+    np.seterr(invalid="ignore", divide="ignore", over="ignore")
     table = Table.read(given.lens)
     product, stated = table.says("lensfun"), table.says("f_number")
     if product is None or stated is None:
