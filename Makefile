@@ -29,7 +29,7 @@ WHEELS_ALL_OPTIONS =
 TEST_PLATFORMS_OPTIONS =
 FIGURES_OPTIONS =
 
-.PHONY: help demo test test-all test-platforms lint setup build wheels wheels-all extension extensions-all release speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all test-platforms lint setup build wheels wheels-all extension extensions-all release speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index reality other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -143,6 +143,9 @@ panel-pictures: extension ## the pictures of panels in docs/panel.md and README.
 
 lens-index: build ## the lens library's page with a drawing of each lens, docs/lenses.md
 	@$(dir $(PETZVAL))python tools/lens_index.py
+
+reality: build ## shipped lenses beside measurements of their products, into docs/reality.md; LENSFUN=FOLDER of lensfun's database
+	@$(dir $(PETZVAL))python tools/reality.py $(or $(LENSFUN),$(error LENSFUN=FOLDER, lensfun's data/db or an installed version_1)) $(REALITY_OPTIONS)
 
 other-programs: build ## lenses by rayoptics and optiland beside the same by Petzval, into docs/other-programs.md
 	@$(dir $(PETZVAL))python tools/other_programs.py

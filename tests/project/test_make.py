@@ -45,6 +45,7 @@ RECIPES = {
     "instructions": [],
     "lens-index": [],
     "other-programs": [],
+    "reality": ["LENSFUN=tests/reference/lensfun/lenses.xml", "REALITY_OPTIONS=--only nikkor-z-24-70-f4"],
     "newcomer": [],
     "numerics": [],
     "other-scenes": ["SCENES=tests/scenes", "OTHER_SCENES_OPTIONS=--only demo --samples 9 --size 64x36"],

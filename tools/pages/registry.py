@@ -123,6 +123,15 @@ _ALL = (
         part="Tables",
     ),
     _page(
+        "reality",
+        "reality",
+        "lenses",
+        *_OPTICS,
+        "engine/render/src/reports",
+        "tools/reality.py",
+        part="Tables",
+    ),
+    _page(
         "coatings",
         "coatings",
         "lenses/*.lens",

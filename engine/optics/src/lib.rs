@@ -17,7 +17,7 @@
 //!
 //! A module uses only those that stand before it here: [`first_order`] → [`glass`] → [`coating`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
 //! [`prescription`] → [`deviation`] → [`formats`] → [`system`] → [`trace`] → [`transmission`] → [`paraxial`] → [`axial_beam`] → [`published`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`drawing`] → [`gaussian`] → [`ghosts`] → [`scatter`] →
-//! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`analysis`] → [`diffraction`] → [`ray_table`].
+//! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`analysis`] → [`diffraction`] → [`ray_table`] → [`lensfun`] → [`sensitivity`] → [`reality`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
 //!
@@ -79,13 +79,16 @@ pub mod ghosts;
 pub mod glass;
 pub mod interface;
 pub mod lane;
+pub mod lensfun;
 pub mod paraxial;
 pub mod prescription;
 pub mod published;
 pub mod pupil_map;
 pub mod ray_table;
+pub mod reality;
 pub mod scatter;
 pub mod seidel;
+pub mod sensitivity;
 pub mod single_surface;
 pub mod surface;
 pub mod system;

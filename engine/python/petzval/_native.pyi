@@ -211,6 +211,28 @@ def lens_ghosts_json(
     wavelength_nm, f_number, focus_distance_mm, angle_deg, azimuth_deg, film_mm (by default the lens file's, or 36 by 24), reflections.
     brute_force (null unless asked for): rays, on_film_mm2 by the number of reflections, and its standard error_mm2."""
 
+def lens_reality_json(
+    lens: Lens,
+    settings: LensSettings,
+    *,
+    lensfun: str | PathLike[str] | None = None,
+    product: str | None = None,
+    marked_mm: float | None = None,
+    crop_factor: float | None = None,
+    f_numbers: Sequence[float] = ...,
+    focus_distance_mm: float | None = None,
+    sensor: str = "sony-a7r2",
+    colour_f_number: float = 8.0,
+    count: int = 21,
+) -> str:
+    """What `petzval lens reality` tells: the lens by rays beside the calibration of its product in a lensfun database. name, efl_mm,
+    f_number, focus_distance_mm; product and place (its file and line there), marked_mm (the focal length of the calibration),
+    crop_factor, corner_mm. distortion (null where none was measured): scale_mm, the free scale; rms_mm (over the area) and worst_mm
+    apart; own_mm, the lens's largest distortion; rows: angle_deg, height_mm by rays, measured_mm, and rays_part and measured_part
+    of the height without distortion. vignetting: by f_number, apart (0: measured there), rows: angle_deg, height_mm, rays_stops,
+    measured_stops. colour, at colour_f_number through the channels of `sensor`: angle_deg, height_mm, red_mm, blue_mm,
+    measured_red_mm, measured_blue_mm, from green, outwards."""
+
 def glass_json(name: str, catalogue: str | None, wavelengths_nm: Sequence[float], thickness_mm: float) -> str:
     """A glass of the shipped catalogues, or of the .agf or .yml file `catalogue`: name, source, makers (that have one of this name, the
     first is taken), formula and coefficients (null for vacuum), range_nm ([0, null] for all), nd, abbe (null: no dispersion),

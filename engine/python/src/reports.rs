@@ -8,9 +8,11 @@ use petzval_optics::prescription::LensGroup;
 use petzval_optics::system::LensSettings;
 use petzval_render::reports::drawing::{DrawnLight, drawing};
 use petzval_render::reports::ghosts::{GhostSource, ghosts};
+use petzval_render::reports::reality::{RealityOptions, reality};
 use petzval_render::reports::{ReportSettings, report};
 use pyo3::prelude::*;
 use serde_json::Value;
+use std::path::PathBuf;
 
 /// See the stub.
 #[pyfunction]
@@ -72,6 +74,39 @@ pub(crate) fn lens_ghosts_json(
         seed,
     };
     json(&without_gil(py, || ghosts(&lens.prescription, &settings.0, &source))??)
+}
+
+/// See the stub.
+#[pyfunction]
+#[pyo3(signature = (lens, settings, *, lensfun = None, product = None, marked_mm = None, crop_factor = None, f_numbers = Vec::new(),
+    focus_distance_mm = None, sensor = "sony-a7r2".to_owned(), colour_f_number = 8.0, count = 21))]
+#[expect(clippy::too_many_arguments, reason = "each is a keyword of Python")]
+pub(crate) fn lens_reality_json(
+    py: Python<'_>,
+    lens: &Lens,
+    settings: Described<LensSettings>,
+    lensfun: Option<PathBuf>,
+    product: Option<String>,
+    marked_mm: Option<f64>,
+    crop_factor: Option<f64>,
+    f_numbers: Vec<f64>,
+    focus_distance_mm: Option<f64>,
+    sensor: String,
+    colour_f_number: f64,
+    count: usize,
+) -> Result<String, Error> {
+    let options = RealityOptions {
+        lensfun,
+        product,
+        marked_mm,
+        crop_factor,
+        f_numbers,
+        focus_distance_mm,
+        sensor,
+        colour_f_number,
+        count,
+    };
+    json(&without_gil(py, || reality(&lens.prescription, &settings.0, &options))??)
 }
 
 /// See the stub.

@@ -15,6 +15,7 @@ mod hard_cases;
 mod hinge;
 mod hostile_files;
 mod lens_file;
+mod lensfun;
 mod library;
 mod moving_groups;
 mod numerics;

@@ -11,6 +11,7 @@ mod illumination;
 pub mod info;
 mod mtf;
 mod psf;
+pub mod reality;
 mod spots;
 pub mod summary;
 mod tolerance;
@@ -19,6 +20,7 @@ mod transmission;
 use petzval_optics::analysis::Analysis;
 use petzval_optics::focus::{Focus, FocusError, GroupsError, focused};
 use petzval_optics::glass::line_nm;
+use petzval_optics::lensfun::LensfunError;
 use petzval_optics::paraxial::Paraxial;
 use petzval_optics::prescription::Prescription;
 use petzval_optics::system::{LensSettings, System, SystemError};
@@ -71,6 +73,9 @@ pub enum ReportError {
         /// The reason why there is no report on the lens.
         why: String,
     },
+    /// The lensfun database has no calibration of the lens.
+    #[error(transparent)]
+    Lensfun(#[from] LensfunError),
     /// The lens cannot be set.
     #[error(transparent)]
     System(#[from] SystemError),

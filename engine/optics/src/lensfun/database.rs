@@ -1,0 +1,164 @@
+//! Lensfun databases: files and folders of them, installed ones, and lenses by their names.
+
+use std::path::{Path, PathBuf};
+
+use super::{CalibratedLens, LensfunError, xml};
+
+/// The most bytes of a file; lensfun's largest has 1.6 million.
+const MOST_BYTES: u64 = 64 << 20;
+/// The most files of a folder; lensfun has 57.
+const MOST_FILES: usize = 2000;
+/// Folders in which a database is installed, the first that there is: updated by `lensfun-update-data`, then Debian's and those of others.
+const INSTALLED: [&str; 7] = [
+    "/var/lib/lensfun-updates/version_2",
+    "/var/lib/lensfun-updates/version_1",
+    "/usr/local/share/lensfun/version_2",
+    "/usr/local/share/lensfun/version_1",
+    "/usr/share/lensfun/version_2",
+    "/usr/share/lensfun/version_1",
+    "/opt/homebrew/share/lensfun/version_1",
+];
+
+/// The lenses of a lensfun database.
+#[derive(Clone, Debug, Default)]
+pub struct Database {
+    lenses: Vec<CalibratedLens>,
+}
+
+impl Database {
+    /// The database in a file, or in the `.xml` files of a folder.
+    ///
+    /// # Errors
+    /// [`LensfunError`]: it cannot be read, or is no database.
+    pub fn read(path: &Path) -> Result<Self, LensfunError> {
+        let unreadable = |path: &Path, why: &dyn std::fmt::Display| LensfunError::Unreadable {
+            path: path.to_owned(),
+            why: why.to_string(),
+        };
+        let mut files = vec![path.to_owned()];
+        if path.is_dir() {
+            let entries = path.read_dir().map_err(|error| unreadable(path, &error))?;
+            files = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|file| is_xml(file)).collect();
+            // The order of a folder is none.
+            files.sort_unstable();
+            files.truncate(MOST_FILES);
+            if files.is_empty() {
+                return Err(LensfunError::NoFiles { path: path.to_owned() });
+            }
+        }
+        let mut lenses = Vec::new();
+        for file in files {
+            let text =
+                petzval_files::read_text_bounded(&file, MOST_BYTES).map_err(|error| unreadable(&file, &error))?;
+            lenses.extend(xml::lenses(&text, &file.to_string_lossy())?);
+        }
+        Ok(Self { lenses })
+    }
+
+    /// The database in the text of a file; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// [`LensfunError::Content`]: it is none.
+    pub fn parse(text: &str, file: &str) -> Result<Self, LensfunError> {
+        Ok(Self { lenses: xml::lenses(text, file)? })
+    }
+
+    /// The database that is installed on this computer: the user's own, updated, of the system.
+    ///
+    /// # Errors
+    /// [`LensfunError::NotInstalled`], or what is installed cannot be read.
+    pub fn installed() -> Result<Self, LensfunError> {
+        let home = std::env::var_os("XDG_DATA_HOME").map(PathBuf::from);
+        let home = home.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".local/share")));
+        let own = home.into_iter().flat_map(|home| {
+            let lensfun = home.join("lensfun");
+            [lensfun.join("updates/version_2"), lensfun.join("updates/version_1"), lensfun]
+        });
+        let places: Vec<PathBuf> = own.chain(INSTALLED.map(PathBuf::from)).collect();
+        let has_files = |place: &&PathBuf| {
+            place
+                .read_dir()
+                .is_ok_and(|mut entries| entries.any(|entry| entry.is_ok_and(|entry| is_xml(&entry.path()))))
+        };
+        let Some(found) = places.iter().find(has_files) else {
+            let looked = places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(", ");
+            return Err(LensfunError::NotInstalled { looked });
+        };
+        Self::read(found)
+    }
+
+    /// All lenses, in the order of the files.
+    pub fn lenses(&self) -> &[CalibratedLens] {
+        &self.lenses
+    }
+
+    /// The lens of a name. Case and blanks do not count. The model, or maker and model, in full; else what stands in the name of one lens
+    /// only. Entries of one name, measured with several sensors, are one lens with all their sets.
+    ///
+    /// # Errors
+    /// [`LensfunError::Unknown`], [`LensfunError::Ambiguous`].
+    pub fn find(&self, name: &str) -> Result<CalibratedLens, LensfunError> {
+        let wanted = key(name);
+        let exact = self.lenses.iter().filter(|lens| key(&lens.model) == wanted || key(&lens.name()) == wanted);
+        if let Some(found) = Self::joined(exact.collect()) {
+            return Ok(found);
+        }
+        let words: Vec<&str> = wanted.split(' ').collect();
+        let holds = |lens: &&CalibratedLens| {
+            let known = key(&lens.name());
+            !wanted.is_empty() && words.iter().all(|word| known.contains(word))
+        };
+        let like: Vec<&CalibratedLens> = self.lenses.iter().filter(holds).collect();
+        let mut names: Vec<String> = like.iter().map(|lens| lens.name()).collect();
+        names.sort_unstable();
+        names.dedup();
+        match (names.len(), Self::joined(like)) {
+            (1, Some(found)) => Ok(found),
+            (0, _) => Err(LensfunError::Unknown { name: name.to_owned(), near: self.near(&wanted) }),
+            _ => Err(LensfunError::Ambiguous { name: name.to_owned(), all: names }),
+        }
+    }
+
+    /// Entries of a lens as one, with the sets of all.
+    fn joined(entries: Vec<&CalibratedLens>) -> Option<CalibratedLens> {
+        let (first, others) = entries.split_first()?;
+        let mut lens = (*first).clone();
+        lens.sets.extend(others.iter().flat_map(|other| other.sets.clone()));
+        Some(lens)
+    }
+
+    /// The names that have the most words, or parts of words, of a key in common with it.
+    fn near(&self, wanted: &str) -> Vec<String> {
+        const LEAST: f64 = 0.3;
+        const MOST: usize = 6;
+        let pairs = |text: &str| -> Vec<[char; 2]> {
+            let letters: Vec<char> = text.chars().filter(|c| *c != ' ').collect();
+            letters.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+        };
+        let wanted = pairs(wanted);
+        // Dice's coefficient of the pairs of letters.
+        let likeness = |name: &str| {
+            let mut left = pairs(&key(name));
+            let all = (left.len() + wanted.len()).max(1);
+            let shared = wanted.iter().filter(|pair| {
+                let at = left.iter().position(|other| other == *pair);
+                at.map(|at| left.swap_remove(at)).is_some()
+            });
+            2.0 * shared.count() as f64 / all as f64
+        };
+        let mut names: Vec<(f64, String)> =
+            self.lenses.iter().map(|lens| (likeness(&lens.name()), lens.name())).collect();
+        names.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+        names.dedup_by(|a, b| a.1 == b.1);
+        names.into_iter().take(MOST).filter(|(likeness, _)| *likeness >= LEAST).map(|(_, name)| name).collect()
+    }
+}
+
+/// A name in small letters with single blanks.
+fn key(name: &str) -> String {
+    name.to_lowercase().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn is_xml(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xml"))
+}

@@ -1,0 +1,76 @@
+//! Errors in lensfun databases, and about lenses that they do not have.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// An error by which a lensfun database gives no calibration.
+#[derive(Debug, Error)]
+pub enum LensfunError {
+    /// A file or folder cannot be read.
+    #[error("{}: cannot be read ({why}); give a lensfun database: an .xml file, or the folder that holds them", path.display())]
+    Unreadable {
+        /// The file or folder.
+        path: PathBuf,
+        /// The reason.
+        why: String,
+    },
+    /// A folder has no database in it.
+    #[error("{}: no .xml file is in this folder; give lensfun's folder version_1 or version_2, or its data/db", path.display())]
+    NoFiles {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// No path was given, and no database is installed.
+    #[error(
+        "no lensfun database is installed ({looked}); install Debian's liblensfun-data-v1, or give a file or folder"
+    )]
+    NotInstalled {
+        /// The folders that were looked for.
+        looked: String,
+    },
+    /// A place of a file is not what a database has there.
+    #[error("{file}:{line}:{column}: {what}")]
+    Content {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: u32,
+        /// Column, from 1.
+        column: u32,
+        /// What is wrong, and what belongs there.
+        what: String,
+    },
+    /// No lens has this name.
+    #[error("no lens in the lensfun database is called '{name}'; {}", proposal(near))]
+    Unknown {
+        /// The name that was asked for.
+        name: String,
+        /// The names nearest to it, best first.
+        near: Vec<String>,
+    },
+    /// Several lenses have this in their names.
+    #[error("'{name}' may be {} lenses of the lensfun database: {}; give more of the name", all.len(), some(all))]
+    Ambiguous {
+        /// The name that was asked for.
+        name: String,
+        /// The names that hold it.
+        all: Vec<String>,
+    },
+}
+
+/// The most names that a message lists.
+const MOST: usize = 6;
+
+fn some(names: &[String]) -> String {
+    let more = if names.len() > MOST { ", …" } else { "" };
+    format!("{}{more}", names.iter().take(MOST).cloned().collect::<Vec<_>>().join(", "))
+}
+
+fn proposal(near: &[String]) -> String {
+    if near.is_empty() {
+        "give its maker and model as lensfun has them".to_owned()
+    } else {
+        format!("did you mean {}?", some(near))
+    }
+}

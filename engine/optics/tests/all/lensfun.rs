@@ -1,0 +1,129 @@
+//! Lensfun's calibrations beside what lensfun's own library makes of them (`tests/reference/lensfun`), and names of lenses.
+
+use std::path::Path;
+
+use glam::DVec2;
+use petzval_optics::lensfun::lateral_colour::Channel;
+use petzval_optics::lensfun::{Database, LensfunError, Projection};
+use serde_json::Value;
+
+const LENSES: &str = include_str!("../../../../tests/reference/lensfun/lenses.xml");
+const REFERENCE: &str = include_str!("../../../../tests/reference/lensfun/lensfun.json");
+
+/// Places in mm and light; lensfun was compiled with doubles, and counts in other units on the way.
+const SAME: f64 = 1e-9;
+
+fn database() -> Database {
+    Database::parse(LENSES, "lenses.xml").unwrap()
+}
+
+fn point(value: &Value) -> Option<DVec2> {
+    let [x, y] = value.as_array()?.as_slice() else { return None };
+    Some(DVec2::new(x.as_f64()?, y.as_f64()?))
+}
+
+#[test]
+fn calibrations_are_those_of_lensfun() {
+    let database = database();
+    let settings: Vec<Value> = serde_json::from_str(REFERENCE).unwrap();
+    let (mut distortions, mut colours, mut lights) = (0, 0, 0);
+    for setting in &settings {
+        let number = |key: &str| setting[key].as_f64().unwrap();
+        let (crop, focal_mm) = (number("crop"), number("focal_mm"));
+        let lens = database.find(setting["model"].as_str().unwrap()).unwrap();
+        let distortion = lens.distortion(crop, focal_mm).unwrap();
+        let real_focal_mm = number("real_focal_mm");
+        assert!((distortion.real_focal_mm - real_focal_mm).abs() < SAME, "{setting}");
+        let colour = lens.lateral_colour(crop, focal_mm);
+        let vignetting = lens.vignetting(crop, focal_mm, number("f_number"), number("distance_m"));
+        for row in setting["points"].as_array().unwrap() {
+            let at = point(&row["at_mm"]).unwrap();
+            let near = |got: DVec2, key: &str| {
+                let want = point(&row[key]).unwrap();
+                assert!((got - want).length() < SAME, "{} {focal_mm} {key} at {at}: {got} {want}", lens.model);
+            };
+            near(distortion.distorted_mm(at), "distorted_mm");
+            distortions += 1;
+            // A formula that turns back has no way to the places beyond.
+            if distortion.radius_mm(at.length()).0 < distortion.radius_mm(distortion.turning_mm().min(1e3)).0 {
+                let back = distortion.straight_mm(distortion.distorted_mm(at)).unwrap();
+                assert!((back - at).length() < SAME, "{} {focal_mm} back to {at}: {back}", lens.model);
+            }
+            if let Some(colour) = &colour {
+                near(colour.place_mm(Channel::Red, at), "red_mm");
+                near(colour.place_mm(Channel::Blue, at), "blue_mm");
+                colours += 1;
+            }
+            // What lensfun multiplies by is one over the light.
+            if let (Some(vignetting), Some(gain)) = (&vignetting, row["gain"].as_f64()) {
+                let got = 1.0 / vignetting.illumination(at.length()).unwrap();
+                assert!((got - gain).abs() < SAME * gain, "{} {focal_mm} light at {at}: {got} {gain}", lens.model);
+                lights += 1;
+            }
+            assert_eq!((colour.is_some(), vignetting.is_some()), (!row["red_mm"].is_null(), !row["gain"].is_null()));
+        }
+    }
+    assert!(distortions >= 75 && colours >= 70 && lights >= 50, "{distortions} {colours} {lights}");
+}
+
+#[test]
+fn lenses_have_what_the_file_says() {
+    let database = database();
+    let lens = database.find("sigma 8mm").unwrap();
+    assert_eq!(
+        (lens.name().as_str(), lens.projection),
+        ("Sigma 8mm f/3.5 EX DG Circular", Some(Projection::Equisolid))
+    );
+    let lens = database.find("PowerShot G12").unwrap();
+    let sensor = lens.sets[0].sensor;
+    assert!((sensor.aspect_ratio - 4.0 / 3.0).abs() < 1e-15 && sensor.crop_factor == 4.63);
+    let zoom = database.find("Nikon Nikkor Z 24-70mm f/4 S").unwrap();
+    assert_eq!((zoom.focal_range_mm, zoom.mounts.as_slice()), ([24.0, 70.0], ["Nikon Z".to_owned()].as_slice()));
+    assert_eq!((zoom.nearest_marked_mm(24.7), zoom.nearest_marked_mm(60.5)), (24.0, 70.0));
+    // Beyond the ends of the zoom the calibration of the end holds; on a larger sensor there is none.
+    assert_eq!(zoom.distortion(1.0, 12.0).unwrap().focal_mm, 24.0);
+    assert_eq!(zoom.distortion(0.79, 24.0), None);
+    assert_eq!(zoom.distortion(1.5, 24.0), zoom.distortion(1.0, 24.0));
+}
+
+#[test]
+fn a_name_that_is_no_lens_or_several_says_so() {
+    let database = database();
+    let message = |name: &str| database.find(name).unwrap_err().to_string();
+    assert_eq!(
+        message("Nikkor Z 24-70mm f/2.8 S"),
+        "no lens in the lensfun database is called 'Nikkor Z 24-70mm f/2.8 S'; did you mean Nikon Nikkor Z 24-70mm f/4 S, \
+         Nikon AF-S DX Nikkor 35mm f/1.8G, Nikon AF-S VR Zoom-Nikkor 70-300mm f/4.5-5.6G IF-ED?"
+    );
+    assert!(
+        message("nikkor").starts_with("'nikkor' may be 3 lenses of the lensfun database: Nikon "),
+        "{}",
+        message("nikkor")
+    );
+    assert!(matches!(database.find("Xyz"), Err(LensfunError::Unknown { .. })));
+    assert!(matches!(database.find(""), Err(LensfunError::Unknown { .. })));
+}
+
+#[test]
+fn what_is_no_database_is_told_with_its_place() {
+    let message = |text: &str| Database::parse(text, "my.xml").unwrap_err().to_string();
+    assert_eq!(message("<a/>"), "my.xml:1:1: <a> where <lensdatabase> belongs; give a lensfun database");
+    assert!(message("not xml").starts_with("my.xml:1:1: this is no XML"), "{}", message("not xml"));
+    let lens = |rows: &str| {
+        format!("<lensdatabase>\n<lens><model>M</model><calibration>\n{rows}</calibration></lens></lensdatabase>")
+    };
+    assert_eq!(
+        message(&lens("<distortion model=\"ptlens\" focal=\"35\" a=\"abc\"/>")),
+        "my.xml:3:1: a=\"abc\" of <distortion> is not a finite number; write one"
+    );
+    assert_eq!(
+        message(&lens("<vignetting model=\"pa\" focal=\"35\" aperture=\"0\" distance=\"1\"/>")),
+        "my.xml:3:1: <vignetting> needs aperture above zero"
+    );
+    assert_eq!(
+        message(&lens("<tca model=\"cubic\" focal=\"35\"/>")),
+        "my.xml:3:1: the model 'cubic' of <tca> is none that is known of lensfun"
+    );
+    let nowhere = Database::read(Path::new("/nowhere/at/all")).unwrap_err().to_string();
+    assert!(nowhere.starts_with("/nowhere/at/all: cannot be read"), "{nowhere}");
+}
