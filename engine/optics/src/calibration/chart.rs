@@ -102,7 +102,9 @@ impl Chart {
         let or_all = |square: f64| if square > 0.0 { square.sqrt().recip() } else { f64::INFINITY };
         match self {
             Self::Perspective => f64::INFINITY,
-            Self::Angle | Self::Sphere => PI,
+            Self::Angle => PI,
+            // Beyond its corners.
+            Self::Sphere => 2.0 * PI,
             Self::Unified(xi) => or_all(xi * xi - 1.0),
             Self::Enhanced(alpha, beta) => or_all(beta * (2.0 * alpha - 1.0)),
             Self::DoubleSphere(_, alpha) => or_all(2.0 * alpha - 1.0),

@@ -142,8 +142,8 @@ fn in_range(name: &'static str, value: f64, is_right: bool, expected: &'static s
     if is_right { Ok(()) } else { Err(CalibrationError::Range { name, value, expected }) }
 }
 
-/// One arm a model; each is its source's formula, so that the function is long.
-#[allow(clippy::too_many_lines)]
+/// The steps of each model, by the formula of its source.
+#[expect(clippy::too_many_lines, reason = "an arm for each model")]
 fn steps(model: Model, size_px: [u32; 2], p: &[f64]) -> Result<Steps, CalibrationError> {
     let forward = |chart, distortion| Ok(Steps { chart, distortion, is_from_picture: false, film: pinhole(p) });
     let radial = |chart, radial| forward(chart, Distortion::Radial(radial));

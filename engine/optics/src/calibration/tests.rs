@@ -226,6 +226,11 @@ fn closed_forms_hold() {
     for camera in [to_angle, to_pixels] {
         assert!((camera.project(sideways).unwrap() - fisheye.project(sideways).unwrap()).length() < 1e-9);
     }
+    // All of an equirectangular picture is seen, to its corners.
+    let sphere = made(Model::Equirectangular, &[]).unwrap();
+    assert_eq!(sphere.survey().covered, 1.0);
+    let behind = sphere.unproject(DVec2::new(1279.5, 0.5)).unwrap();
+    assert!(behind.y < -0.99 && behind.z < 0.0, "{behind}");
     // c, d and e: x = c x' + d y', y = e x' + y'
     let skewed = made(Model::FThetaToPixels, &[("k1", 600.0), ("c", 1.1), ("d", 0.01), ("e", 0.02)]).unwrap();
     let [x, y] = [600.0 * FRAC_PI_2 * 0.6, 600.0 * FRAC_PI_2 * 0.8];

@@ -184,7 +184,7 @@ fn wrong_files_are_told_by_line_and_column() {
     let six = YAML.replace("rows: 5", "rows: 6").replace("-2.8e-01, ", "-2.8e-01, 0., ");
     assert_eq!(
         parse(&six, "c.yml").unwrap_err().to_string(),
-        "c.yml:14:26: 6 numbers where one of 0, 4, 5, 8, 12 or 14 belong"
+        "c.yml:13:26: 6 numbers where one of 0, 4, 5, 8, 12 or 14 belong"
     );
     assert!(
         message("image_width: 640\n", "")
