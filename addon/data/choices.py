@@ -18,6 +18,13 @@ MODELS = (
     ("THICK", "Thick Lens", "The lens's principal planes and pupils: perfect images, the right size and blur", "", 4),
     ("THIN", "Thin Lens", "Depth of field without aberrations, framed by Blender's own focal length", "", 1),
     ("PINHOLE", "Pinhole", "Everything sharp, framed by Blender's own focal length", "", 2),
+    (
+        "CALIBRATED",
+        "Calibrated",
+        "Each ray as a calibration of a real camera has it: OpenCV, COLMAP, ROS, Kalibr, Basalt, NVIDIA, 3DEqualizer, or an ST map",
+        "",
+        6,
+    ),
 )
 # The numbers are those in saved files.
 FOCAL_MODES = (

@@ -3,11 +3,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from petzval.description import OF_LENS_FILE, CameraDescription
 
-_MODELS = {"THIN": "thin lens", "PINHOLE": "pinhole", "ORTHOGRAPHIC": "orthographic", "PANORAMIC": "panoramic"}
+_MODELS = {
+    "THIN": "thin lens",
+    "PINHOLE": "pinhole",
+    "ORTHOGRAPHIC": "orthographic",
+    "PANORAMIC": "panoramic",
+    "CALIBRATED": "calibrated",
+}
 
 
 def focus_text(mm: float | None) -> str:
@@ -32,6 +39,9 @@ def in_a_line(camera: CameraDescription, info: dict[str, Any] | None, by: str = 
             projection = camera.panorama.projection
             name = projection if isinstance(projection, str) else next(iter(projection))
             return f"{of}, {name.lower().replace('_', ' ')}"
+        if camera.calibration is not None:
+            name = Path(camera.calibration.path).name
+            return f"{of} by {name}" + (f", {camera.calibration.camera}" if camera.calibration.camera else "")
         f_number = f" at f/{camera.lens.f_number:.2f}" if camera.model == "THIN" and camera.lens.f_number else ""
         return (
             f"{of}, {perspective.focal_length_mm:.1f} mm{f_number} on a picture {perspective.film_width_mm:.4g} mm wide"

@@ -12,6 +12,7 @@ import bpy
 from petzval.description import (
     MOST_BLADES,
     OF_LENS_FILE,
+    CalibrationSettings,
     CameraDescription,
     FilmSettings,
     FocalLength,
@@ -100,6 +101,8 @@ def describe(
         return _orthographic(description, camera, width / side, report)
     if camera.type == "PANO":
         return _panoramic(description, camera, height * aspect / width, report)
+    if model == "CALIBRATED":
+        return _calibrated(description, camera, report)
     description = replace(description, focus=_focus(description, camera, report))
     if of_lens:
         description = replace(description, lens_path=_lens_path(description, camera, height * aspect / width))
@@ -150,6 +153,30 @@ def _panoramic(
     panorama = Panorama(_projection(camera, sensor_mm), (camera.shift_x, camera.shift_y))
     described = replace(description, model="PANORAMIC", exposure=None, lens=lens, panorama=panorama)
     return replace(described, focus=_focus(described, camera, report)) if is_thin else described
+
+
+def _calibrated(description: CameraDescription, camera: bpy.types.Camera, report: Report) -> CameraDescription:
+    """A picture by a calibration; with Blender's depth of field switched on, the blur of a thin lens."""
+    settings = camera.petzval
+    chosen = settings.calibration_file.strip()
+    if not chosen:
+        raise ExportError(
+            f"Camera '{description.object_name}': it has no calibration: choose its file in the camera's Lens panel"
+        )
+    path = bpy.path.abspath(chosen, library=camera.library)
+    if description.spherical_stereo is not None:
+        report.warn(
+            f"Camera '{description.object_name}': a calibration does not turn with each of its rays: spherical stereo is left out"
+        )
+    lens = _lens(camera, False) if camera.dof.use_dof else LensSettings(f_number=None)
+    described = replace(
+        description,
+        calibration=CalibrationSettings(path, settings.calibration_camera.strip() or None),
+        exposure=None,
+        lens=lens,
+        spherical_stereo=None,
+    )
+    return replace(described, focus=_focus(described, camera, report)) if camera.dof.use_dof else described
 
 
 def _projection(camera: bpy.types.Camera, sensor_mm: tuple[float, float]) -> str | dict[str, dict[str, Any]]:

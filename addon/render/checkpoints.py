@@ -77,7 +77,7 @@ def _short(text: str) -> str:
 #: Settings that differ between parts of one picture.
 _OF_A_PART = ("samples", "sample_offset", "seed", "threads")
 #: What says where a camera's lens is, and not which it is.
-_PLACES = ("object_name", "lens_path", "lens.aperture_mask")
+_PLACES = ("object_name", "lens_path", "lens.aperture_mask", "calibration", "calibration.path")
 #: Characters of a value that is told as it is; of a longer one a short digest.
 _LONGEST_VALUE = 40
 
@@ -115,7 +115,7 @@ class Checkpoint:
         digest = self._scene.copy()
         # The number of threads does not; the lens does, with the glasses of other files that it names, wherever it lies.
         feed(digest, dataclasses.replace(settings, threads=0))
-        feed(digest, (_placeless(camera), _lens(camera)))
+        feed(digest, (_placeless(camera), _lens(camera), _calibration(camera)))
         feed(digest, _placeless(others))
         return digest.hexdigest()
 
@@ -134,7 +134,12 @@ class Checkpoint:
             told |= {
                 f"{kind}.{name}": _short_value(value) for name, value in flat(whole).items() if name not in left_out
             }
-        digests = {"lens": _lens(camera), "aperture mask": camera.lens.aperture_mask, **others}
+        digests = {
+            "lens": _lens(camera),
+            "calibration": _calibration(camera),
+            "aperture mask": camera.lens.aperture_mask,
+            **others,
+        }
         return (
             {"scene": self._scene.hexdigest()[:16]} | {name: _digest(value) for name, value in digests.items()} | told
         )
@@ -143,7 +148,8 @@ class Checkpoint:
 def _placeless(value: Any) -> Any:
     """A value whose cameras do not say where their lenses lie."""
     if isinstance(value, CameraDescription):
-        return dataclasses.replace(value, lens_path="")
+        calibration = value.calibration and dataclasses.replace(value.calibration, path="")
+        return dataclasses.replace(value, lens_path="", calibration=calibration)
     if isinstance(value, (tuple, list)):
         return [_placeless(one) for one in value]
     if isinstance(value, dict):
@@ -154,6 +160,17 @@ def _placeless(value: Any) -> Any:
 def _lens(camera: Any) -> str | None:
     """All numbers of a camera's lens and its glasses, as text; None without a lens."""
     return engine().Lens(camera.lens_path).identity() if camera.lens_path else None
+
+
+def _calibration(camera: Any) -> str | None:
+    """A digest of a camera's file of calibrations; None without one, or where it cannot be read, which is said when the camera is made."""
+    if camera.calibration is None:
+        return None
+    try:
+        with open(camera.calibration.path, "rb") as file:
+            return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
+    except OSError:
+        return None
 
 
 def _digest(value: Any) -> str:

@@ -37,6 +37,12 @@ def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int
     """What of the lens's file could not be used, and glasses that are not known at the camera's own wavelength."""
     if camera.model == "PINHOLE":
         return
+    if camera.model == "CALIBRATED":
+        # A complaint that there is no calibration comes when the camera is made.
+        with contextlib.suppress(native.PetzvalError):
+            if complaint := native.calibration_complaint(camera, width, height):
+                report.warn(complaint)
+        return
     try:
         info = json.loads(native.camera_info_json(camera, width, height))
         coverage = json.loads(native.coverage_json(camera, width, height))

@@ -8,6 +8,8 @@ from typing import Any
 
 from .progress import in_short
 
+#: Where camera rays are lost that no lens takes, by what takes the picture.
+_OUTSIDE = {"panoramic": "outside of the projection", "calibrated": "outside of the calibration"}
 #: By the scene's name.
 _last: dict[str, LastRender] = {}
 
@@ -24,7 +26,7 @@ class LastRender:
         """For people."""
         seconds = self.stats["seconds"]
         lost = self.stats["camera_rays_lost"] / max(self.stats["camera_rays"], 1)
-        where = "outside of the projection" if self.stats["lens"] == "panoramic" else "lost in the lens"
+        where = _OUTSIDE.get(self.stats["lens"], "lost in the lens")
         samples = f"{self.stats['samples']} samples"
         if self.stats.get("samples_most", self.stats["samples"]) != self.stats["samples"]:
             least, mean, most = self.stats["samples"], self.stats["samples_mean"], self.stats["samples_most"]

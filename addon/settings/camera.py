@@ -25,8 +25,8 @@ from ..data.choices import (
     FOCUS_RELATIONS,
     MODELS,
 )
-from ..queries import viewport_camera
-from .lens import LensProperties, changed
+from ..queries import calibrations, viewport_camera
+from .lens import RELATIVE_PATH, LensProperties, changed
 
 
 def _is_through_lens(settings: PetzvalCamera) -> bool:
@@ -50,6 +50,10 @@ def _is_not_the_camera(settings: PetzvalCamera, chosen: bpy.types.Object) -> boo
     return chosen.data is None or chosen.data != settings.id_data
 
 
+def _cameras_in_file(settings: PetzvalCamera, _context: bpy.types.Context, _typed: str) -> list[str]:
+    return [camera["name"] for camera in calibrations.of_camera(settings.id_data).get("cameras", ())]
+
+
 class PetzvalCamera(LensProperties, bpy.types.PropertyGroup):
     """`Camera.petzval`."""
 
@@ -66,6 +70,18 @@ class PetzvalCamera(LensProperties, bpy.types.PropertyGroup):
         description="The model that Through the Lens turns on",
         items=MODELS,
         options={"HIDDEN"},
+    )
+    calibration_file: StringProperty(
+        name="Calibration",
+        description="A file of camera calibrations: OpenCV's or ROS's YAML or JSON, COLMAP's cameras.txt, Kalibr's camchain, Basalt's or "
+        "NVIDIA's JSON, 3DEqualizer's nodes for Nuke; or an ST map (.exr) that distorts a picture",
+        subtype="FILE_PATH",
+        options=RELATIVE_PATH,
+    )
+    calibration_camera: StringProperty(
+        name="Camera in File",
+        description="The name or number of the camera in the file. Empty: the only one",
+        search=_cameras_in_file,
     )
     aperture_mask: PointerProperty(
         name="Mask",

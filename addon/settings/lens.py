@@ -12,7 +12,7 @@ from ..data.choices import COATINGS, FOCAL_MODES, MODELS, PRECISIONS, SPECTRA
 from ..queries import viewport_camera
 
 # A path may begin with //, and newer Blenders want to be told so.
-_RELATIVE_PATH = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set())
+RELATIVE_PATH = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set())
 
 
 def changed(settings: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
@@ -44,7 +44,7 @@ class LensProperties:
         description="A lens file (.lens, .zmx, .seq, .len, .dat, a table of the Optical Bench), or the name of a lens that comes with "
         "Petzval. Empty: a lens made for what Blender's camera sees, a normal lens of 50 mm where it sees as much",
         subtype="FILE_PATH",
-        options=_RELATIVE_PATH,
+        options=RELATIVE_PATH,
         update=_lens_chosen,
     )
     model: EnumProperty(

@@ -8,8 +8,8 @@ import bpy
 from petzval.description import OF_LENS_FILE
 
 from ..data import favourites, film_formats
-from ..queries import lens_info, viewport_camera
-from .camera_parts import AperturePart, CameraPanel, LensPart, complain
+from ..queries import calibrations, lens_info, viewport_camera
+from .camera_parts import AperturePart, CameraPanel, LensPart, complain, fact
 from .focus import PETZVAL_CAMERA_PT_focus, PETZVAL_CAMERA_PT_sharp
 from .lens_data import PETZVAL_CAMERA_PT_info
 from .lens_drawing import PETZVAL_CAMERA_PT_drawing
@@ -19,6 +19,8 @@ from .mixin import columns
 from .preset_panels import PETZVAL_PT_camera_presets, PETZVAL_PT_lens_presets
 from .scale import PETZVAL_CAMERA_PT_scale
 
+#: Models with the blur of a thin lens.
+HAVE_THIN_LENS = ("THIN", "CALIBRATED")
 #: Models that have one wavelength, whichever spectrum is chosen.
 ONE_WAVELENGTH = ("THICK", "IMAGE_BASED")
 
@@ -50,6 +52,9 @@ class PETZVAL_CAMERA_PT_lens(CameraPanel, bpy.types.Panel):
             _panorama(layout, camera)
             if settings.model in OF_LENS_FILE:
                 layout.label(text="No lens takes a panoramic picture", icon="INFO")
+        if settings.model == "CALIBRATED" and camera.type == "PERSP":
+            _calibration(context, layout)
+            return
         if settings.model not in OF_LENS_FILE:
             if camera.type == "PERSP" or (camera.type == "PANO" and settings.model == "THIN"):
                 layout.prop(camera, "lens")
@@ -119,6 +124,39 @@ def _chosen_lens(context, layout) -> None:
         complain(context, layout, info["error"])
 
 
+def _calibration(context, layout) -> None:
+    """The file of calibrations, the camera in it, and what that is; with depth of field or an ST map, Blender's sensor and focal length."""
+    camera = context.camera
+    settings = camera.petzval
+    found, chosen = calibrations.of_camera(camera), calibrations.chosen_in(camera)
+    column = layout.column(align=True)
+    column.prop(settings, "calibration_file")
+    if len(found.get("cameras", ())) > 1 or settings.calibration_camera:
+        column.prop(settings, "calibration_camera")
+    is_map = found.get("format") == "ST map"
+    if "error" in chosen:
+        complain(context, layout, chosen["error"])
+    elif chosen:
+        width, height = chosen["size_px"]
+        fact(layout, "Model", chosen["model"])
+        fact(layout, "Calibrated At", f"{width} x {height}")
+        if chosen["covered"] < 1.0:
+            complain(
+                context,
+                layout,
+                f"{100.0 * (1.0 - chosen['covered']):.1f} % of the picture is black: {chosen['reason']}",
+            )
+    layout.prop(camera.dof, "use_dof", text="Depth of Field")
+    if is_map:
+        layout.prop(camera, "lens")
+    if is_map or camera.dof.use_dof:
+        _blenders_film(layout, camera)
+    if is_map:
+        column = layout.column(align=True)
+        column.prop(camera, "shift_x", text="Shift X")
+        column.prop(camera, "shift_y", text="Y")
+
+
 def _lens_info(context) -> dict:
     """The engine's numbers of the lens, or its complaint; nothing of a camera that is not in the scene."""
     holder = viewport_camera.camera_object(context.camera, context.scene)
@@ -151,6 +189,7 @@ class PETZVAL_CAMERA_PT_clip(CameraPanel, bpy.types.Panel):
 
 class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
     bl_label = "Aperture"
+    of_blur = True
 
     def draw(self, context):
         layout = columns(self)
@@ -166,12 +205,12 @@ class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
             row.prop(settings, "f_number")
             if settings.model in OF_LENS_FILE:
                 layout.prop(settings, "pupil_diameter")
-        elif settings.model == "THIN":
+        elif settings.model in HAVE_THIN_LENS:
             layout.prop(camera.dof, "aperture_fstop")
         column = layout.column(align=True)
         has_mask = settings.aperture_mask is not None
         blades = settings.blades
-        if settings.model == "THIN" and blades == 0:
+        if settings.model in HAVE_THIN_LENS and blades == 0:
             blades = camera.dof.aperture_blades
         for name, matters in (
             ("blades", not has_mask),
@@ -182,7 +221,7 @@ class PETZVAL_CAMERA_PT_aperture(AperturePart, bpy.types.Panel):
             row.active = matters
             row.prop(settings, name)
         column.template_ID(settings, "aperture_mask", open="image.open", text="Mask")
-        if settings.model == "THIN":
+        if settings.model in HAVE_THIN_LENS:
             layout.prop(camera.dof, "aperture_ratio")
         if settings.model in OF_LENS_FILE:
             column = layout.column(align=True)

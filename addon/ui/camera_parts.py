@@ -31,13 +31,18 @@ class LensPart(CameraPanel):
 
 
 class AperturePart(CameraPanel):
-    """A part that a thin lens has too."""
+    """A part that a thin lens has too, and if it is `of_blur` a calibrated camera with depth of field."""
+
+    of_blur = False
 
     bl_parent_id = LENS_PANEL
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and context.camera.petzval.model != "PINHOLE"
+        settings = context.camera.petzval if super().poll(context) else None
+        if settings is None or settings.model == "PINHOLE":
+            return False
+        return settings.model != "CALIBRATED" or (cls.of_blur and context.camera.dof.use_dof)
 
 
 # Of an unscaled interface: what a character of a label takes in the mean, and what icon and margins take of a line.

@@ -16,6 +16,7 @@ from .mixin import columns
 
 class PETZVAL_CAMERA_PT_focus(AperturePart, bpy.types.Panel):
     bl_label = "Focus"
+    of_blur = True
 
     def draw(self, context):
         layout = columns(self)

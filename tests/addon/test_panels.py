@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import pytest
 
-MODELS = ("LENS", "IMAGE_BASED", "PARAXIAL", "THICK", "THIN", "PINHOLE")
+MODELS = ("LENS", "IMAGE_BASED", "PARAXIAL", "THICK", "THIN", "PINHOLE", "CALIBRATED")
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def test_the_cameras_panels(blender, parts, layout, model, focus):
     now = layout.context(camera=scene.camera.data, object=scene.camera)
     drawn = layout.draw("data", now)
     assert ("Camera", "clip_start") in drawn.shown and ("PetzvalCamera", "through_lens") in drawn.shown
-    assert (("PetzvalCamera", "lens_file") in drawn.shown) == (model not in ("THIN", "PINHOLE"))
+    assert (("PetzvalCamera", "lens_file") in drawn.shown) == (model not in ("THIN", "PINHOLE", "CALIBRATED"))
     # With all that opens further rows.
     own.film_mode, own.focal_mode, own.spectrum, own.wide_open, own.scale_locked = (
         "SIZE",
@@ -78,6 +78,39 @@ def test_a_missing_lens_is_told_where_it_is_chosen(blender, parts, layout):
     cls = parts.part("ui.camera").PETZVAL_CAMERA_PT_lens
     cls.draw(SimpleNamespace(layout=whole), layout.context(camera=scene.camera.data, object=scene.camera))
     assert "no such lens: no-such.lens" in " ".join(whole.said)
+
+
+def test_a_calibration_is_told_of_where_it_is_chosen(blender, parts, layout):
+    """Its camera, if there are several, what it leaves black, and what is wrong with it; blur has its panels when it is on."""
+    from support.places import ROOT
+
+    scene = parts.set_up(model="CALIBRATED")
+    camera = scene.camera.data
+    own = camera.petzval
+
+    def drawn():
+        return layout.draw("data", layout.context(camera=camera, object=scene.camera))
+
+    assert any("no calibration" in text for text in drawn().said)
+    own.calibration_file = str(ROOT / "tests/reference/calibrations/cameras.txt")
+    whole = drawn()
+    assert {("PetzvalCamera", "calibration_file"), ("PetzvalCamera", "calibration_camera")} <= set(whole.shown)
+    assert any("choose one of 1, 2, 3, 4" in " ".join(whole.said) for _ in (0,))
+    assert ("PetzvalCamera", "f_number") not in whole.shown and (
+        "PetzvalCamera",
+        "physical_exposure",
+    ) not in whole.shown
+    own.calibration_camera = "4"
+    assert "of the picture is black" in " ".join(drawn().said)
+    own.calibration_camera, camera.dof.use_dof = "2", True
+    whole = drawn()
+    assert "opencv" in whole.said and "96 x 64" in whole.said and not any("black" in text for text in whole.said)
+    assert ("CameraDOFSettings", "aperture_fstop") in whole.shown and (
+        "CameraDOFSettings",
+        "focus_distance",
+    ) in whole.shown
+    search = parts.part("settings.camera")._cameras_in_file
+    assert search(own, blender.context, "") == ["1", "2", "3", "4"]
 
 
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])

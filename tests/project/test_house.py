@@ -119,7 +119,7 @@ def test_a_module_uses_only_those_above_it(crate):
             "pictures",
             {"petzval-optics", "petzval-nodes", "petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"},
         ),
-        ("render", {"petzval-pictures", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
+        ("render", {"petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("gpu", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("testkit", {"petzval-python", "pyo3", "numpy"}),
         ("python", {"petzval-testkit"}),

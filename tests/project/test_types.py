@@ -28,6 +28,7 @@ READERS = {
     "Perspective": ("Perspective", "render/src/camera/description.rs"),
     "FocusSettings": ("FocusSettings", "render/src/camera/description.rs"),
     "Panorama": ("Panorama", "render/src/projection.rs"),
+    "CalibrationSettings": ("CalibrationSettings", "render/src/camera/description.rs"),
     "SphericalStereo": ("SphericalStereo", "render/src/camera/stereo.rs"),
     "FilmSettings": ("FilmSettings", "render/src/camera/description.rs"),
     "CameraDescription": ("CameraDescription", "render/src/camera/description.rs"),

@@ -48,6 +48,9 @@ __all__ = [
     "check_exr",
     "check_replaceable",
     "checkpoint_problem",
+    "calibration_complaint",
+    "calibration_json",
+    "calibration_text",
     "coverage_json",
     "distortion_map",
     "effects_json",
@@ -71,6 +74,7 @@ __all__ = [
     "sharp_points_json",
     "sharpness_json",
     "trace_surfaces_json",
+    "write_calibration_map",
     "write_distortion_map",
 ]
 
@@ -256,6 +260,23 @@ def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     entrance_pupil_diameter_mm, lens_name, surfaces, zoom_range_mm (null: no zoom lens), focuses_inside (groups inside of
     the lens focus it, not the film), remarks (what of the lens file could not be used), beyond_range (glasses that are not known for all
     of the light: of wavelength_nm, or all visible)."""
+
+def calibration_json(path: str) -> str:
+    """What a file of calibrations holds: format, remarks, and for each of cameras name, model, size_px, parameters by name, covered (the
+    part of the picture that shows something), reason (why the rest does not; null), horizontal_field_deg, vertical_field_deg (null: an edge
+    shows nothing), largest_angle_deg, valid_to_deg (from the axis; null: everywhere), focal_px (null: straight ahead is not seen)."""
+
+def calibration_text(path: str, camera: str | None, format: str) -> str:
+    """A file's cameras, or the one of that name, as opencv-yaml, opencv-json, ros or colmap."""
+
+def write_calibration_map(
+    path: str, camera: str | None, size: tuple[int, int] | None, undistorts: bool, comments: str, output: str
+) -> float:
+    """A calibration's ST map into an OpenEXR file, as `write_distortion_map`; the share of its pixels that have a source. The other picture
+    is that of the pinhole with the same middle and scale there, as large."""
+
+def calibration_complaint(camera: CameraDescription, width: int, height: int) -> str | None:
+    """A sentence on what of a calibrated camera's picture shows nothing, and why; None: all of it shows something."""
 
 def coverage_json(camera: CameraDescription, width: int, height: int) -> str:
     """The part of the picture that the lens lights, by exact rays: dark_part (0 to 1), lit_diameter_mm (of the circle on an upright film,

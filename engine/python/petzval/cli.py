@@ -28,6 +28,10 @@ COMMANDS = {
     "lens": ("lens_command", "check or convert a lens file, show its first-order data, trace rays through it"),
     "glass": ("glass_command", "say what is known of a glass, draw its dispersion, list the glasses"),
     "surface": ("surface_command", "trace rays at single surfaces"),
+    "calibration": (
+        "calibration_command",
+        "describe, convert or map a camera calibration of OpenCV, ROS, COLMAP and others",
+    ),
     "render": ("render_command", "render a .blend through a lens"),
     "plan": ("plan_command", "say what a render would simulate of the lens, and why"),
     "farm": ("farm_command", "one picture on many machines: plan it in parts, render a part, merge them"),

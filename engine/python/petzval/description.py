@@ -140,6 +140,14 @@ class Panorama:
 
 
 @dataclass(frozen=True)
+class CalibrationSettings:
+    """The calibration of a calibrated camera."""
+
+    path: str  # of the file of calibrations, or of an ST map (.exr)
+    camera: str | None = None  # its name in the file; None: the only one
+
+
+@dataclass(frozen=True)
 class SphericalStereo:
     """One eye of a pair that turns with the ray about the upright axis, a panoramic camera's or else the world's."""
 
@@ -155,7 +163,9 @@ class CameraDescription:
 
     object_name: str
     matrix_world: Matrix4
-    model: str = "LENS"  # LENS | IMAGE_BASED | PARAXIAL | THICK | THIN | PINHOLE | ORTHOGRAPHIC | PANORAMIC
+    model: str = (
+        "LENS"  # LENS | IMAGE_BASED | PARAXIAL | THICK | THIN | PINHOLE | ORTHOGRAPHIC | PANORAMIC | CALIBRATED
+    )
     perspective: Perspective = Perspective()
     pixel_aspect: float = 1.0  # the height of a pixel over its width
     lens_path: str = ""
@@ -172,6 +182,7 @@ class CameraDescription:
     exposure: PhysicalExposure | None = None  # None: radiance one is one in the middle of the picture
     orthographic_width: float = 1.0  # of the whole picture, Blender units
     panorama: Panorama | None = None
+    calibration: CalibrationSettings | None = None
     spherical_stereo: SphericalStereo | None = None  # of a camera without a lens file; None: no stereo, or plain
     clip: tuple[float, float] = (0.0, float("inf"))  # depths between which camera rays see, Blender units
 

@@ -139,7 +139,13 @@ def _take(a: argparse.Namespace, options: dict[str, Any], output: Path, frame: i
         stats = numbered(stats, frame)
     written = {"--output": output, "--stats": stats, "--checkpoint": checkpoint}
     scene_options.check_apart(
-        written, {"the scene": a.scene, "--lens": options["lens"], "--aperture-mask": a.aperture_mask}
+        written,
+        {
+            "the scene": a.scene,
+            "--lens": options["lens"],
+            "--aperture-mask": a.aperture_mask,
+            "--calibration": a.calibration,
+        },
     )
     if checkpoint is not None and (problem := _checkpoint_problem(checkpoint)):
         raise CommandError(f"--checkpoint {checkpoint}: {problem}")

@@ -435,6 +435,12 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
         own.model = (o["camera"] or "lens").upper().replace("-", "_")
     if o["lens"]:
         own.lens_file = o["lens"]
+    if o["calibration"]:
+        own.model, own.calibration_file, own.calibration_camera = "CALIBRATED", o["calibration"], ""
+    if o["calibration_camera"]:
+        own.calibration_camera = o["calibration_camera"]
+    if own.model == "CALIBRATED" and any(o[name] is not None for name in o["opening"]):
+        data.dof.use_dof = True
     if o["focal_length"] is not None:
         if own.model in OF_LENS_FILE:
             own.focal_mode = "LENGTH"

@@ -37,9 +37,15 @@ def add(p: argparse.ArgumentParser) -> None:
     p.add_argument("--lens", metavar="FILE", help="a lens file, or the name of a shipped lens")
     p.add_argument(
         "--camera",
-        choices=("pinhole", "thin", "thick", "paraxial", "image-based"),
-        help="a simpler camera instead; thick, paraxial and image-based are made from the lens",
+        choices=("pinhole", "thin", "thick", "paraxial", "image-based", "calibrated"),
+        help="a simpler camera instead; thick, paraxial and image-based are made from the lens, calibrated from --calibration",
     )
+    p.add_argument(
+        "--calibration",
+        metavar="FILE",
+        help="of a real camera, by OpenCV, ROS, COLMAP, Kalibr, Basalt, NVIDIA or 3DEqualizer, or an ST map (.exr): --camera calibrated",
+    )
+    p.add_argument("--calibration-camera", metavar="NAME", help="the camera in that file, where there are several")
     p.set_defaults(usage_error=p.error)
     p.add_argument("--focal-length", type=types.positive, metavar="MM", help="scale the lens to this focal length")
     group = p.add_mutually_exclusive_group()
@@ -145,15 +151,20 @@ def add(p: argparse.ArgumentParser) -> None:
 
 def checked(a: argparse.Namespace) -> dict[str, Any]:
     """All options of the command by their names, as JSON can have them, checked as far as they can be without Blender. Angles are in radians."""
-    for file in filter(None, (a.scene, a.lens, a.aperture_mask)):
+    for file in filter(None, (a.scene, a.lens, a.aperture_mask, a.calibration)):
         check_name(file)
     scene = Path(a.scene)
     if not scene.is_file():
         raise CommandError(f"no such scene: {scene}: name a .blend file")
-    if a.lens and a.camera in {"pinhole", "thin"}:
+    if a.calibration and (a.lens or a.camera not in {None, "calibrated"}):
+        a.usage_error("--calibration is a camera of its own: leave out --lens and other models of --camera")
+    if a.calibration and not Path(a.calibration).is_file():
+        raise CommandError(f"no such calibration: {a.calibration}: change --calibration")
+    if a.lens and a.camera in {"pinhole", "thin", "calibrated"}:
         a.usage_error(f"--camera {a.camera} has no lens: leave out the one or the other")
-    if a.pupil_diameter is not None and a.camera in {"pinhole", "thin"}:
-        a.usage_error(f"--pupil-diameter is a lens's, and --camera {a.camera} has none: leave out the one or the other")
+    if a.pupil_diameter is not None and (a.calibration or a.camera in {"pinhole", "thin", "calibrated"}):
+        kind = a.camera or "calibrated"
+        a.usage_error(f"--pupil-diameter is a lens's, and --camera {kind} has none: leave out the one or the other")
     if a.blades is not None and a.blades != 0 and not 3 <= a.blades <= MOST_BLADES:
         raise CommandError(
             f"{a.blades} blades: a diaphragm has 3 to {MOST_BLADES}, or 0 for a round one: change --blades"
@@ -179,6 +190,7 @@ def checked(a: argparse.Namespace) -> dict[str, Any]:
         "scene": str(scene.absolute()),
         "lens": str(find_lens(a.lens).absolute()) if a.lens else None,
         "aperture_mask": str(Path(a.aperture_mask).absolute()) if a.aperture_mask else None,
+        "calibration": str(Path(a.calibration).absolute()) if a.calibration else None,
         # JSON has no infinity.
         "focus_distance": "inf" if a.focus_distance == math.inf else a.focus_distance,
         "effects": dict(a.effect),

@@ -2,6 +2,7 @@
 
 use petzval_nodes::Parsing;
 use petzval_optics::focus::{FocusError, GroupsError};
+use petzval_optics::formats::calibration::CalibrationFileError;
 use petzval_optics::formats::lens::LensFileError;
 use petzval_optics::system::SystemError;
 use petzval_pictures::error::MergeError;
@@ -66,6 +67,7 @@ maps! {
     MergeError => PetzvalError,
     Parsing => SceneError_,
     CameraError => CameraError_,
+    CalibrationFileError => CameraError_,
     SettingsError => PetzvalError,
     DenoiseError => PetzvalError,
     BakeError => PetzvalError,

@@ -1,10 +1,11 @@
-//! File formats of lenses, one a file.
+//! File formats of lenses, one a file, and of camera calibrations ([`calibration`]).
 //!
 //! [`read`] takes any of them, by ending and content. [`lens`] is the engine's own; it and [`zmx`] are written, too.
 
 pub mod agf;
 mod beams;
 pub mod bench;
+pub mod calibration;
 mod columns;
 mod configurations;
 mod draft;

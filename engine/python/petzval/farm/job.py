@@ -175,7 +175,7 @@ def _read(folder: Path, told: dict[str, Any]) -> Job:
         inside(folder, name)
     if job.scene not in job.files:
         raise ValueError("the scene is not among the files")
-    for name in ("lens", "aperture_mask"):
+    for name in ("lens", "aperture_mask", "calibration"):
         given = job.options.get(name)
         if given is not None and given not in job.files:
             raise ValueError(f"{name} is not among the files")

@@ -16,6 +16,8 @@ from typing import Any
 
 #: Kinds of datablocks whose files no render reads.
 _UNREAD = {"Sound", "Text", "Library"}
+#: Settings of a camera that name files of which Blender knows nothing: its lens, its calibration.
+_OF_CAMERA = ("lens_file", "calibration_file")
 #: A disk cache's folder beside the .blend, by the .blend's name.
 _DISK_CACHE = "blendcache_{}"
 
@@ -110,11 +112,13 @@ class Packer:
                 yield _File(self._absolute(path, None), is_sequence=is_sequence)
         for camera in self._bpy.data.cameras:
             if camera.library is None:
-                yield from (_File(one, is_sequence=False) for one in lens_files(self._lens_of(camera)))
+                lens, calibration = (self._file_of(camera, name) for name in _OF_CAMERA)
+                own = [*lens_files(lens), *([calibration] if calibration else [])]
+                yield from (_File(one, is_sequence=False) for one in own)
 
-    def _lens_of(self, camera: Any) -> str:
-        """The file of a camera's lens; empty where it is one that comes with Petzval, or none."""
-        chosen = camera.petzval.lens_file.strip()
+    def _file_of(self, camera: Any, name: str) -> str:
+        """A file that a camera's setting names; empty where it is a lens that comes with Petzval, or none."""
+        chosen = getattr(camera.petzval, name).strip()
         path = self._absolute(chosen, None) if chosen else ""
         return path if path and os.path.isfile(path) else ""
 
@@ -122,7 +126,8 @@ class Packer:
         paths = self._bpy.data.file_path_map(include_libraries=True).items()
         own = [path for block, paths in paths if block.library is None and not self._is_packed(block) for path in paths]
         own += [one.filepath for one in self._bpy.data.libraries if one.parent is None]
-        own += [camera.petzval.lens_file for camera in self._bpy.data.cameras if camera.library is None]
+        cameras = [camera.petzval for camera in self._bpy.data.cameras if camera.library is None]
+        own += [getattr(camera, name) for camera in cameras for name in _OF_CAMERA]
         return any(os.path.isabs(path) and not path.startswith("//") for path in own)
 
     def _save_relative(self, file: str, place: Path) -> None:
@@ -130,8 +135,9 @@ class Packer:
         self._bpy.ops.wm.open_mainfile(filepath=file, load_ui=False, use_scripts=False)
         self._bpy.ops.file.make_paths_relative()
         for camera in self._bpy.data.cameras:
-            if camera.library is None and os.path.isabs(lens := self._lens_of(camera)):
-                camera.petzval.lens_file = self._bpy.path.relpath(lens, start=os.path.dirname(file))
+            for name in _OF_CAMERA if camera.library is None else ():
+                if os.path.isabs(own := self._file_of(camera, name)):
+                    setattr(camera.petzval, name, self._bpy.path.relpath(own, start=os.path.dirname(file)))
         self._bpy.ops.wm.save_as_mainfile(filepath=str(place), copy=True, relative_remap=False, check_existing=False)
 
     def _absolute(self, path: str, library: Any) -> str:

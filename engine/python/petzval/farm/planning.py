@@ -81,7 +81,7 @@ def _job(a: argparse.Namespace, folder: Path, options: dict[str, Any], picture: 
     files = [f"{jobs.SCENE}/{name}" for name in told["files"]]
     kept: dict[str, Any] = {name: value for name, value in options.items() if name in jobs.option_names()}
     kept = {name: value for name, value in kept.items() if value is not None and value is not False and value != {}}
-    for name in ("lens", "aperture_mask"):
+    for name in ("lens", "aperture_mask", "calibration"):
         if kept.get(name):
             copies = _copy(Path(kept[name]), folder / _OPTION_FILES / name)
             files += (names := [f"{_OPTION_FILES}/{name}/{one}" for one in copies])

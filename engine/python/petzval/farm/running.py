@@ -57,7 +57,7 @@ def options_of(job: jobs.Job, threads: int | None) -> dict[str, Any]:
     options = {name: value for name, value in parsed.items() if name not in {"effect", "usage_error"}}
     options |= {"effects": {}, "scene": str(Path(os.path.abspath(jobs.inside(job.folder, job.scene))))}
     options |= job.options
-    for name in ("lens", "aperture_mask"):
+    for name in ("lens", "aperture_mask", "calibration"):
         if options[name] is not None:
             options[name] = str(Path(os.path.abspath(jobs.inside(job.folder, options[name]))))
     return options | {"threads": threads}

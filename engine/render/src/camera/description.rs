@@ -34,6 +34,8 @@ pub enum Model {
     Orthographic,
     /// No lens at all: a panoramic projection.
     Panoramic,
+    /// No lens at all: the rays of a camera calibration.
+    Calibrated,
 }
 
 impl Model {
@@ -41,7 +43,7 @@ impl Model {
     pub fn is_of_lens(self) -> bool {
         match self {
             Self::Lens | Self::Thick | Self::Paraxial | Self::ImageBased => true,
-            Self::Pinhole | Self::Thin | Self::Orthographic | Self::Panoramic => false,
+            Self::Pinhole | Self::Thin | Self::Orthographic | Self::Panoramic | Self::Calibrated => false,
         }
     }
 }
@@ -154,6 +156,16 @@ pub struct FilmSettings {
     pub shift_mm: [f64; 2],
 }
 
+/// The calibration of a camera, and where it stands.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationSettings {
+    /// The file of calibrations, or an ST map (`.exr`).
+    pub path: PathBuf,
+    /// The camera's name in the file; `None` is the only one.
+    pub camera: Option<String>,
+}
+
 /// The settings of a camera, unchecked. Angles in radians; `None` leaves the lens's own value.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -207,6 +219,8 @@ pub struct CameraDescription {
     pub orthographic_width: f64,
     /// The picture of a panoramic camera.
     pub panorama: Option<Panorama>,
+    /// The calibration of a calibrated camera.
+    pub calibration: Option<CalibrationSettings>,
     /// The eye that sees the picture in spherical stereo, of a camera without a lens file; `None`: the camera itself does.
     pub spherical_stereo: Option<SphericalStereo>,
     /// Clipping range along the camera's axis, of a panoramic camera by distance, Blender units: camera rays see nothing nearer than the first
@@ -250,6 +264,7 @@ impl Default for CameraDescription {
             exposure: None,
             orthographic_width: 1.0,
             panorama: None,
+            calibration: None,
             spherical_stereo: None,
             clip: [0.0, f64::INFINITY],
         }
@@ -337,13 +352,15 @@ impl CameraDescription {
             positive(e.shutter_s, "the shutter time")?;
             positive(e.iso, "the film speed")?;
             positive(e.lumens_per_watt, "the lumens of a watt")?;
-            if matches!(self.model, Model::Pinhole | Model::Orthographic | Model::Panoramic) {
-                return Err(self.error("a pinhole has no f-number to expose by; switch physical exposure off"));
+            if matches!(self.model, Model::Pinhole | Model::Orthographic | Model::Panoramic | Model::Calibrated) {
+                return Err(
+                    self.error("a camera without a lens has no f-number to expose by; switch physical exposure off")
+                );
             }
         }
         if let Some(stereo) = self.spherical_stereo {
             stereo.check().map_err(|what| self.error(what))?;
-            if self.model.is_of_lens() || self.model == Model::Orthographic {
+            if self.model.is_of_lens() || matches!(self.model, Model::Orthographic | Model::Calibrated) {
                 return Err(self
                     .error("spherical stereo is of perspective and panoramic cameras without a lens; switch it off"));
             }
@@ -363,7 +380,7 @@ impl CameraDescription {
             Model::Panoramic => {
                 self.panorama.map_or(Ok(()), |panorama| panorama.check().map_err(|what| self.error(what)))
             }
-            Model::Pinhole | Model::Thin => {
+            Model::Pinhole | Model::Thin | Model::Calibrated => {
                 positive(self.perspective.focal_length_mm, "the focal length")?;
                 positive(self.perspective.film_width_mm, "the sensor width")
             }

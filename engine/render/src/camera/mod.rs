@@ -14,7 +14,7 @@ pub mod shutter;
 pub mod stereo;
 pub mod tools;
 
-pub use description::{CameraDescription, EnabledEffects, Model, Spectrum};
+pub use description::{CalibrationSettings, CameraDescription, EnabledEffects, Model, Spectrum};
 pub use lens_file::LensFile;
 
 use crate::Rgb;
@@ -25,6 +25,7 @@ use lens::real_lens::batch::LensBatch;
 use lens::real_lens::packet::Request;
 use lens::setup::LensInfo;
 use models::adapted::Adapted;
+use models::calibrated::Calibrated;
 use models::gaussian::{Gaussian, Order};
 use models::image_based::ImageBased;
 use models::orthographic::Orthographic;
@@ -125,6 +126,8 @@ pub enum Camera {
     Orthographic(Orthographic),
     /// No lens: a panoramic projection.
     Panoramic(Box<Panoramic>),
+    /// No lens: the rays of a camera calibration.
+    Calibrated(Box<Calibrated>),
     /// One eye of one without a lens file, in spherical stereo.
     Eye(Box<Eye>),
 }
@@ -149,6 +152,7 @@ impl Camera {
             Model::ImageBased => Self::ImageBased(Arc::new(ImageBased::new(d, axes, width, height)?)),
             Model::Orthographic => Self::Orthographic(Orthographic::new(d, axes, width, height)),
             Model::Panoramic => Self::Panoramic(Box::new(Panoramic::new(d, axes)?)),
+            Model::Calibrated => Self::Calibrated(Box::new(Calibrated::new(d, axes, width, height)?)),
         };
         Ok(match d.spherical_stereo {
             Some(stereo) => Self::Eye(Box::new(Eye::new(camera, stereo))),
@@ -156,7 +160,7 @@ impl Camera {
         })
     }
 
-    /// A ray for the picture point `p`, or `None` where it is lost in the lens or where a panoramic projection shows nothing. `u_lens`
+    /// A ray for the picture point `p`, or `None` where it is lost in the lens or where a panoramic projection or a calibration shows nothing. `u_lens`
     /// chooses the point of the pupil, `u_wavelength` the wavelength.
     #[inline]
     pub fn sample(&self, p: Vec2, u_lens: [f32; 2], u_wavelength: f32) -> Option<CameraRay> {
@@ -169,6 +173,7 @@ impl Camera {
             Self::Adapted(c) => c.sample(p, u_lens, u_wavelength),
             Self::Orthographic(c) => Some(c.ray(p)),
             Self::Panoramic(c) => c.sample(p, u_lens),
+            Self::Calibrated(c) => c.sample(p, u_lens),
             Self::Eye(c) => c.sample(p, u_lens, u_wavelength),
         }
     }
@@ -176,7 +181,12 @@ impl Camera {
     /// True if a sample depends on its wavelength or is carried back to the film: if not, [`Request`] needs no numbers for that.
     pub fn has_wavelengths(&self) -> bool {
         match self {
-            Self::Pinhole(_) | Self::Thin(_) | Self::Orthographic(_) | Self::Panoramic(_) | Self::Eye(_) => false,
+            Self::Pinhole(_)
+            | Self::Thin(_)
+            | Self::Orthographic(_)
+            | Self::Panoramic(_)
+            | Self::Calibrated(_)
+            | Self::Eye(_) => false,
             Self::Lens(_) | Self::Gaussian(_) | Self::ImageBased(_) | Self::Adapted(_) => true,
         }
     }
@@ -219,6 +229,7 @@ impl Camera {
             Self::Adapted(c) => c.axes(),
             Self::Orthographic(c) => c.axes(),
             Self::Panoramic(c) => c.axes(),
+            Self::Calibrated(c) => c.axes(),
             Self::Eye(c) => c.camera.axes(),
         }
     }
@@ -243,6 +254,7 @@ impl Camera {
             Self::Adapted(lens) => &lens.info().lens_name,
             Self::Orthographic(_) => "orthographic",
             Self::Panoramic(_) => "panoramic",
+            Self::Calibrated(_) => "calibrated",
             Self::Eye(eye) => eye.camera.name(),
         }
     }

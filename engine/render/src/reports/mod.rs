@@ -3,6 +3,7 @@
 //!
 //! A report's options come as JSON, and its result goes as JSON: lengths in mm, angles in degrees, null where there is no finite number.
 
+pub mod calibration;
 mod distortion;
 pub mod drawing;
 mod fans;

@@ -3,6 +3,7 @@
 pub mod adapted;
 #[cfg(test)]
 mod between_models;
+pub mod calibrated;
 pub mod gaussian;
 pub mod image_based;
 pub mod orthographic;

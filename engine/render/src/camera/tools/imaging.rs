@@ -7,6 +7,7 @@ use crate::accel::Ray;
 use crate::camera::lens::mount::Mount;
 use crate::camera::lens::real_lens::film_spectrum;
 use crate::camera::lens::setup::D_LINE_NM;
+use crate::camera::models::calibrated::Calibrated;
 use crate::camera::models::gaussian::Order;
 use crate::camera::models::orthographic::Orthographic;
 use crate::camera::models::panoramic::Panoramic;
@@ -56,6 +57,7 @@ enum Eye {
     Pinhole(Pinhole),
     Orthographic(Orthographic),
     Panoramic(Box<Panoramic>),
+    Calibrated(Box<Calibrated>),
     Thin(Thin),
     Lens(Box<LensEye>),
 }
@@ -111,6 +113,7 @@ impl Imaging {
             Model::Pinhole => Eye::Pinhole(Pinhole::new(d, axes, width, height)),
             Model::Orthographic => Eye::Orthographic(Orthographic::new(d, axes, width, height)),
             Model::Panoramic => Eye::Panoramic(Box::new(Panoramic::new(d, axes)?)),
+            Model::Calibrated => Eye::Calibrated(Box::new(Calibrated::new(d, axes, width, height)?)),
             Model::Thin => Eye::Thin(Thin::new(d, axes, width, height)?),
             // The table differs from the lens by far less than things move.
             Model::Lens | Model::ImageBased => lens(None)?,
@@ -125,7 +128,7 @@ impl Imaging {
         let origin = ray.origin.as_dvec3() - self.place;
         PupilPoint(match &self.eye {
             // Depth of field moves nothing that is in focus.
-            Eye::Pinhole(_) | Eye::Orthographic(_) | Eye::Panoramic(_) => DVec3::ZERO,
+            Eye::Pinhole(_) | Eye::Orthographic(_) | Eye::Panoramic(_) | Eye::Calibrated(_) => DVec3::ZERO,
             Eye::Thin(lens) => lens.axes().transpose() * origin / lens.radius(),
             Eye::Lens(lens) => {
                 let pupil = lens.pupil(self.relative(seen));
@@ -155,6 +158,7 @@ impl Imaging {
         match &self.eye {
             Eye::Pinhole(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
             Eye::Panoramic(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
+            Eye::Calibrated(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
             // What is infinitely far is seen nowhere in particular.
             Eye::Orthographic(camera) => match seen {
                 SeenPlace::Point(p) => Some(camera.place(camera.axes().transpose() * p)),

@@ -14,7 +14,7 @@ impl LensEffect for Defocus {
     }
 
     fn is_in(&self, model: Model) -> bool {
-        !matches!(model, Model::Pinhole | Model::Orthographic | Model::Panoramic)
+        !matches!(model, Model::Pinhole | Model::Orthographic | Model::Panoramic | Model::Calibrated)
     }
 
     fn measure(&self, known: &Known<'_>) -> Measured {

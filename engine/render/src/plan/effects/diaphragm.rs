@@ -15,7 +15,7 @@ impl LensEffect for DiaphragmEffect {
     }
 
     fn is_in(&self, model: Model) -> bool {
-        !matches!(model, Model::Pinhole | Model::Orthographic | Model::Panoramic)
+        !matches!(model, Model::Pinhole | Model::Orthographic | Model::Panoramic | Model::Calibrated)
     }
 
     fn measure(&self, known: &Known<'_>) -> Measured {

@@ -1,0 +1,115 @@
+//! Errors in files of calibrations, and their places.
+
+use crate::calibration::CalibrationError;
+use crate::prescription::Place;
+use std::fmt;
+use thiserror::Error;
+
+/// An error in a file of calibrations.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CalibrationProblem {
+    /// The file cannot be opened or read.
+    #[error("cannot be read ({0}); check the path")]
+    Unreadable(String),
+    /// The file is not text.
+    #[error("this is not text in UTF-8; give a file of a camera calibration")]
+    NotText,
+    /// The file is no YAML or JSON.
+    #[error("{0}; the file is broken off, or not YAML or JSON")]
+    Syntax(String),
+    /// Nothing says which cameras there are.
+    #[error(
+        "there is no camera in it; known are OpenCV's and ROS's YAML and JSON, COLMAP's cameras.txt, Kalibr's camchain, Basalt's JSON, NVIDIA's rig and 3DEqualizer's nodes for Nuke"
+    )]
+    NoCamera,
+    /// Something that must be there is missing.
+    #[error("{camera} has no {what}; add it")]
+    Missing {
+        /// The camera, or the file.
+        camera: String,
+        /// What is missing.
+        what: &'static str,
+    },
+    /// A text stands where something else belongs.
+    #[error("'{found}' where {expected} belongs")]
+    Malformed {
+        /// The text that the file has there.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
+    /// A list has too few or too many numbers.
+    #[error("{found} numbers where {expected} belong")]
+    Count {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: String,
+    },
+    /// Something that the engine has no means for, without which the camera would be another.
+    #[error("{0}")]
+    Unsupported(String),
+    /// The numbers make no camera.
+    #[error("camera '{camera}': {problem}")]
+    Calibration {
+        /// The camera.
+        camera: String,
+        /// What is wrong with it.
+        problem: CalibrationError,
+    },
+    /// The camera that was asked for is not there.
+    #[error("there is no camera '{asked}'; there is {there}")]
+    NoSuchCamera {
+        /// The camera that was asked for.
+        asked: String,
+        /// Those that there are.
+        there: String,
+    },
+    /// There are several cameras, and none is named.
+    #[error("there are {count} cameras; choose one of {there}")]
+    Several {
+        /// How many there are.
+        count: usize,
+        /// Their names.
+        there: String,
+    },
+}
+
+/// A problem, and where it is: one line, `FILE:LINE:COLUMN: what is wrong; what to do`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationFileError {
+    /// The file, as it was named.
+    pub file: String,
+    /// The place in the file, counted from 1.
+    pub place: Place,
+    /// The problem itself, without its place.
+    pub problem: CalibrationProblem,
+}
+
+/// Characters of a problem that are told: a file may repeat itself in its error.
+const LONGEST_PROBLEM: usize = 300;
+
+impl fmt::Display for CalibrationFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Place { line, column } = self.place;
+        let problem = self.problem.to_string();
+        match problem.char_indices().nth(LONGEST_PROBLEM) {
+            None => write!(f, "{}:{line}:{column}: {problem}", self.file),
+            Some((end, _)) => write!(f, "{}:{line}:{column}: {}…", self.file, &problem[..end]),
+        }
+    }
+}
+
+impl std::error::Error for CalibrationFileError {}
+
+/// A problem whose file is not yet named.
+pub(super) type Placed = (Place, CalibrationProblem);
+
+pub(super) fn malformed(place: Place, found: &str, expected: impl Into<String>) -> Placed {
+    let found = found.chars().take(60).collect();
+    (place, CalibrationProblem::Malformed { found, expected: expected.into() })
+}
+
+pub(super) fn unsupported(place: Place, what: impl Into<String>) -> Placed {
+    (place, CalibrationProblem::Unsupported(what.into()))
+}

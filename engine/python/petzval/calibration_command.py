@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`petzval calibration info|convert|stmap`: files of camera calibrations. Reads arguments, asks the engine, prints its answer. Computes nothing."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from . import argument_types as types
+from .errors import CommandError, complain
+from .scene_options import check_writable
+
+#: What is read.
+KINDS = "OpenCV's or ROS's YAML or JSON, COLMAP's cameras.txt, Kalibr's camchain, Basalt's or NVIDIA's JSON, 3DEqualizer's nodes for Nuke"
+#: The engine's formats by the command's words.
+_FORMATS = {"opencv": ("opencv-yaml", "opencv-json"), "ros": ("ros", None), "colmap": ("colmap", None)}
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Adds `calibration` with its actions."""
+    parser = subparsers.add_parser(
+        "calibration", help="describe, convert or map camera calibrations", allow_abbrev=False
+    )
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+
+    info = actions.add_parser("info", help="cameras, parameters, field of view, bounds of validity", allow_abbrev=False)
+    info.add_argument("file", metavar="FILE", help=KINDS)
+    info.add_argument("--json", action="store_true", help="print one JSON object")
+    info.set_defaults(run=_info)
+
+    convert = actions.add_parser("convert", help="read a calibration of any kind, and write it", allow_abbrev=False)
+    convert.add_argument("file", metavar="IN", help=KINDS)
+    convert.add_argument("out", metavar="OUT", help="a .yml, .yaml, .json or .txt file")
+    convert.add_argument(
+        "--camera", metavar="NAME", help="of the file's cameras; default: all, where OUT can hold them"
+    )
+    convert.add_argument(
+        "--to", choices=tuple(_FORMATS), help="default: by the ending: .yml and .json opencv, .yaml ros, .txt colmap"
+    )
+    convert.set_defaults(run=_convert)
+
+    stmap = actions.add_parser("stmap", help="its distortion map for compositing", allow_abbrev=False)
+    stmap.add_argument("file", metavar="FILE", help=KINDS)
+    stmap.add_argument("-o", "--output", required=True, metavar="MAP.exr", help="the map, 32 bits")
+    stmap.add_argument("--camera", metavar="NAME", help="of the file's cameras, where there are several")
+    stmap.add_argument("--size", type=types.pixels, metavar="WxH", help="of the map; default: the calibration's")
+    stmap.add_argument(
+        "--direction", choices=("undistort", "distort"), default="undistort",
+        help="undistort makes the camera's picture a pinhole's of the same scale in the middle, distort the other way; default: undistort",
+    )  # fmt: skip
+    stmap.set_defaults(run=_stmap)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Runs the action; returns the exit status."""
+    status: int = arguments.run(arguments)
+    return status
+
+
+def _say(file: str, remarks: list[str]) -> None:
+    for remark in remarks:
+        complain(f"{file}: {remark}")
+
+
+def _read(file: str) -> dict[str, Any]:
+    from . import _native
+
+    found: dict[str, Any] = json.loads(_native.calibration_json(file))
+    return found
+
+
+def _info(arguments: argparse.Namespace) -> int:
+    found = _read(arguments.file)
+    if arguments.json:
+        print(json.dumps(found))
+        return 0
+    _say(arguments.file, found["remarks"])
+    print(
+        f"{arguments.file}: {found['format']}, {len(found['cameras'])} camera{'s' if len(found['cameras']) > 1 else ''}"
+    )
+    for camera in found["cameras"]:
+        print("\n".join(_lines(camera)))
+    return 0
+
+
+def _lines(camera: dict[str, Any]) -> list[str]:
+    width, height = camera["size_px"]
+    lines = [f"{camera['name']}: {camera['model']}, {width} x {height} pixels, counted from the corner of the first"]
+    lines += [f"  {name} {value:.10g}" for name, value in camera["parameters"].items()]
+    fields = [camera["horizontal_field_deg"], camera["vertical_field_deg"]]
+    across, up = ("none: an edge shows nothing" if field is None else f"{field:.3f} degrees" for field in fields)
+    lines.append(
+        f"  field of view across {across}, up {up}; at most {camera['largest_angle_deg']:.3f} degrees from the axis"
+    )
+    valid = camera["valid_to_deg"]
+    lines.append(
+        f"  valid {'everywhere' if valid is None else f'to {valid:.3f} degrees from the axis, where its distortion folds back'}"
+    )
+    if camera["covered"] < 1.0:
+        lines.append(f"  {100.0 * (1.0 - camera['covered']):.2f} % of the picture is black: {camera['reason']}")
+    return lines
+
+
+def _convert(arguments: argparse.Namespace) -> int:
+    from . import _native, atomic_files
+
+    out = Path(arguments.out)
+    ending = out.suffix.lower()
+    kind = arguments.to or {".yml": "opencv", ".json": "opencv", ".yaml": "ros", ".txt": "colmap"}.get(ending)
+    if kind is None:
+        raise CommandError(
+            f"cannot write {out}: its ending says no format: end it in .yml, .yaml, .json or .txt, or give --to"
+        )
+    if out.exists() and os.path.exists(arguments.file) and os.path.samefile(out, arguments.file):
+        raise CommandError(f"{out}: it would replace the file that is read: name another")
+    check_writable(out)
+    plain, as_json = _FORMATS[kind]
+    form = as_json if ending == ".json" and as_json else plain
+    found = _read(arguments.file)
+    text = _native.calibration_text(arguments.file, arguments.camera, form)
+    _say(arguments.file, found["remarks"])
+    try:
+        atomic_files.write_text(out, text)
+    except OSError as error:
+        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
+    print(f"{out}: {found['format']} as {kind}")
+    return 0
+
+
+def _stmap(arguments: argparse.Namespace) -> int:
+    from . import _native
+
+    out = Path(arguments.output)
+    if out.suffix.lower() != ".exr":
+        raise CommandError(f"cannot write {out}: its ending is not .exr: change --output")
+    check_writable(out)
+    what = {"undistort": "the camera's picture to a pinhole's", "distort": "a pinhole's picture to the camera's"}
+    comments = (
+        f"{Path(arguments.file).name}: {what[arguments.direction]}. R and G: where to take a pixel from, 0 to 1 from the lower left. "
+        "B and A: 1 where that is in the picture."
+    )
+    undistorts = arguments.direction == "undistort"
+    size = tuple(arguments.size) if arguments.size else None
+    share = _native.write_calibration_map(arguments.file, arguments.camera, size, undistorts, comments, str(out))
+    print(f"{out}: {arguments.direction}, {100.0 * share:.1f} % of its pixels have a source")
+    return 0
