@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From the passes of a render to depth, normals and flow. Arrays have their first row at the top; the pose is a camera's, Blender's axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from .poses import FLIP, Matrix
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+#: Blender's depth of what lies infinitely far.
+FAR = 1e10
+#: Depths from here on are that.
+_BEYOND = 1e9
+
+
+@dataclass(frozen=True)
+class Passes:
+    """The passes of one picture, first row at the top."""
+
+    depth: Array  # (height, width), Blender units
+    position: Array  # (height, width, 3), Blender units, world space
+    normal: Array  # (height, width, 3), world space
+    index: Array  # (height, width)
+    vector: Array | None  # (height, width, 4), as Blender has it
+
+    @property
+    def hits(self) -> Mask:
+        """Where something was met."""
+        return self.depth < _BEYOND
+
+
+def in_camera(points: Array, pose: Matrix) -> Array:
+    """World points in camera space as computer vision has it: x right, y down, z forward."""
+    moved: Array = (points - pose[:3, 3]) @ (pose[:3, :3] @ FLIP[:3, :3])
+    return moved
+
+
+def depth_m(passes: Passes, pose: Matrix, along: str, metres_per_unit: float) -> Array:
+    """Distances from the camera's place, metres: along its axis, or along the ray; 1e10 where there is nothing."""
+    seen = in_camera(passes.position, pose)
+    distance = seen[..., 2] if along == "axis" else np.linalg.norm(seen, axis=-1)
+    return np.where(passes.hits, distance * metres_per_unit, FAR)
+
+
+def depth_levels(depth: Array, scale: float) -> npt.NDArray[np.uint16]:
+    """Depths in metres as 16-bit numbers, `scale` to a metre; 0 where there is nothing, and beyond what 16 bits hold."""
+    levels = np.rint(depth * scale)
+    return np.where((levels >= 1) & (levels <= 65535), levels, 0).astype(np.uint16)
+
+
+def normals(passes: Passes, pose: Matrix, frame: str) -> Array:
+    """Unit normals towards the camera, in world space or in camera space (x right, y down, z forward); 0 where there is nothing."""
+    turned = passes.normal if frame == "world" else passes.normal @ (pose[:3, :3] @ FLIP[:3, :3])
+    length = np.linalg.norm(turned, axis=-1, keepdims=True)
+    return np.where(passes.hits[..., None] & (length > 1e-6), turned / np.maximum(length, 1e-6), 0.0)
+
+
+def normal_levels(values: Array, hits: Mask) -> npt.NDArray[np.uint16]:
+    """Normals as 16-bit numbers: 0.5 + 0.5 n of 65535; 0 where there is nothing."""
+    return np.where(hits[..., None], np.rint((0.5 + 0.5 * values) * 65535.0), 0).astype(np.uint16)
+
+
+def flow(vector: Array, direction: str) -> Array:
+    """Pixels, right and down (height, width, 2), from here to where the same is in the picture before or after. Blender's pass counts up, and its Z
+    and W lead from there to here."""
+    x, y, z, w = np.moveaxis(vector, -1, 0)
+    return np.stack([x, -y] if direction == "backward" else [-z, w], axis=-1)
+
+
+def kitti_flow(values: Array, known: Mask) -> tuple[npt.NDArray[np.uint16], bool]:
+    """KITTI's encoding (stereo/flow devkit, readme): 64 f + 2^15, and 1 where it is known; also whether some flow did not fit."""
+    levels = np.rint(values * 64.0 + 32768.0)
+    fits = ((levels >= 0) & (levels <= 65535)).all(axis=-1)
+    valid = known & fits
+    encoded = np.where(valid[..., None], levels, 0.0)
+    return np.concatenate([encoded, valid[..., None]], axis=-1).astype(np.uint16), bool((known & ~fits).any())
