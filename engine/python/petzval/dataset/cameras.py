@@ -19,7 +19,8 @@ from . import lens_fit
 _CENTRAL = ("PINHOLE", "THIN")
 #: Of the rays that ground truth goes by, nm: the d line.
 WAVELENGTH_NM = 587.5618
-#: How far a lens is stopped down for these: rays through the middle of its diaphragm, and no fewer than are looked for.
+#: How far a lens is stopped down for these, so that they go through the middle of its diaphragm. Through smaller ones rays that are aimed at them
+#: begin to miss.
 F_NUMBER = 100.0
 #: Pixels along the longer side at which a lens's rays are looked up for a fit.
 _LOOKED_UP = 24
@@ -82,14 +83,14 @@ def _of_perspective(camera: CameraDescription, width: int, height: int) -> tuple
 def _of_lens(camera: CameraDescription, width: int, height: int) -> Intrinsics:
     """OpenCV's model of five coefficients, or its fisheye model where that is nearer, fitted to the rays of the lens through the
     middle of its diaphragm."""
-    if camera.wavelength_nm is None:
-        camera = changed(camera, {"wavelength_nm": WAVELENGTH_NM})
+    wavelength_nm = camera.wavelength_nm or WAVELENGTH_NM
+    camera = changed(camera, {"wavelength_nm": wavelength_nm, "lens.f_number": F_NUMBER})
     looked_up = min(_LOOKED_UP / max(width, height), 1.0)
     across, down = max(round(width * looked_up), 8), max(round(height * looked_up), 8)
     try:
         info = json.loads(_native.camera_info_json(camera, width, height))
         # Where the pinhole that frames the same shows what a pixel of the lens sees.
-        found = _native.distortion_map(camera, across, down, camera.wavelength_nm or WAVELENGTH_NM, "DISTORT").astype(float)
+        found = _native.distortion_map(camera, across, down, wavelength_nm, "DISTORT").astype(float)
     except _native.PetzvalError as error:
         raise CommandError(f"camera '{camera.object_name}': no intrinsic parameters: {error}") from None
     seen = (found[..., :2] != 0.0).any(axis=-1)

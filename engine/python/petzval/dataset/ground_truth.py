@@ -17,6 +17,8 @@ Mask = npt.NDArray[np.bool_]
 FAR = 1e10
 #: Depths from here on are that.
 _BEYOND = 1e9
+#: Shorter ways count as none, pixels.
+_STILL_PX = 0.01
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,18 @@ def flow(vector: Array, direction: str) -> Array:
     and W lead from there to here."""
     x, y, z, w = np.moveaxis(vector, -1, 0)
     return np.stack([x, -y] if direction == "backward" else [-z, w], axis=-1)
+
+
+def known_flow(values: Array, hits: Mask) -> Mask:
+    """Where flow is known. A ray that a lens loses on its way from the neighbouring picture leaves exactly 0: so does what stands still, but that is seldom
+    a pixel among eight of which six move."""
+    moves = np.pad(np.linalg.norm(values, axis=-1) > _STILL_PX, 1)
+    height, width = hits.shape
+    around = sum(
+        moves[y : y + height, x : x + width].astype(int) for y in range(3) for x in range(3) if (y, x) != (1, 1)
+    )
+    known: Mask = ~(hits & (values == 0.0).all(axis=-1) & (around >= 6))
+    return known
 
 
 def kitti_flow(values: Array, known: Mask) -> tuple[npt.NDArray[np.uint16], bool]:

@@ -282,7 +282,7 @@ class _Run:
         colours: list[Any] = []
         if spec.write.picture != "off" and not self._photograph(one, record, asked, colours):
             return None
-        sharp = labels.sharp(holder)
+        sharp = labels.sharp(holder, spec.labels.f_number)
         try:
             described = self._addon.export.camera.describe(sharp, scene, width, height, self._addon.export.report.Report())
             if spec.write.cameras:

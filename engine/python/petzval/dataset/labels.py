@@ -45,8 +45,8 @@ class _Settings:
                 owner.property_unset(name)
 
 
-def sharp(holder: Any) -> Any:
-    """A copy of a camera with the least opening, for one wavelength; for `removed` afterwards."""
+def sharp(holder: Any, f_number: float) -> Any:
+    """A copy of a camera with a small opening, for one wavelength; for `removed` afterwards."""
     import bpy
 
     made = holder.copy()
@@ -56,7 +56,7 @@ def sharp(holder: Any) -> Any:
     if own.model == "THIN":
         own.model = "PINHOLE"
     elif own.model in OF_LENS_FILE:
-        own.wide_open, own.pupil_diameter, own.f_number = False, 0.0, cameras.F_NUMBER
+        own.wide_open, own.pupil_diameter, own.f_number = False, 0.0, f_number
         own.aperture_mask, own.blades = None, 0
         own.spectrum, own.wavelength = "SINGLE", cameras.WAVELENGTH_NM
         own.physical_exposure = False

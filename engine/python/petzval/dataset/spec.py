@@ -10,7 +10,7 @@ from typing import Any
 
 from .. import argument_types as types
 from ..errors import CommandError
-from . import options, pose_files, poses
+from . import cameras, options, pose_files, poses
 from .tables import Table
 
 
@@ -121,6 +121,8 @@ class Labels:
 
     rays: str
     samples: int
+    #: Of the lens, for rays through the middle.
+    f_number: float = cameras.F_NUMBER
 
 
 @dataclass(frozen=True)
@@ -338,9 +340,11 @@ def _labels(table: Table) -> Labels:
     if own is None:
         return Labels("centre", 1)
     rays = own.word("rays", ("centre", "picture"), "centre")
-    if rays == "centre" and "samples" in own:
-        raise own.wrong('rays = "centre" is one ray a pixel: leave it out', "samples")
-    made = Labels(rays, own.whole("samples", 1 if rays == "centre" else 16, 1, 65536) or 1)
+    for key, only in (("samples", "picture"), ("f-number", "centre")):
+        if key in own and rays != only:
+            raise own.wrong(f'is for rays = "{only}": leave it out', key)
+    samples = own.whole("samples", 1 if rays == "centre" else 16, 1, 65536) or 1
+    made = Labels(rays, samples, own.number("f-number", cameras.F_NUMBER, above=0.0))
     own.end()
     return made
 

@@ -50,12 +50,12 @@ def write_passes(
         values = ground_truth.normals(passes, pose, write.normal_frame)
         if write.normal == "exr":
             axes = {"camera": "camera space, x right, y down, z forward", "world": "world space"}[write.normal_frame]
-            raster_files.write_exr(file("normal", "exr"), _xyz(values), f"Unit normals in {axes}; 0: nothing")
+            raster_files.write_exr(file("normal", "exr"), _rgb(values), f"Unit normals in {axes}; 0: nothing")
         else:
             raster_files.write_png(file("normal", "png"), ground_truth.normal_levels(values, passes.hits))
     if write.position != "off":
         places = np.where(passes.hits[..., None], passes.position * record.metres_per_unit, 0.0)
-        raster_files.write_exr(file("position", "exr"), _xyz(places), "World space, metres; 0, 0, 0: nothing")
+        raster_files.write_exr(file("position", "exr"), _rgb(places), "World space, metres; 0, 0, 0: nothing")
     if write.instances:
         raster_files.write_png(file("instances", "png"), ids)
     if write.classes:
@@ -71,16 +71,16 @@ def write_passes(
 
 
 def _write_flow(form: str, kind: str, file: Any, passes: Passes, values: npt.NDArray[np.float64]) -> None:
-    known = np.ones_like(passes.hits)
+    known = ground_truth.known_flow(values, passes.hits)
     if form == "flo":
         raster_files.write_flo(file(kind, "flo"), values.astype(np.float32), known)
     elif form == "exr":
-        raster_files.write_exr(file(kind, "exr"), {"R": values[..., 0], "G": values[..., 1]}, "Pixels: R right, G down")
+        raster_files.write_exr(file(kind, "exr"), _rgb(np.dstack([values, known])), "Pixels: R right, G down; B 1: known")
     else:
         raster_files.write_png(file(kind, "png"), ground_truth.kitti_flow(values, known)[0])
 
 
-def _xyz(values: npt.NDArray[np.float64]) -> dict[str, npt.NDArray[np.float64]]:
+def _rgb(values: npt.NDArray[np.float64]) -> dict[str, npt.NDArray[np.float64]]:
     """Three channels by the names that viewers show as colours."""
     return {name: values[..., i] for i, name in enumerate("RGB")}
 
