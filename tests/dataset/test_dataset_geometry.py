@@ -182,7 +182,6 @@ def test_flow_leads_to_where_the_same_place_is(blender, made, name):
             before = scene.distorted(model, parameters, places @ now[:, :3].T + now[:, 3])
             after = scene.distorted(model, parameters, carried @ to_camera[:, :3].T + to_camera[:, 3])
             flow = scene.flow(folder / one["files"][kind])
-            flow = scene.flow(folder / one["files"][kind])
             # Beyond the picture a fit says nothing; rays that the lens loses are few, and said to be unknown.
             stays = hits & ((after > 0) & (after < [hits.shape[1], hits.shape[0]])).all(axis=-1)
             is_known = np.abs(flow).max(axis=-1) < 1e9

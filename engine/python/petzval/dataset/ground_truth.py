@@ -76,15 +76,18 @@ def flow(vector: Array, direction: str) -> Array:
 
 
 def known_flow(values: Array, hits: Mask) -> Mask:
-    """Where flow is known. A ray that a lens loses on its way from the neighbouring picture leaves exactly 0: so does what stands still, but that is seldom
-    a pixel among eight of which six move."""
-    moves = np.pad(np.linalg.norm(values, axis=-1) > _STILL_PX, 1)
-    height, width = hits.shape
-    around = sum(
-        moves[y : y + height, x : x + width].astype(int) for y in range(3) for x in range(3) if (y, x) != (1, 1)
-    )
-    known: Mask = ~(hits & (values == 0.0).all(axis=-1) & (around >= 6))
+    """Where flow is known. A ray that a lens loses on its way from the neighbouring picture leaves exactly 0: so does what stands still, but that is
+    seldom a pixel most of whose neighbours move."""
+    moves = hits & (np.linalg.norm(values, axis=-1) > _STILL_PX)
+    known: Mask = ~(hits & (values == 0.0).all(axis=-1) & (_neighbours(moves) > 0.7 * _neighbours(hits)))
     return known
+
+
+def _neighbours(of: Mask) -> npt.NDArray[np.int_]:
+    """How many of a pixel's eight neighbours."""
+    padded, (height, width) = np.pad(of, 1).astype(int), of.shape
+    around = sum(padded[y : y + height, x : x + width] for y in range(3) for x in range(3)) - of
+    return np.asarray(around)
 
 
 def kitti_flow(values: Array, known: Mask) -> tuple[npt.NDArray[np.uint16], bool]:

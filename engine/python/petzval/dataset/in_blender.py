@@ -193,7 +193,10 @@ class _Run:
         print(f"{count} of {len(pictures)} pictures to render into {self._folder}", flush=True)
 
     def _name_unmatched(self) -> None:
-        objects = list(self._scene.objects)
+        import bpy
+
+        # Those of instanced collections, too, which the scene does not list.
+        objects = list(bpy.data.objects)
         for made in self._spec.classes:
             for what in instances.unmatched(objects, made):
                 self._voice.write(f"petzval: {self._spec.file}: classes.{made.name}: {what} matches nothing in scene '{self._scene.name}'\n")
