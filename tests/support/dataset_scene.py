@@ -48,7 +48,7 @@ scene.collection.objects.unlink(small)
 for i in range(2):
     placed = bpy.data.objects.new(f"Placed{{i}}", None)
     placed.instance_type, placed.instance_collection = "COLLECTION", group
-    placed.location = (-2.5 - 1.2 * i, 7 + i, 0.2)
+    placed.location = (-1.6 - 0.8 * i, 7 + i, 0.2)
     scene.collection.objects.link(placed)
 bpy.ops.wm.save_as_mainfile(filepath={path!r})
 sys.stdout.flush()

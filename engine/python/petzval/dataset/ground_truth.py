@@ -18,7 +18,7 @@ FAR = 1e10
 #: Depths from here on are that.
 _BEYOND = 1e9
 #: Shorter ways count as none, pixels.
-_STILL_PX = 0.01
+_STILL_PX = 1e-3
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,22 @@ class Passes:
     def hits(self) -> Mask:
         """Where something was met."""
         return self.depth < _BEYOND
+
+    @property
+    def is_full(self) -> bool:
+        """Whether nothing is left to find: all pixels have a hit, and flow."""
+        return bool(self.hits.all()) and (self.vector is None or bool(self.vector.any(axis=-1).all()))
+
+    def fill(self, more: Passes) -> bool:
+        """Takes pixels without a hit, and vectors of pixels without one, from another render of the same; whether there were any."""
+        new = more.hits & ~self.hits
+        for name in ("depth", "position", "normal", "index"):
+            getattr(self, name)[new] = getattr(more, name)[new]
+        if self.vector is None or more.vector is None:
+            return bool(new.any())
+        lost = more.vector.any(axis=-1) & ~self.vector.any(axis=-1) & more.hits
+        self.vector[new | lost] = more.vector[new | lost]
+        return bool((new | lost).any())
 
 
 def in_camera(points: Array, pose: Matrix) -> Array:

@@ -12,9 +12,13 @@ import numpy as np
 
 from .. import _native
 from .. import render_in_blender as rendering
+from ..description import OF_LENS_FILE, changed
 from ..errors import CommandError
 from . import assembling, cameras, instances, labels, placing, pose_files, poses, records, writing
 from .spec import CameraSpec, FromFile, Listed, Orbit, Path_, Spec, read
+
+
+_AT_ORIGIN = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,7 @@ class _Run:
         self._start = scene.frame_current
         self._holders: dict[str, Any] = {}
         self._done = 0
+        self._known: dict[Any, dict[str, Any]] = {}
 
     def run(self) -> None:
         """Renders what is missing, and writes the files that are about all of it."""
@@ -89,6 +94,10 @@ class _Run:
         render = self._scene.render
         # A picture is all of what one camera sees.
         render.use_border = render.use_multiview = render.use_persistent_data = False
+        # Dates and durations in files would be other ones in each run.
+        for one in render.bl_rna.properties:
+            if one.identifier.startswith("use_stamp"):
+                setattr(render, one.identifier, False)
         self._watch.checkpoint = ""
         if not any(layer.use for layer in self._scene.view_layers):
             raise CommandError(f"scene '{self._scene.name}' renders no view layer: turn one on")
@@ -262,8 +271,6 @@ class _Run:
         bpy.context.view_layer.update()
 
     def _check_focus(self, holder: Any) -> None:
-        from ..description import OF_LENS_FILE
-
         own = holder.data.petzval
         if own.focus_mode == "AUTO" and own.model in OF_LENS_FILE:
             raise CommandError(
@@ -283,13 +290,12 @@ class _Run:
             height, None,
         )  # fmt: skip
         colours: list[Any] = []
-        if spec.write.picture != "off" and not self._photograph(one, record, asked, colours):
-            return None
         sharp = labels.sharp(holder, spec.labels.f_number)
         try:
-            described = self._addon.export.camera.describe(sharp, scene, width, height, self._addon.export.report.Report())
             if spec.write.cameras:
-                record.intrinsics = cameras.intrinsics(described, width, height).as_json()
+                record.intrinsics = self._intrinsics(one, sharp, width, height)
+            if spec.write.picture != "off" and not self._photograph(one, record, asked, colours):
+                return None
             if writing.needs_passes(spec.write):
                 scene.camera = sharp if spec.labels.rays == "centre" else holder
                 passes = labels.taken(
@@ -307,6 +313,17 @@ class _Run:
             return None
         records.write(self._folder, record)
         return record
+
+    def _intrinsics(self, one: Picture, sharp: Any, width: int, height: int) -> dict[str, Any]:
+        """Those of a camera, looked up once for each way in which it is set."""
+        export = self._addon.export
+        described = export.camera.describe(sharp, self._scene, width, height, export.report.Report())
+        base = self._scene.objects.get(one.camera.based_on) or self._first_camera()
+        # Where it stands changes nothing, and nothing is known of it by its copy's name.
+        described = changed(described, {"object_name": base.name, "matrix_world": _AT_ORIGIN})
+        if (described, width, height) not in self._known:
+            self._known[described, width, height] = cameras.intrinsics(described, width, height).as_json()
+        return self._known[described, width, height]
 
     def _photograph(self, one: Picture, record: records.Record, asked: Any, colours: list[Any]) -> bool:
         """Renders the picture itself, and keeps its colours; whether it is whole."""

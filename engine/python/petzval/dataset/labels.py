@@ -20,6 +20,8 @@ from .spec import Labels
 _NARROW_PX = 0.01
 #: Old names of the pass of indices.
 _INDICES = ("Object Index", "IndexOB")
+#: Renders for the pixels whose rays were lost: of a lens that loses a tenth of its rays, 1e-8 are lost in all; and how far seeds lie apart.
+_MOST_ROUNDS, _BETWEEN_SEEDS = 8, 7919
 _LAYER_PASSES = ("use_pass_z", "use_pass_position", "use_pass_normal", "use_pass_object_index")
 
 
@@ -101,21 +103,45 @@ def _set(scene: Any, layer: Any, asked: Labels, *, with_flow: bool) -> Iterator[
 
 def taken(scene: Any, addon: Any, asked: Labels, *, beside: Any, number_of: Any) -> Passes | None:
     """Renders the passes of the scene's camera; None where the render was broken off. `beside`: the neighbouring pictures, for flow;
-    `number_of` numbers instances. Raises `CommandError`."""
-    watch, numbers = addon.render.loop.WATCH, addon.export.object_info.NUMBERS
+    `number_of` numbers instances. Raises `CommandError`.
+
+    Of the single rays of a lens some are lost in it, others for each seed: pixels without a hit are looked at again, until nothing new is found.
+    """
     layer = next(one for one in scene.view_layers if one.use)
+    rounds = _MOST_ROUNDS if asked.rays == "centre" and scene.camera.data.petzval.model in OF_LENS_FILE else 1
+    found: Passes | None = None
+    seed = scene.petzval.seed
+    try:
+        with _set(scene, layer, asked, with_flow=beside is not None):
+            for number in range(rounds):
+                scene.petzval.seed = (seed + number * _BETWEEN_SEEDS) % 2**31
+                more = _once(scene, addon, layer, beside, number_of)
+                if more is None:
+                    return None
+                if found is not None and not found.fill(more):
+                    break
+                found = more if found is None else found
+                if found.is_full:
+                    break
+    finally:
+        scene.petzval.seed = seed
+    return found
+
+
+def _once(scene: Any, addon: Any, layer: Any, beside: Any, number_of: Any) -> Passes | None:
+    """One render of the passes."""
+    watch, numbers = addon.render.loop.WATCH, addon.export.object_info.NUMBERS
     found: dict[str, Any] = {}
 
     def keep(of_layer: str, _view: str, name: str, pixels: Any) -> None:
         if of_layer == layer.name:
             found[name] = np.flipud(pixels).astype(np.float64)
 
-    with _set(scene, layer, asked, with_flow=beside is not None):
-        watch.taken, watch.beside, numbers.of = keep, beside, number_of
-        try:
-            problem = rendering.take(scene, watch, writes=False)
-        finally:
-            watch.taken, watch.beside, numbers.of = None, None, None
+    watch.taken, watch.beside, numbers.of = keep, beside, number_of
+    try:
+        problem = rendering.take(scene, watch, writes=False)
+    finally:
+        watch.taken, watch.beside, numbers.of = None, None, None
     if problem is not None:
         raise CommandError(problem)
     if watch.stop.is_set():
@@ -123,7 +149,7 @@ def taken(scene: Any, addon: Any, asked: Labels, *, beside: Any, number_of: Any)
     index = next((found[name] for name in _INDICES if name in found), None)
     if index is None:
         raise CommandError("no ground truth came of the render: look at what Blender said")
+    shape = index.shape[:2]
     return Passes(
-        found["Depth"].reshape(index.shape[:2]), found["Position"], found["Normal"], index.reshape(index.shape[:2]),
-        found.get("Vector"),
-    )  # fmt: skip
+        found["Depth"].reshape(shape), found["Position"], found["Normal"], index.reshape(shape), found.get("Vector")
+    )
