@@ -59,7 +59,7 @@ class _Run:
         self._start = scene.frame_current
         self._holders: dict[str, Any] = {}
         self._done = 0
-        self._known: dict[Any, dict[str, Any]] = {}
+        self._known: dict[str, dict[str, Any]] = {}
 
     def run(self) -> None:
         """Renders what is missing, and writes the files that are about all of it."""
@@ -321,9 +321,10 @@ class _Run:
         base = self._scene.objects.get(one.camera.based_on) or self._first_camera()
         # Where it stands changes nothing, and nothing is known of it by its copy's name.
         described = changed(described, {"object_name": base.name, "matrix_world": _AT_ORIGIN})
-        if (described, width, height) not in self._known:
-            self._known[described, width, height] = cameras.intrinsics(described, width, height).as_json()
-        return self._known[described, width, height]
+        key = records.key_of([asdict(described), width, height])
+        if key not in self._known:
+            self._known[key] = cameras.intrinsics(described, width, height).as_json()
+        return self._known[key]
 
     def _photograph(self, one: Picture, record: records.Record, asked: Any, colours: list[Any]) -> bool:
         """Renders the picture itself, and keeps its colours; whether it is whole."""
