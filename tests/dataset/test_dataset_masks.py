@@ -89,8 +89,9 @@ def test_instances_are_those_of_cycles(blender, made, tmp_path):
     now.render.engine, now.cycles.samples, now.cycles.device = "CYCLES", 1, "CPU"
     now.view_layers[0].use_pass_object_index = True
     now.render.resolution_x, now.render.resolution_y = 96, 64
-    from support import render_passes
     from mathutils import Matrix
+
+    from support import render_passes
 
     small = [row["id"] for row in rows if row["object"] == "Small"]
     assert len(small) == 2
@@ -112,7 +113,7 @@ def test_instances_are_those_of_cycles(blender, made, tmp_path):
         by_class = scene.numbers(folder / one["files"]["classes"])
         expected = {"Box.A": 1, "Box.B": 9, "Small": 10}
         names = np.array(["", *(row["object"] for row in rows)])[ids]
-        assert (by_class == np.vectorize(lambda name: expected.get(name, 0))(names)).all()
+        assert (by_class == np.vectorize(expected.get)(names, 0)).all()
 
 
 def decoded(segmentation: dict) -> np.ndarray:
@@ -188,7 +189,13 @@ def test_outlines_of_hard_shapes():
         reached = np.zeros_like(outside)
         reached[0, 0] = True
         for _ in range(mask.size):
-            spread = reached | np.roll(reached, 1, 0) | np.roll(reached, -1, 0) | np.roll(reached, 1, 1) | np.roll(reached, -1, 1)
+            spread = (
+                reached
+                | np.roll(reached, 1, 0)
+                | np.roll(reached, -1, 0)
+                | np.roll(reached, 1, 1)
+                | np.roll(reached, -1, 1)
+            )
             reached = spread & outside
         assert not (shape & reached[1:-1, 1:-1]).any()
 
@@ -233,7 +240,9 @@ def test_a_killed_data_set_goes_on_with_the_same_bits(made, petzval_cli):
 def test_ctrl_c_keeps_what_is_whole(made):
     """The first picture stays, is told of, and the status is that of a command that was broken off."""
     text = SPEC.format(output="stopped", coco="rle").replace("samples = 2", "samples = 20000")
-    (made / "stopped.toml").write_text(text.replace("[96, 64]", "[320, 200]").replace('picture = "exr"', 'picture = "png"'))
+    (made / "stopped.toml").write_text(
+        text.replace("[96, 64]", "[320, 200]").replace('picture = "exr"', 'picture = "png"')
+    )
     process = subprocess.Popen(
         [sys.executable, "-m", "petzval", "dataset", made / "stopped.toml"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
     )  # fmt: skip

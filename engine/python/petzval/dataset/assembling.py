@@ -40,7 +40,12 @@ def assemble(folder: Path, spec: Spec, records: list[Record]) -> None:
             camera_files.write_kitti(folder / "kitti", views)
     if write.coco != "off":
         images = [
-            {"id": number, "file_name": _picture(one).removeprefix("pictures/"), "width": one.width, "height": one.height}
+            {
+                "id": number,
+                "file_name": _picture(one).removeprefix("pictures/"),
+                "width": one.width,
+                "height": one.height,
+            }
             for number, one in enumerate(records, 1)
         ]
         categories = [{"id": one.id, "name": one.name, "supercategory": one.supercategory} for one in spec.classes]

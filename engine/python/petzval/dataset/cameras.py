@@ -96,7 +96,9 @@ def _of_lens(camera: CameraDescription, width: int, height: int) -> Intrinsics:
     seen = (found[..., :2] != 0.0).any(axis=-1)
     rows, columns = np.nonzero(seen)
     if len(rows) < 32:
-        raise CommandError(f"camera '{camera.object_name}': the lens shows nothing that a pinhole could: leave out cameras")
+        raise CommandError(
+            f"camera '{camera.object_name}': the lens shows nothing that a pinhole could: leave out cameras"
+        )
     pixels = np.stack([(columns + 0.5) / across * width, height - (rows + 0.5) / down * height], axis=1)
     focal = info["viewport_focal_length_mm"]
     sides = np.array([info["picture_width_mm"], info["picture_height_mm"]])
@@ -110,7 +112,9 @@ def _of_lens(camera: CameraDescription, width: int, height: int) -> Intrinsics:
     fitted = []
     for model in ("OPENCV", "OPENCV_FISHEYE"):
         parameters, off = lens_fit.fit(model, pixels, directions, start)
-        fitted.append((float(off.max()), model, parameters, float(math.sqrt((off * off).mean()))))
+        fitted.append((float(np.max(off)), model, parameters, float(math.sqrt((off * off).mean()))))
     # Its own equations are those of most programs: the other one has to be better by much.
-    largest, model, parameters, rms = fitted[1] if fitted[1][0] < 0.5 * fitted[0][0] and fitted[0][0] > 0.05 else fitted[0]
+    largest, model, parameters, rms = (
+        fitted[1] if fitted[1][0] < 0.5 * fitted[0][0] and fitted[0][0] > 0.05 else fitted[0]
+    )
     return Intrinsics(model, tuple(map(float, parameters)), width, height, rms, largest)

@@ -84,10 +84,11 @@ def polygons(mask: Mask) -> list[list[int]]:
 def _corners(outline: npt.NDArray[np.int_]) -> npt.NDArray[np.int_]:
     """Without the points in the middle of straight edges."""
     ways = np.roll(outline, -1, axis=0) - outline
-    return outline[(ways != np.roll(ways, 1, axis=0)).any(axis=1)]
+    corners: npt.NDArray[np.int_] = outline[(ways != np.roll(ways, 1, axis=0)).any(axis=1)]
+    return corners
 
 
-def annotations(
+def annotated(
     ids: npt.NDArray[np.uint16], category_of: dict[int, int], form: str, least_area: int
 ) -> list[dict[str, Any]]:
     """An annotation for each instance of a class that a picture shows, without the numbers of picture and annotation. `form`: "rle" or
@@ -110,10 +111,17 @@ def annotations(
     return found
 
 
-def whole(images: list[dict[str, Any]], per_image: list[list[dict[str, Any]]], categories: list[dict[str, Any]]) -> dict[str, Any]:
+def whole(
+    images: list[dict[str, Any]], per_image: list[list[dict[str, Any]]], categories: list[dict[str, Any]]
+) -> dict[str, Any]:
     """The file: pictures, annotations and categories, numbered from 1."""
-    numbered = []
+    numbered: list[dict[str, Any]] = []
     for image, several in zip(images, per_image, strict=True):
         for one in several:
             numbered.append({"id": len(numbered) + 1, "image_id": image["id"], **one})
-    return {"info": {"description": "Rendered by Petzval"}, "images": images, "annotations": numbered, "categories": categories}
+    return {
+        "info": {"description": "Rendered by Petzval"},
+        "images": images,
+        "annotations": numbered,
+        "categories": categories,
+    }

@@ -17,7 +17,6 @@ from ..errors import CommandError
 from . import assembling, cameras, instances, labels, placing, pose_files, poses, records, writing
 from .spec import CameraSpec, FromFile, Listed, Orbit, Path_, Spec, read
 
-
 _AT_ORIGIN = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
@@ -66,7 +65,9 @@ class _Run:
         self._ready_scene()
         pictures = self._pictures()
         keys = {one.name: self._key(one) for one in pictures}
-        whole = {} if self._asked["again"] else {name: records.whole(self._folder, name, key) for name, key in keys.items()}
+        whole = (
+            {} if self._asked["again"] else {name: records.whole(self._folder, name, key) for name, key in keys.items()}
+        )
         if self._asked["dry_run"]:
             self._tell(pictures, whole)
             return
@@ -88,7 +89,9 @@ class _Run:
         found = [record for one in pictures if (record := whole.get(one.name)) is not None]
         assembling.assemble(self._folder, self._spec, found)
         if self._watch.stop.is_set():
-            self._voice.write(f"petzval: broken off: {len(found)} of {len(pictures)} pictures are whole; the same command goes on\n")
+            self._voice.write(
+                f"petzval: broken off: {len(found)} of {len(pictures)} pictures are whole; the same command goes on\n"
+            )
 
     def _ready_scene(self) -> None:
         render = self._scene.render
@@ -128,7 +131,11 @@ class _Run:
             return list(spec.frames), placing.along(source, self._scene, spec.frames, self._place_of)
         own_frames: list[int | None]
         if isinstance(source, Listed | FromFile):
-            listed = source.poses if isinstance(source, Listed) else pose_files.read(source.file, source.format, self._metres())
+            listed = (
+                source.poses
+                if isinstance(source, Listed)
+                else pose_files.read(source.file, source.format, self._metres())
+            )
             try:
                 matrices = [one.resolved(self._place_of) for one in listed]
             except ValueError as error:
@@ -151,7 +158,9 @@ class _Run:
             if any(one is not None for one in own_frames):
                 raise CommandError(f"{spec.file}: the poses have frames of their own: leave out frames")
             if len(spec.frames) != len(matrices):
-                raise CommandError(f"{spec.file}: there are {len(matrices)} poses and {len(spec.frames)} frames: give as many of both")
+                raise CommandError(
+                    f"{spec.file}: there are {len(matrices)} poses and {len(spec.frames)} frames: give as many of both"
+                )
             return list(spec.frames), matrices
         return [self._start if one is None else one for one in own_frames], matrices
 
@@ -208,20 +217,23 @@ class _Run:
         objects = list(bpy.data.objects)
         for made in self._spec.classes:
             for what in instances.unmatched(objects, made):
-                self._voice.write(f"petzval: {self._spec.file}: classes.{made.name}: {what} matches nothing in scene '{self._scene.name}'\n")
+                self._voice.write(
+                    f"petzval: {self._spec.file}: classes.{made.name}: {what} matches nothing in scene '{self._scene.name}'\n"
+                )
 
     # One picture.
 
     def _holder(self, camera: CameraSpec) -> Any:
         """The camera object that stands for one of the rig: a copy, free of what moves the scene's own."""
-        import bpy
 
         if camera.name not in self._holders:
             scene = self._scene
             base = scene.objects.get(camera.based_on) if camera.based_on else self._first_camera()
             if base is None or base.type != "CAMERA":
                 named = f"'{camera.based_on}'" if camera.based_on else "an active camera"
-                raise CommandError(f"{self._spec.file}: camera {camera.name}: no {named} in scene '{scene.name}': name a camera with from")
+                raise CommandError(
+                    f"{self._spec.file}: camera {camera.name}: no {named} in scene '{scene.name}': name a camera with from"
+                )
             made = base.copy()
             made.data = base.data.copy()
             made.name = f"petzval dataset {camera.name}"
@@ -244,7 +256,7 @@ class _Run:
 
     def _picture(self, one: Picture, key: str, table: instances.Instances) -> records.Record | None:
         """Renders a picture and all that is written of it; None where it was broken off."""
-        scene, spec = self._scene, self._spec
+        scene = self._scene
         self._first_camera()
         holder = self._holder(one.camera)
         size = scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage
@@ -277,13 +289,17 @@ class _Run:
                 f"camera '{holder.name}' focuses by itself, so that each picture has other intrinsic parameters: give focus-distance"
             )
 
-    def _taken(self, one: Picture, key: str, table: instances.Instances, holder: Any, asked: Any) -> records.Record | None:
+    def _taken(
+        self, one: Picture, key: str, table: instances.Instances, holder: Any, asked: Any
+    ) -> records.Record | None:
         scene, spec, watch = self._scene, self._spec, self._watch
         width, height = self._addon.export.camera.resolution(scene.render)
         pose = np.array(holder.matrix_world)
         scale = self._addon.export.camera.scale(holder.data.petzval, scene)
         if len(set(scale)) > 1:
-            raise CommandError(f"camera '{holder.name}' has another scale along each axis: metres would be of several lengths: change --scale")
+            raise CommandError(
+                f"camera '{holder.name}' has another scale along each axis: metres would be of several lengths: change --scale"
+            )
         fps = scene.render.fps / scene.render.fps_base
         record = records.Record(
             key, one.name, one.camera.name, one.frame, (one.frame - scene.frame_start) / fps, pose.tolist(), scale[0] / 1000.0, width,
@@ -299,13 +315,19 @@ class _Run:
             if writing.needs_passes(spec.write):
                 scene.camera = sharp if spec.labels.rays == "centre" else holder
                 passes = labels.taken(
-                    scene, self._addon, spec.labels, beside=self._beside(one), number_of=lambda place: self._number(place, table)
+                    scene,
+                    self._addon,
+                    spec.labels,
+                    beside=self._beside(one),
+                    number_of=lambda place: self._number(place, table),
                 )
                 if passes is None:
                     return None
                 table.classified(self._classes())
                 table.save()
-                writing.write_passes(self._folder, spec, record, passes, table, one.before is not None, one.after is not None, colours)
+                writing.write_passes(
+                    self._folder, spec, record, passes, table, one.before is not None, one.after is not None, colours
+                )
         finally:
             scene.camera = holder
             labels.removed(sharp)
@@ -357,7 +379,10 @@ class _Run:
             return None
         kind = self._addon.render.loop.Beside
         own = (one.frame, one.pose)
-        return tuple(kind(float(frame), tuple(map(tuple, pose.tolist()))) for frame, pose in (one.before or own, one.after or own))
+        return tuple(
+            kind(float(frame), tuple(map(tuple, pose.tolist())))
+            for frame, pose in (one.before or own, one.after or own)
+        )
 
     def _number(self, place: Any, table: instances.Instances) -> int:
         key = self._addon.export.motion.key(place)

@@ -55,7 +55,9 @@ class Instances:
     def save(self) -> None:
         """Writes the table."""
         if len(self.rows) > _MOST:
-            raise CommandError(f"the scene has {len(self.rows)} instances, and 16-bit masks tell {_MOST} apart: leave out instances")
+            raise CommandError(
+                f"the scene has {len(self.rows)} instances, and 16-bit masks tell {_MOST} apart: leave out instances"
+            )
         atomic_files.write_json(self._file, {"scene": self._of_scene, "instances": self.rows}, indent=1)
 
     @property

@@ -31,7 +31,11 @@ class Surroundings:
         self._owners: list[str] = []
         for place in depsgraph.object_instances:
             holder = place.object
-            if holder.type not in {"MESH", "CURVE", "SURFACE", "FONT", "META"} or not place.show_self or holder.hide_render:
+            if (
+                holder.type not in {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+                or not place.show_self
+                or holder.hide_render
+            ):
                 continue
             mesh = holder.to_mesh()
             if mesh is None:
@@ -71,7 +75,9 @@ class Surroundings:
         return min(common) if common else None
 
 
-def random(asked: Random, centre: Vector, target: Vector | None, around: Surroundings) -> tuple[list[Matrix], Counter[str]]:
+def random(
+    asked: Random, centre: Vector, target: Vector | None, around: Surroundings
+) -> tuple[list[Matrix], Counter[str]]:
     """The poses, and how many candidates were refused for what. Raises `CommandError` where too few are found."""
     chance = np.random.default_rng(asked.seed)
     found: list[Matrix] = []
@@ -108,7 +114,8 @@ def _place(asked: Random, centre: Vector, numbers: Matrix) -> Matrix:
     lowest, highest = (math.sin(math.radians(one)) for one in asked.elevation_deg)
     height = lowest + numbers[1] * (highest - lowest)
     turn, across = 2.0 * math.pi * numbers[2], math.sqrt(max(1.0 - height * height, 0.0))
-    return np.array(centre) + radius * np.array([across * math.cos(turn), across * math.sin(turn), height])
+    found: Matrix = np.array(centre) + radius * np.array([across * math.cos(turn), across * math.sin(turn), height])
+    return found
 
 
 def _looking(at: Matrix, target: Vector | None, jitter_deg: float, numbers: Matrix) -> Matrix:
@@ -138,7 +145,9 @@ def along(asked: Path_, scene: Any, frames: tuple[int, ...], place_of: Any) -> l
         graph = bpy.context.evaluated_depsgraph_get()
         pose = poses.orthonormal(np.array(chosen.evaluated_get(graph).matrix_world))
         if asked.target is not None:
-            pose = poses.looking_at(pose[:3, 3], place_of(asked.target) if isinstance(asked.target, str) else asked.target)
+            pose = poses.looking_at(
+                pose[:3, 3], place_of(asked.target) if isinstance(asked.target, str) else asked.target
+            )
         found.append(pose)
     return found
 
@@ -166,4 +175,6 @@ def _along_curve(asked: Path_, curve: Any, count: int, place_of: Any) -> list[Ma
     segment = np.clip(np.searchsorted(lengths, at, side="right") - 1, 0, len(points) - 2)
     ahead = points[segment + 1] - points[segment]
     target = place_of(asked.target) if isinstance(asked.target, str) else asked.target
-    return [poses.looking_at(one, one + way if target is None else target) for one, way in zip(places, ahead, strict=True)]
+    return [
+        poses.looking_at(one, one + way if target is None else target) for one, way in zip(places, ahead, strict=True)
+    ]

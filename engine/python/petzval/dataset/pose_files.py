@@ -35,7 +35,9 @@ def read(file: Path, kind: str, metres_per_unit: float = 1.0) -> list[Pose]:
     try:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise CommandError(f"cannot read {file}: {getattr(error, 'strerror', None) or error}: name a file of poses") from None
+        raise CommandError(
+            f"cannot read {file}: {getattr(error, 'strerror', None) or error}: name a file of poses"
+        ) from None
     found = {"colmap": _colmap, "nerf": _nerf, "kitti": _kitti, "csv": _csv}[kind](file, text)
     if not found:
         raise CommandError(f"{file}: no pose is in it: is it a file of the format {kind}")

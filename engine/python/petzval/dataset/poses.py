@@ -40,7 +40,11 @@ class Pose:
         if self.target is not None:
             at = place_of(self.target) if isinstance(self.target, str) else self.target
             return looking_at(self.location, at, self.up)
-        turn = euler_deg(self.rotation_deg or (0.0, 0.0, 0.0)) if self.quaternion is None else of_quaternion(self.quaternion)
+        turn = (
+            euler_deg(self.rotation_deg or (0.0, 0.0, 0.0))
+            if self.quaternion is None
+            else of_quaternion(self.quaternion)
+        )
         return placed(turn, self.location)
 
 
@@ -90,7 +94,7 @@ def to_quaternion(turn: Matrix) -> tuple[float, float, float, float]:
             [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[3]],
         ]
     )
-    row = products[int(squares.argmax())]
+    row = products[int(np.argmax(squares))]
     row = row / np.linalg.norm(row)
     w, x, y, z = (float(one) for one in (row if row[0] >= 0.0 else -row))
     return w, x, y, z

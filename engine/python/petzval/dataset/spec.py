@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from .. import argument_types as types
-from ..errors import CommandError
 from . import cameras, options, pose_files, poses
 from .tables import Table
 
@@ -223,7 +223,9 @@ def _pose(table: Table, *, is_of_rig: bool = False) -> poses.Pose:
     if location is None:
         raise table.wrong("location is missing: location = [x, y, z]")
     if (rotation, quaternion, target).count(None) < (2 if not is_of_rig or rotation or quaternion else 2):
-        raise table.wrong("rotation, quaternion and target say different things of the direction: leave out all but one")
+        raise table.wrong(
+            "rotation, quaternion and target say different things of the direction: leave out all but one"
+        )
     if not is_of_rig and (rotation, quaternion, target).count(None) == 3:
         raise table.wrong("a direction is missing: give rotation (degrees), quaternion (w, x, y, z) or target")
     pose = poses.Pose(location, rotation, quaternion, target, up or (0.0, 0.0, 1.0), None, frame)
@@ -240,7 +242,9 @@ def _source(table: Table, folder: Path) -> Listed | FromFile | Path_ | Orbit | R
     # Known, and not unknown keys, whichever is taken.
     if len(asked) != 1:
         said = ", ".join(f"[{name}]" for name in asked) if asked else "nothing"
-        raise table.wrong(f"{said} says where the camera stands: give one of [[pose]], [poses], [path], [orbit] and [random]")
+        raise table.wrong(
+            f"{said} says where the camera stands: give one of [[pose]], [poses], [path], [orbit] and [random]"
+        )
     kind = asked[0]
     if kind == "pose":
         found = []
@@ -250,10 +254,13 @@ def _source(table: Table, folder: Path) -> Listed | FromFile | Path_ | Orbit | R
         if len({one.frame is None for one in found}) > 1:
             raise table.wrong("give all poses a frame, or none", "pose")
         return Listed(tuple(found))
-    own = table.table(kind)
-    assert own is not None
-    source = {"poses": _from_file, "path": _path, "orbit": _orbit, "random": _random}[kind](own, folder)
-    own.end()
+    its_own = table.table(kind)
+    assert its_own is not None
+    readers: dict[str, Callable[[Table, Path], FromFile | Path_ | Orbit | Random]] = {
+        "poses": _from_file, "path": _path, "orbit": _orbit, "random": _random,
+    }  # fmt: skip
+    source = readers[kind](its_own, folder)
+    its_own.end()
     return source
 
 
@@ -327,7 +334,9 @@ def _classes(table: Table) -> list[ClassSpec]:
             one.texts("materials"), one.whole("pass-index"), (by[0].strip(), by[1].strip()) if by else None,
         )  # fmt: skip
         if not (made.objects or made.collections or made.materials or made.property or made.pass_index is not None):
-            raise one.wrong("says of nothing that it belongs here: give objects, collections, materials, pass-index or property")
+            raise one.wrong(
+                "says of nothing that it belongs here: give objects, collections, materials, pass-index or property"
+            )
         if made.id in (c.id for c in found):
             raise one.wrong(f"another class has the number {made.id}", "id")
         one.end()

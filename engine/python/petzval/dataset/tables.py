@@ -22,7 +22,9 @@ _KEY = re.compile(r"^(\s*)([A-Za-z0-9_.\-\"']+)\s*=")
 class Table:
     """A table of a TOML file. Each method takes a key out of it; `end` refuses what is left."""
 
-    def __init__(self, file: Path, values: dict[str, Any], places: dict[KeyPath, tuple[int, int]], path: KeyPath = ()) -> None:
+    def __init__(
+        self, file: Path, values: dict[str, Any], places: dict[KeyPath, tuple[int, int]], path: KeyPath = ()
+    ) -> None:
         self._file, self._values, self._places, self._path = file, values, places, path
         self._known: list[str] = []
 
@@ -55,7 +57,9 @@ class Table:
         """An error of this table, or of one of its keys."""
         path = self._path if key is None else (*self._path, key)
         said = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path).lstrip(".")
-        line, column = next((self._places[path[:n]] for n in range(len(path), 0, -1) if path[:n] in self._places), (0, 0))
+        line, column = next(
+            (self._places[path[:n]] for n in range(len(path), 0, -1) if path[:n] in self._places), (0, 0)
+        )
         at = f":{line}:{column}" if line else ""
         return CommandError(f"{self._file}{at}: {said + ': ' if said else ''}{what}")
 

@@ -27,7 +27,14 @@ def needs_passes(write: Write) -> bool:
 
 
 def write_passes(
-    folder: Path, spec: Spec, record: Record, passes: Passes, table: Instances, has_before: bool, has_after: bool, colours: list[Any]
+    folder: Path,
+    spec: Spec,
+    record: Record,
+    passes: Passes,
+    table: Instances,
+    has_before: bool,
+    has_after: bool,
+    colours: list[Any],
 ) -> None:
     """Writes all that is asked for of a picture's passes, and names it in its record. Raises `OSError`."""
     write = spec.write
@@ -65,7 +72,7 @@ def write_passes(
             if direction in write.flow_directions and is_there:
                 _write_flow(write.flow, f"flow_{direction}", file, passes, ground_truth.flow(passes.vector, direction))
     if write.coco != "off":
-        record.annotations = coco.annotations(ids, table.category_of, write.coco, write.least_area)
+        record.annotations = coco.annotated(ids, table.category_of, write.coco, write.least_area)
     if write.points:
         record.points = _points(record, passes, write.points, colours)
 
@@ -75,7 +82,9 @@ def _write_flow(form: str, kind: str, file: Any, passes: Passes, values: npt.NDA
     if form == "flo":
         raster_files.write_flo(file(kind, "flo"), values.astype(np.float32), known)
     elif form == "exr":
-        raster_files.write_exr(file(kind, "exr"), _rgb(np.dstack([values, known])), "Pixels: R right, G down; B 1: known")
+        raster_files.write_exr(
+            file(kind, "exr"), _rgb(np.dstack([values, known])), "Pixels: R right, G down; B 1: known"
+        )
     else:
         raster_files.write_png(file(kind, "png"), ground_truth.kitti_flow(values, known)[0])
 
