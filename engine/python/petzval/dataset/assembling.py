@@ -10,7 +10,6 @@ import numpy as np
 from .. import atomic_files
 from . import camera_files, coco
 from .cameras import Intrinsics
-from .lens_fit import DISTORTION
 from .records import Record
 from .spec import Spec
 
@@ -22,7 +21,7 @@ def assemble(folder: Path, spec: Spec, records: list[Record]) -> None:
         folder / "cameras.json",
         [
             {"name": one.name, "camera": one.camera, "frame": one.frame, "time_s": one.time_s, "camera_to_world": one.pose,
-             "metres_per_unit": one.metres_per_unit, "intrinsics": one.intrinsics, "files": one.files}
+             "metres_per_unit": one.metres_per_unit, "intrinsics": one.intrinsics, "reprojection_px": one.reprojection_px, "files": one.files}
             for one in records
         ],
         indent=1,
@@ -59,15 +58,11 @@ def _picture(record: Record) -> str:
 
 
 def _view(record: Record) -> camera_files.View:
-    told = record.intrinsics
-    assert told is not None
-    names = ("fx", "fy", "cx", "cy", *DISTORTION[told["model"]])
-    made = Intrinsics(
-        told["model"], tuple(told[name] for name in names), told["width"], told["height"], told["fit_rms_px"], told["fit_largest_px"]
-    )  # fmt: skip
+    assert record.intrinsics is not None
     return camera_files.View(
-        _picture(record), record.camera, made, np.array(record.pose), record.metres_per_unit, record.time_s
-    )
+        _picture(record), record.camera, Intrinsics.of_json(record.intrinsics), np.array(record.pose), record.metres_per_unit,
+        record.time_s,
+    )  # fmt: skip
 
 
 def _points(records: list[Record]) -> list[camera_files.Point]:

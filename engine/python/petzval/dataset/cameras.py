@@ -50,6 +50,13 @@ class Intrinsics:
         """Pixels (n, 2) of points (n, 3)."""
         return lens_fit.project(self.model, np.array(self.parameters), points)
 
+    @classmethod
+    def of_json(cls, told: dict[str, Any]) -> Intrinsics:
+        """What `as_json` gave."""
+        names = ("fx", "fy", "cx", "cy", *lens_fit.DISTORTION[told["model"]])
+        parameters = tuple(told[name] for name in names)
+        return cls(told["model"], parameters, told["width"], told["height"], told["fit_rms_px"], told["fit_largest_px"])
+
     def as_json(self) -> dict[str, Any]:
         """As it stands in cameras.json."""
         return {
@@ -83,6 +90,12 @@ def _of_perspective(camera: CameraDescription, width: int, height: int) -> tuple
 def _of_lens(camera: CameraDescription, width: int, height: int) -> Intrinsics:
     """OpenCV's model of five coefficients, or its fisheye model where that is nearer, fitted to the rays of the lens through the
     middle of its diaphragm."""
+    anchor = camera.focus.focusing.anchor
+    if anchor != "ENTRANCE_PUPIL":
+        raise CommandError(
+            f"camera '{camera.object_name}' stands where its {anchor.lower().replace('_', ' ')} is, and its pictures are projected through the entrance "
+            'pupil: set anchor = "entrance-pupil", or leave out cameras'
+        )
     wavelength_nm = camera.wavelength_nm or WAVELENGTH_NM
     camera = changed(camera, {"wavelength_nm": wavelength_nm, "lens.f_number": F_NUMBER})
     looked_up = min(_LOOKED_UP / max(width, height), 1.0)

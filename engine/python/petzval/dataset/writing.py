@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import coco, ground_truth, raster_files
+from .cameras import Intrinsics
 from .ground_truth import Passes
 from .instances import Instances
 from .records import Record
@@ -73,6 +74,8 @@ def write_passes(
                 _write_flow(write.flow, f"flow_{direction}", file, passes, ground_truth.flow(passes.vector, direction))
     if write.coco != "off":
         record.annotations = coco.annotated(ids, table.category_of, write.coco, write.least_area)
+    if record.intrinsics is not None and spec.labels.rays == "centre" and passes.hits.any():
+        record.reprojection_px = _reprojection(record, passes)
     if write.points:
         record.points = _points(record, passes, write.points, colours)
 
@@ -87,6 +90,16 @@ def _write_flow(form: str, kind: str, file: Any, passes: Passes, values: npt.NDA
         )
     else:
         raster_files.write_png(file(kind, "png"), ground_truth.kitti_flow(values, known)[0])
+
+
+def _reprojection(record: Record, passes: Passes) -> list[float]:
+    """How far the parameters that are written show the picture's places from the middles of their pixels: median and largest."""
+    assert record.intrinsics is not None
+    rows, columns = np.nonzero(passes.hits)
+    seen = ground_truth.in_camera(passes.position[rows, columns], np.array(record.pose))
+    shown = Intrinsics.of_json(record.intrinsics).project(seen)
+    off = np.linalg.norm(shown - np.stack([columns + 0.5, rows + 0.5], axis=1), axis=1)
+    return [float(np.median(off)), float(np.max(off))]
 
 
 def _rgb(values: npt.NDArray[np.float64]) -> dict[str, npt.NDArray[np.float64]]:
