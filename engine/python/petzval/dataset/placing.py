@@ -17,7 +17,9 @@ from .spec import Path_, Random
 #: Candidates for each pose that is wanted, before it is given up.
 _MOST_TRIES = 200
 #: Ways in which it is looked for what a place is inside of: none along an axis, as sides of boxes are.
-_WAYS = ((0.5773, 0.5774, 0.5775), (-0.8101, 0.3102, 0.4973), (0.2317, -0.8911, 0.3902))
+_WAYS = np.array([(0.57, 0.43, 0.71), (-0.81, 0.31, 0.5), (0.23, -0.89, 0.39)])
+#: Surfaces on one way, at most.
+_MOST_CROSSED = 1000
 
 
 class Surroundings:
@@ -57,22 +59,22 @@ class Surroundings:
         return None if face is None else self._owners[face]
 
     def inside_of(self, at: Matrix) -> str | None:
-        """The object that a place is inside of: one whose surface is crossed an odd number of times, whichever way."""
+        """The object that a place is inside of: one whose surface most ways cross an odd number of times."""
         if self._tree is None:
             return None
-        common: set[str] | None = None
-        for way in _WAYS:
+        odd: Counter[str] = Counter()
+        for way in _WAYS / np.linalg.norm(_WAYS, axis=1, keepdims=True):
             crossed: Counter[str] = Counter()
             start = np.array(at)
-            for _ in range(1000):
-                _, _, face, distance = self._tree.ray_cast(tuple(start), way)
+            for _ in range(_MOST_CROSSED):
+                _, _, face, distance = self._tree.ray_cast(tuple(start), tuple(way))
                 if face is None:
                     break
                 crossed[self._owners[face]] += 1
-                start = start + (distance + 1e-5 * max(1.0, float(np.abs(start).max()))) * np.array(way)
-            odd = {name for name, count in crossed.items() if count % 2}
-            common = odd if common is None else common & odd
-        return min(common) if common else None
+                start = start + (distance + 1e-5 * max(1.0, float(np.abs(start).max()))) * way
+            odd.update(name for name, count in crossed.items() if count % 2)
+        # An edge may count twice.
+        return min((name for name, count in odd.items() if count > len(_WAYS) / 2), default=None)
 
 
 def random(
