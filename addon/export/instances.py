@@ -202,9 +202,12 @@ class Stage:
             group.send()
 
     def _group_key(self, place: bpy.types.DepsgraphObjectInstance) -> Hashable | None:
-        """The key of an instance's group; None of an instance that is sent by itself: lamps, and what may move by itself."""
+        """The key of an instance's group; None of an instance that is sent by itself: lamps, what may move by itself, and what
+        has a number of its own."""
         holder = place.object
         if not place.is_instance or holder.type == "LIGHT" or self._motion is not None or self._blur is not None:
+            return None
+        if object_info.NUMBERS.of is not None:
             return None
         data = holder.data
         return uid(holder), 0 if data is None else data.as_pointer(), uid(place.parent), place.show_self
@@ -268,7 +271,7 @@ class Stage:
             or _stands_for(place).holdout_get(view_layer=self._view_layer)
         )
         self.holds_out |= is_holdout
-        name, color, number = holder.name, tuple(holder.color), holder.pass_index
+        name, color, number = holder.name, tuple(holder.color), object_info.index(holder, place)
         settings = {
             "hidden_from": hidden,
             "links": links.of(holder),

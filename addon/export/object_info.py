@@ -3,9 +3,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bpy
 
 _MASK = 0xFFFFFFFF
+
+
+class Numbers:
+    """For a program that drives Blender from outside: another number for each instance than its object's pass index."""
+
+    #: Gives the number, 0 to 2^24; None: pass indices count.
+    of: Callable[[bpy.types.DepsgraphObjectInstance], int] | None = None
+
+
+#: Read whenever a scene is sent.
+NUMBERS = Numbers()
+
+
+def index(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> int:
+    """The number of an instance in the Object Index pass."""
+    return holder.pass_index if NUMBERS.of is None else NUMBERS.of(place)
 
 
 def random(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> float:

@@ -9,6 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+from petzval.description import Matrix4
+
 from ..data.tiles import Tile
 
 # Long enough to cost nothing, short enough that Esc feels immediate.
@@ -77,6 +79,16 @@ class Share:
     problem: str = ""
 
 
+@dataclass(frozen=True)
+class Beside:
+    """A neighbour of the frame that is rendered, for the Vector pass."""
+
+    #: The frame that everything is looked at in.
+    frame: float
+    #: Where the scene's camera stands in it, row by row.
+    camera_matrix: Matrix4
+
+
 class Watch:
     """For a program that drives Blender from outside: it may ask to stop, and be told of the progress."""
 
@@ -93,6 +105,11 @@ class Watch:
         self.study: Callable[[Subject], None] | None = None
         #: The part of the picture that is rendered; None: all of it.
         self.share: Share | None = None
+        #: Before and after, instead of the frames that lie beside the one that is rendered.
+        self.beside: tuple[Beside, Beside] | None = None
+        #: Is handed each pass of a finished picture: the names of its view layer, of its view and of the pass, and its pixels (height,
+        #: width, channels), first row at the bottom.
+        self.taken: Callable[[str, str, str, Any], None] | None = None
 
 
 #: Read by every render of this process.

@@ -10,7 +10,7 @@ import time
 
 import bpy
 
-from petzval.description import CameraDescription, DenoisingDescription, ShutterDescription, changed, focused
+from petzval.description import CameraDescription, DenoisingDescription, Matrix4, ShutterDescription, changed, focused
 
 from ..data import denoiser, effects, passes, process_memory, settings_version
 from ..export import camera as camera_export
@@ -432,15 +432,20 @@ class Photograph:
         if self.scene.render.use_motion_blur or not self.results.has_vectors:
             return None, None
         now, subframe = self.scene.frame_current, self.scene.frame_subframe
+        asked = loop.WATCH.beside
 
-        def at(frame: int) -> tuple[CameraDescription, Frame]:
+        def at(frame: float, matrix: Matrix4 | None) -> tuple[CameraDescription, Frame]:
             self._check_stop()
-            self._frame_set(frame, subframe)
+            self._frame_set(*shutters.split(frame))
             then = self._described(width, height)
-            return changed(then, {"lens.aperture_mask": camera.lens.aperture_mask}), Frame.read(self.depsgraph)
+            moved = {} if matrix is None else {"matrix_world": matrix}
+            return changed(then, {"lens.aperture_mask": camera.lens.aperture_mask, **moved}), Frame.read(self.depsgraph)
 
+        both = [(now + subframe + step, None) for step in (-1, 1)]
+        if asked is not None:
+            both = [(one.frame, one.camera_matrix) for one in asked]
         try:
-            (first, before), (last, after) = at(now - 1), at(now + 1)
+            (first, before), (last, after) = (at(*one) for one in both)
         finally:
             self._frame_set(now, subframe)
         return (first, last), Motion(before, after, velocity.frame_s(self.scene), self.report)

@@ -144,7 +144,10 @@ class Results:
         # One by one: all of them together are as large as Blender's own.
         for name, pixels in self._passes(job, pictures):
             if name in there:
-                there[name].rect.foreach_set(tiles.flat(tiles.clipped(tiles.Tile(0, 0, pixels), self._window)))
+                clipped = tiles.clipped(tiles.Tile(0, 0, pixels), self._window)
+                there[name].rect.foreach_set(tiles.flat(clipped))
+                if loop.WATCH.taken is not None:
+                    loop.WATCH.taken(layer, self._view, name, clipped.pixels)
         self._host.end_result(result)
         self._name_mattes(job)
         self._name_effects(plan)

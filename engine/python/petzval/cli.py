@@ -35,6 +35,7 @@ COMMANDS = {
     "render": ("render_command", "render a .blend through a lens"),
     "plan": ("plan_command", "say what a render would simulate of the lens, and why"),
     "farm": ("farm_command", "one picture on many machines: plan it in parts, render a part, merge them"),
+    "dataset": ("dataset_command", "pictures with ground truth: depth, normals, masks, flow, camera parameters"),
     "merge": ("merge_command", "join renders of one picture with other samples"),
     "cost": ("cost_command", "measure what accuracy costs: one picture by every camera, timed and compared"),
 }

@@ -146,6 +146,10 @@ def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
         from petzval.farm import in_blender
 
         return in_blender.run(scene, options, addon, voice), watch.stop.is_set()
+    if options["dataset"]:
+        from petzval.dataset import in_blender as dataset
+
+        return dataset.run(scene, options, addon, voice), watch.stop.is_set()
     problem, stopped = None, False
     for one in options["takes"]:
         problem, stopped = _picture(scene, _Options(options | one), addon, voice)
