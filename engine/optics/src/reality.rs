@@ -12,8 +12,10 @@ use crate::lensfun::lateral_colour::Channel;
 use crate::lensfun::{Distortion, LateralColour, Projection, Vignetting};
 use crate::sensitivity::Sensitivities;
 
-/// Steps of halving for the field that comes to a height.
-const HALVINGS: usize = 40;
+/// The most steps of a search for a field.
+const HALVINGS: usize = 60;
+/// A field is found where its height is right to this part.
+const CLOSE: f64 = 1e-10;
 /// Rays over the width of a beam whose middle is asked for.
 const RAYS: usize = 21;
 /// Steps by Newton's method for the scale.
@@ -32,23 +34,56 @@ pub struct RayField {
 pub fn fields_to(analysis: &Analysis<'_>, corner_mm: f64, count: usize) -> Vec<RayField> {
     let height = |angle_deg: f64| analysis.chief_ray(angle_deg).map(|ray| ray.height_mm.abs());
     let focal_mm = analysis.height_by_slope_mm().abs();
-    // The angle at which there is a height above that is asked for, or none at all.
-    let reach = |most_mm: f64| {
-        let (mut low, mut high) = (0.0, (1.5 * most_mm / focal_mm).atan().to_degrees() * 1.2 + 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if height(middle).is_some_and(|found| found < most_mm) { low = middle } else { high = middle }
+    let Some(corner) = corner(&height, corner_mm, focal_mm) else { return Vec::new() };
+    let mut fields = vec![RayField { angle_deg: 0.0, height_mm: height(0.0).unwrap_or(0.0) }];
+    for i in 1..count {
+        let wanted_mm = corner.height_mm * i as f64 / (count - 1) as f64;
+        let last = fields[fields.len() - 1];
+        let found = if i + 1 == count { Some(corner) } else { between(&height, last, corner, wanted_mm) };
+        fields.extend(found);
+    }
+    fields
+}
+
+/// The field whose height is `corner_mm`, or the last that has a chief ray.
+fn corner(height: &impl Fn(f64) -> Option<f64>, corner_mm: f64, focal_mm: f64) -> Option<RayField> {
+    let field = |angle_deg: f64| Some(RayField { angle_deg, height_mm: height(angle_deg)? });
+    let straight_deg = (corner_mm / focal_mm).atan().to_degrees();
+    let mut inside = field(0.0)?;
+    let (mut step, mut next) = (0.25 * straight_deg, 0.25 * straight_deg);
+    // Outwards until the corner is passed; in smaller steps where light ends before.
+    for _ in 0..HALVINGS {
+        match field(next) {
+            Some(found) if found.height_mm >= corner_mm => return between(height, inside, found, corner_mm),
+            Some(found) if found.height_mm > inside.height_mm => inside = found,
+            // No light, or heights that turn back.
+            _ => step *= 0.5,
         }
-        low
-    };
-    let corner_deg = reach(corner_mm);
-    let last_mm = height(corner_deg).unwrap_or(0.0).min(corner_mm);
-    let field = |i: usize| {
-        let wanted_mm = last_mm * i as f64 / (count - 1).max(1) as f64;
-        let angle_deg = if i + 1 == count { corner_deg } else { reach(wanted_mm) };
-        Some(RayField { angle_deg, height_mm: height(angle_deg)? })
-    };
-    (0..count).filter_map(field).collect()
+        next = inside.angle_deg + step;
+    }
+    Some(inside)
+}
+
+/// The field between two others whose chief ray comes to a height: regula falsi with halved ends (Dowell and Jarratt 1971, "Illinois").
+fn between(height: &impl Fn(f64) -> Option<f64>, low: RayField, high: RayField, wanted_mm: f64) -> Option<RayField> {
+    let (mut a, mut b) = (low.angle_deg, high.angle_deg);
+    let (mut off_a, mut off_b) = (low.height_mm - wanted_mm, high.height_mm - wanted_mm);
+    for _ in 0..HALVINGS {
+        let at = b - off_b * (b - a) / (off_b - off_a);
+        let angle_deg = if at.is_finite() { at } else { 0.5 * (a + b) };
+        let found = RayField { angle_deg, height_mm: height(angle_deg)? };
+        let off = found.height_mm - wanted_mm;
+        if off.abs() <= CLOSE * wanted_mm {
+            return Some(found);
+        }
+        if (off > 0.0) == (off_b > 0.0) {
+            off_a *= 0.5;
+        } else {
+            (a, off_a) = (b, off_b);
+        }
+        (b, off_b) = (angle_deg, off);
+    }
+    Some(RayField { angle_deg: b, height_mm: off_b + wanted_mm })
 }
 
 /// Distortion by rays beside a measured one.

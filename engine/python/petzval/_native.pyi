@@ -65,6 +65,7 @@ __all__ = [
     "lens_drawing_json",
     "lens_ghosts_json",
     "lens_groups",
+    "lens_reality_json",
     "lens_report_json",
     "merge_pictures_json",
     "osl_camera",
@@ -225,7 +226,7 @@ def lens_reality_json(
     crop_factor: float | None = None,
     f_numbers: Sequence[float] = ...,
     focus_distance_mm: float | None = None,
-    sensor: str = "sony-a7r2",
+    sensor: str = ...,
     colour_f_number: float = 8.0,
     count: int = 21,
 ) -> str:

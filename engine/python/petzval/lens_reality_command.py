@@ -135,13 +135,18 @@ def table(found: dict[str, Any]) -> list[str]:
     return lines
 
 
+def _named(what: str, found: Any) -> str:
+    return what if found else f"{what}: not measured"
+
+
 def draw(found: dict[str, Any], figure: Any) -> None:
     """Into a figure: full lines by rays, dashes as measured."""
     distortion, light, colour = figure.subplots(1, 3)
     for axes in (distortion, colour):
         axes.axhline(0.0, color=PALE, linewidth=0.6)
     if found["distortion"] is not None:
-        rows = found["distortion"]["rows"]
+        # On the axis a part of the height is none.
+        rows = [row for row in found["distortion"]["rows"] if row["height_mm"] > 0.0]
         heights = [row["height_mm"] for row in rows]
         distortion.plot(
             heights, [100.0 * row["rays_part"] for row in rows], color="#c0392b", linewidth=1.5, label="by rays"
@@ -151,7 +156,7 @@ def draw(found: dict[str, Any], figure: Any) -> None:
             label="measured",
         )  # fmt: skip
         distortion.legend(loc="best", fontsize=8)
-    distortion.set_title("distortion", color=DARK)
+    distortion.set_title(_named("distortion", found["distortion"]), color=DARK)
     distortion.set_ylabel("per cent, one scale free")
     for i, one in enumerate(found["vignetting"]):
         rows = [row for row in one["rows"] if row["measured_stops"] is not None]
@@ -163,7 +168,7 @@ def draw(found: dict[str, Any], figure: Any) -> None:
         light.plot(heights, [row["measured_stops"] for row in rows], color=tint, linewidth=1.2, dashes=(4, 2))
     if found["vignetting"]:
         light.legend(loc="best", fontsize=8)
-    light.set_title("vignetting", color=DARK)
+    light.set_title(_named("vignetting", found["vignetting"]), color=DARK)
     light.set_ylabel("stops from the middle")
     for key, tint in (("red", "#c0392b"), ("blue", "#1f5fae")):
         heights = [row["height_mm"] for row in found["colour"]]
@@ -173,7 +178,7 @@ def draw(found: dict[str, Any], figure: Any) -> None:
         colour.plot(heights, measured, color=tint, linewidth=1.2, dashes=(4, 2))
     if found["colour"]:
         colour.legend(loc="best", fontsize=8)
-    colour.set_title("lateral colour", color=DARK)
+    colour.set_title(_named("lateral colour", found["colour"]), color=DARK)
     colour.set_ylabel("um, outwards")
     for axes in (distortion, light, colour):
         axes.set_xlabel("height in the picture, mm")
