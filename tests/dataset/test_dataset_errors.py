@@ -74,11 +74,13 @@ def test_what_only_the_scene_knows(tmp_path, petzval_cli):
     dataset_scene.save(tmp_path / "scene.blend")
     (tmp_path / "a.toml").write_text(GOOD.replace("rotation = [90, 0, 0]", 'target = "Box.C"'))
     done = petzval_cli("dataset", tmp_path / "a.toml")
-    assert done.returncode == 1 and "no object 'Box.C' in scene 'Scene'; there is Box.A, Box.B" in done.stderr.replace("Box.B, Box.A", "Box.A, Box.B")
+    assert done.returncode == 1 and "no object 'Box.C' in scene 'Scene'; there is Box.A, Box.B" in done.stderr.replace(
+        "Box.B, Box.A", "Box.A, Box.B"
+    )
     anchored = 'lens = "double-gauss-f2-tronnier"\nanchor = "film"'
     (tmp_path / "b.toml").write_text(GOOD.replace('camera = "pinhole"', anchored) + 'cameras = ["colmap"]\n')
     done = petzval_cli("dataset", tmp_path / "b.toml")
-    assert done.returncode == 1 and 'camera \'Camera\' stands where its film is' in done.stderr
+    assert done.returncode == 1 and "camera 'Camera' stands where its film is" in done.stderr
     assert not list((tmp_path / "out").rglob("*.png"))
 
 
@@ -95,7 +97,9 @@ def test_random_poses_stand_clear(blender, parts):
     beyond = np.maximum(np.abs(places) - 1, 0)
     assert np.linalg.norm(beyond, axis=1).min() > 0.2
     # The box's part of the volume, an eighth, is refused for being inside or near.
-    assert any("inside of 'Cube'" in why for why in refused) and any("nearer than 0.2 to 'Cube'" in why for why in refused)
+    assert any("inside of 'Cube'" in why for why in refused) and any(
+        "nearer than 0.2 to 'Cube'" in why for why in refused
+    )
     again, _ = placing.random(asked, (0, 0, 0), (0.0, 0.0, 0.0), around)
     assert np.array_equal(places, [one[:3, 3] for one in again])
     # The target lies on the axis.

@@ -188,7 +188,12 @@ def test_flow_leads_to_where_the_same_place_is(blender, made, name):
             assert is_known[hits].mean() > (0.99 if name == "lens" else 1.0 - 1e-9)
             off = np.abs(flow - (after - before)).max(axis=-1)[(stays if name == "lens" else hits) & is_known]
             assert np.abs(after - before)[hits].max() > 1.0
-            # Single precision of ways of some pixels; what a lens's fit leaves is nearly the same at both ends of a way.
-            assert off.max() < (0.005 if name == "lens" else 2e-4), (name, one["name"], direction)
+            # Single precision of ways of some pixels. What a lens's fit leaves is nearly the same at both ends of a way; of a ray that the lens
+            # loses on the way the engine goes a part and makes it longer, which is short by some hundredths.
+            if name == "lens":
+                way = np.abs(after - before).max(axis=-1)[stays & is_known]
+                assert np.quantile(off, 0.99) < 0.002 and (off < 0.005 + 0.02 * way).all(), (one["name"], direction)
+            else:
+                assert off.max() < 2e-4, (name, one["name"], direction)
             compared += 1
     assert compared == (8 if name == "rig" else 4)

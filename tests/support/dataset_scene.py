@@ -34,7 +34,7 @@ def cube(name, at, size, colour):
 one, other = cube("Box.A", (0, 6, 0), 2, (1, 0.2, 0.2)), cube("Box.B", (2.5, 8, 0.3), 1.5, (0.2, 0.2, 1))
 other["kind"] = "blue"
 camera = scene.camera
-camera.data.dof.focus_distance = 6.0
+camera.data.dof.focus_distance, camera.data.shift_x, camera.data.shift_y = 6.0, 0.03, -0.02
 for frame, x in ((1, 0.0), (11, 3.0)):
     one.location.x, one.rotation_euler.z = x, x / 3
     camera.location, camera.rotation_euler = (x / 3, 0.0, 0.5), (1.5, 0.02, x / 30)

@@ -51,7 +51,8 @@ def write_passes(
         depth = ground_truth.depth_m(passes, pose, write.depth_along, record.metres_per_unit)
         if write.depth == "exr":
             way = {"axis": "the camera's axis", "ray": "the ray"}[write.depth_along]
-            raster_files.write_exr(file("depth", "exr"), {"Z": depth}, f"Metres along {way}; 1e10: nothing")
+            # Luminance: of a file with Z alone OpenCV and Blender 4.5 read no pixel.
+            raster_files.write_exr(file("depth", "exr"), {"Y": depth}, f"Metres along {way}; 1e10: nothing")
         else:
             raster_files.write_png(file("depth", "png"), ground_truth.depth_levels(depth, write.depth_scale))
     if write.normal != "off":
