@@ -17,7 +17,7 @@ from .camera import rows
 from .image import Images
 from .material import uses_nodes
 
-
+#: Nodes that look an image up.
 _IMAGES = {"ShaderNodeTexEnvironment", "ShaderNodeTexImage"}
 
 
