@@ -63,7 +63,7 @@ def test_lenses_are_found_by_name_group_and_focal_length(blender, parts):
 
     everything = ids("")
     assert everything == {path.stem for path in LENSES.glob("*.lens")}
-    assert ids("NIKKOR 28") == {"nikkor-28-f1.4"} == ids("wide 28.41 mm")
+    assert ids("NIKKOR 28 F/1.4") == {"nikkor-28-f1.4"} == ids("wide 28.41 mm")
     assert ids("100mm tessar") == {"tessar-100-f3.5"} or len(ids("100mm tessar")) == 1
     assert ids("no such words") == set()
     for group in files.groups():
