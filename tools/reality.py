@@ -29,7 +29,7 @@ PICTURES = ROOT / "docs/images/reality"
 #: Marked focal lengths of zooms; the lens goes to the nearest that its patent has.
 ZOOMS = {"nikkor-z-24-70-f4": (24, 28, 35, 50, 70), "canon-11-24-f4": (11, 12, 14, 17, 24)}
 #: Real focal lengths over marked ones that are tried where a zoom stands between the positions of its patent.
-REAL = (0.94, 0.95, 0.96, 0.97, 0.98, 0.99, 1.0, 1.01, 1.02)
+REAL = (0.94, 0.96, 0.98, 1.0, 1.02)
 #: What is asked of each: micrometres, parts of the lens's own distortion, stops at F/8.
 LEAST_UM, PART, STOPS = 10.0, 0.01, 0.15
 
@@ -168,8 +168,8 @@ def tables(lensfun: str, only: list[str], draw: bool) -> dict[str, list[str]]:
         if only and name not in only:
             continue
         for real, marked, is_between in settings(name, text):
-            found = at(name, lensfun, real, marked, "--json")
-            other = at(name, lensfun, real, marked, "--json", "--sensor", "nikon-d700", "--count", 5)
+            found = at(name, lensfun, real, marked, "--json", "--count", 15)
+            other = at(name, lensfun, real, marked, "--json", "--sensor", "nikon-d700", "--count", 3)
             label = f"{found['marked_mm']:g}"
             row, agrees = distortion_row(found)
             rows = found_rows["distortion"]
@@ -178,7 +178,7 @@ def tables(lensfun: str, only: list[str], draw: bool) -> dict[str, list[str]]:
                 ends = positions(text)
                 tried = [k * (marked or 0.0) for k in REAL]
                 every = [
-                    at(name, lensfun, mm, marked, "--json", "--count", 11) for mm in tried if ends[0] <= mm <= ends[-1]
+                    at(name, lensfun, mm, marked, "--json", "--count", 7) for mm in tried if ends[0] <= mm <= ends[-1]
                 ]
                 best = min(every, key=lambda one: one["distortion"]["rms_mm"])
                 row, agrees = distortion_row(best)
