@@ -289,9 +289,8 @@ def test_every_setting_of_our_own_can_be_seen(blender, parts, layout):
             now = layout.context(camera=scene.camera.data, object=scene.camera)
             for tab in ("render", "data", "view_layer"):
                 seen |= set(layout.draw(tab, now).shown)
-    # The camera of a file is shown where it is chosen, or one of several.
     own.model, own.calibration_camera = "CALIBRATED", "1"
-    seen |= set(layout.draw("data", layout.context(camera=scene.camera.data, object=scene.camera)).shown)
+    seen |= set(layout.draw("data", now).shown)
     for holder in (own, scene.petzval, scene.petzval.effects, blender.context.view_layer.petzval):
         rna = holder.bl_rna
         for one in rna.properties:

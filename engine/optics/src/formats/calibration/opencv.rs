@@ -73,16 +73,19 @@ pub(super) fn cameras(root: &Node) -> Result<(Vec<CalibratedCamera>, Vec<String>
     if is_camera(root, "") {
         let name = root.any(&["camera_name", "name"]).and_then(Node::text).unwrap_or("camera");
         found.push(camera(root, root, "", name)?);
+        remarks.extend(without_distortion(root, root, "", name));
         remarks.extend(left_out(root));
     }
     for suffix in ["1", "2", "3", "4"] {
         if is_camera(root, suffix) {
             found.push(camera(root, root, suffix, suffix)?);
+            remarks.extend(without_distortion(root, root, suffix, suffix));
         }
     }
     for (name, inner) in root.entries() {
         if is_camera(inner, "") {
             found.push(camera(inner, root, "", name)?);
+            remarks.extend(without_distortion(inner, root, "", name));
         }
     }
     Ok((found, remarks))
@@ -94,6 +97,13 @@ fn left_out(root: &Node) -> Vec<String> {
     let is_unknown = |key: &str| !known.contains(&key) && !parts.contains(&key);
     let unknown = root.entries().iter().filter(|(key, _)| is_unknown(key));
     unknown.take(20).map(|(key, node)| format!("line {}: {key:?} is left out", node.place.line)).collect()
+}
+
+/// What is said of cameras whose distortion does not stand in the file: nothing tells a pinhole from a file that is broken off there.
+fn without_distortion(node: &Node, root: &Node, suffix: &str, name: &str) -> Option<String> {
+    let has = |node: &Node, suffix: &str| DISTORTION.iter().any(|key| node.get(&format!("{key}{suffix}")).is_some());
+    let is_there = has(node, suffix) || has(node, "") || has(root, "");
+    (!is_there).then(|| format!("camera '{name}' has no distortion coefficients: it is taken for a pinhole"))
 }
 
 /// A camera of the keys of `node` with a suffix; what is said of all cameras stands in `root`.

@@ -196,6 +196,12 @@ fn wrong_files_are_told_by_line_and_column() {
     );
     assert!(message("5.3e+02, 0.,", "5.3e+02, 2.,").contains("has a skew of 2"));
     assert!(message("0., 0., 1. ]", "0., 0., 2. ]").contains("is not [fx s cx; 0 fy cy; 0 0 1]"));
+    // Broken off before a value it is an error, and before a key at least said.
+    let at = YAML.find("distortion_coefficients").unwrap();
+    let error = parse(&YAML[..at + 42], "c.yml").unwrap_err().to_string();
+    assert!(error.starts_with("c.yml:13:") && error.ends_with("'nothing' where a list of numbers belongs"), "{error}");
+    let pinhole = parse(&YAML[..at], "c.yml").unwrap();
+    assert_eq!(pinhole.remarks, ["camera 'camera' has no distortion coefficients: it is taken for a pinhole"]);
     // Broken off anywhere, it is named, never read halfway.
     let end = YAML.len() - "-2.8e-01, 6.e-02, 1.e-03, -2.e-04, 0. ]\n".len();
     for cut in (20..YAML.len() - 3).step_by(7) {

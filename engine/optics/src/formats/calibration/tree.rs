@@ -163,6 +163,8 @@ impl Node {
                 }
                 Ok(all)
             }
+            // A key without a value, as where a file is broken off.
+            Value::Scalar(text) if text.trim().is_empty() => Err(malformed(self.place, "nothing", "a list of numbers")),
             Value::Scalar(text) => {
                 let all: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
                 all.ok_or_else(|| malformed(self.place, text, "numbers"))

@@ -131,12 +131,18 @@ impl Opening {
             .focal_px()
             .ok_or_else(|| d.error("the calibration does not see straight ahead, where a lens for its blur would stand; switch depth of field off"))?;
         let focal_length_mm = focal_px / f64::from(calibration.size_px()[0]) * d.perspective.film_width_mm;
+        let is_flat = calibration.is_flat();
+        let focus = match d.focus.point_world.filter(|_| !is_flat) {
+            // A sphere goes through the subject, wherever it is.
+            Some(point) => Some((point - d.position()).length()).filter(|distance| *distance > 0.0),
+            None => d.focus_depth()?,
+        };
         let as_long = d.clone().with(|d| d.perspective.focal_length_mm = focal_length_mm);
         Ok(Self {
             aperture: Aperture::new(&as_long, f_number)?,
             mm_per_unit: d.scale_mm_per_unit.x,
-            focus: d.focus_depth()?.unwrap_or(f64::INFINITY),
-            is_flat: calibration.is_flat(),
+            focus: focus.unwrap_or(f64::INFINITY),
+            is_flat,
         })
     }
 

@@ -77,6 +77,17 @@ fn the_blur_is_that_of_a_thin_lens() {
                 assert!(off.cross(ray.direction).length() < 1e-5, "{name} {p}");
             }
         }
+        // A subject beside the axis is focused on by its depth, or by its distance.
+        let beside = d.clone().with(|d| {
+            d.focus.point_world = Some(DVec3::new(3.0, 0.0, -4.0));
+        });
+        let reach = if is_flat { 4.0 } else { 5.0 };
+        let (towards, ray) = (
+            sharp.sample(Vec2::ZERO, [0.0; 2]).unwrap().ray.direction,
+            camera(&beside).sample(Vec2::ZERO, [0.9, 0.5]).unwrap().ray,
+        );
+        let reach = if is_flat { reach / -towards.z } else { reach };
+        assert!((towards * reach - ray.origin).cross(ray.direction).length() < 1e-5, "{name}");
         // Focal length over twice the f-number, on a sensor of 36 mm.
         let [focal_px, _] = calibration_of(&d, 96, 64).unwrap().focal_px().unwrap();
         let radius = focal_px / 96.0 * 36.0 / 4.0 / 1000.0;
