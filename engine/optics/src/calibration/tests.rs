@@ -352,8 +352,8 @@ fn directions_and_points_outside_have_a_reason() {
     assert_eq!(pinhole.unproject(DVec2::new(f64::INFINITY, 0.0)), Err(Outside::NotFinite));
     assert!(pinhole.project(DVec3::new(1e-300, 0.0, 1e-300)).is_ok());
     let tilted = made(Model::OpenCv, &[("tau_y", 1.2)]).unwrap();
-    let lost = (-400..400).filter_map(|x| tilted.unproject(DVec2::new(f64::from(x) * 100.0, 0.0)).err()).last();
-    assert_eq!(lost, Some(Outside::Horizon));
+    let mut lost = (-400..400).filter_map(|x| tilted.unproject(DVec2::new(f64::from(x) * 100.0, 0.0)).err());
+    assert_eq!(lost.next_back(), Some(Outside::Horizon));
     let sphere = made(Model::Fisheye, &[]).unwrap();
     assert_eq!(sphere.unproject(DVec2::new(650.0 + 600.0 * 3.2, 470.0)), Err(Outside::Fold));
     assert_eq!(sphere.project(DVec3::NEG_Z), Err(Outside::Projection));

@@ -53,7 +53,7 @@ impl Warp {
             Some(radial) => self.radially(radial, target),
             None => {
                 let start = DVec2::ZERO;
-                self.newton(start, target).or_else(|| self.from_the_middle(target))
+                self.newton(start, target).or_else(|| self.along_line_from_middle(target))
             }
         }
     }
@@ -132,7 +132,7 @@ impl Warp {
     }
 
     /// By following the straight line of targets from the middle's to the wanted one.
-    fn from_the_middle(&self, target: DVec2) -> Option<DVec2> {
+    fn along_line_from_middle(&self, target: DVec2) -> Option<DVec2> {
         let mut q = DVec2::ZERO;
         let begin = self.distortion.at(q).0;
         let (mut done, mut part) = (0.0, FIRST_PART);

@@ -12,7 +12,7 @@ use petzval_optics::reality::{
     ColourRow, DistortionBeside, VignettingRow, colour_beside, distortion_beside, fields_to, vignetting_beside,
 };
 use petzval_optics::sensitivity::Sensitivities;
-use petzval_optics::system::LensSettings;
+use petzval_optics::system::{LensSettings, System};
 use serde::Serialize;
 
 /// What is asked for of a comparison.
@@ -79,7 +79,7 @@ impl RealityOptions {
             "an f-number that is not above zero: give one such as 8".to_owned()
         } else if !self.marked_mm.into_iter().chain(self.crop_factor).all(positive) {
             "a focal length or a crop factor that is not above zero: give one".to_owned()
-        } else if self.focus_distance_mm.is_some_and(|mm| !(mm > 0.0)) {
+        } else if self.focus_distance_mm.is_some_and(|mm| mm.is_nan() || mm <= 0.0) {
             "a distance that is not above zero: give millimetres, or inf".to_owned()
         } else {
             return Ok(());
@@ -100,6 +100,25 @@ impl RealityOptions {
         Ok(database.find(name)?)
     }
 
+    fn camera(&self) -> Result<&'static Sensitivities, ReportError> {
+        Sensitivities::shipped(&self.sensor).ok_or_else(|| {
+            let known = Sensitivities::words().join(", ");
+            ReportError::OutOfRange(format!("no camera's sensitivities are called '{}': give {known}", self.sensor))
+        })
+    }
+
+    /// The focused lens at an f-number; wide open where that is no larger than its own.
+    fn stopped_down(
+        &self,
+        lens: &Prescription,
+        settings: &LensSettings,
+        wide_open: Option<f64>,
+        f_number: f64,
+    ) -> Result<System, ReportError> {
+        let opened = settings.clone().opened(wide_open.filter(|widest| f_number > *widest).map(|_| f_number));
+        Ok(focused(lens, &opened, line_nm::D, self.focus_distance_mm)?.0)
+    }
+
     fn report_settings(&self, wavelengths_nm: Vec<f64>) -> ReportSettings {
         ReportSettings {
             fields_deg: Vec::new(),
@@ -118,10 +137,7 @@ impl RealityOptions {
 /// [`ReportError`].
 pub fn reality(lens: &Prescription, settings: &LensSettings, options: &RealityOptions) -> Result<Reality, ReportError> {
     options.check()?;
-    let camera = Sensitivities::shipped(&options.sensor).ok_or_else(|| {
-        let known = Sensitivities::words().join(", ");
-        ReportError::OutOfRange(format!("no camera's sensitivities are called '{}': give {known}", options.sensor))
-    })?;
+    let camera = options.camera()?;
     let product = options.product(lens)?;
     let film_mm = lens.metadata.film_mm.unwrap_or([36.0, 24.0]);
     let of_film = 36.0_f64.hypot(24.0) / film_mm[0].hypot(film_mm[1]);
@@ -150,8 +166,7 @@ pub fn reality(lens: &Prescription, settings: &LensSettings, options: &RealityOp
     for f_number in f_numbers {
         let Some(measured) = product.vignetting(crop_factor, marked_mm, f_number, distance_m) else { continue };
         // A product may be marked with a rounder number than the patent's.
-        let opened = settings.clone().opened(wide_open.filter(|widest| f_number > *widest).map(|_| f_number));
-        let (system, _) = focused(lens, &opened, line_nm::D, options.focus_distance_mm)?;
+        let system = options.stopped_down(lens, settings, wide_open, f_number)?;
         let analysis = main.analysis(&system)?;
         vignetting.push(VignettingAt {
             f_number,
@@ -163,10 +178,7 @@ pub fn reality(lens: &Prescription, settings: &LensSettings, options: &RealityOp
     let colour = match product.lateral_colour(crop_factor, marked_mm) {
         None => Vec::new(),
         Some(measured) => {
-            let opened = settings
-                .clone()
-                .opened(wide_open.filter(|n| options.colour_f_number > *n).map(|_| options.colour_f_number));
-            let (system, _) = focused(lens, &opened, line_nm::D, options.focus_distance_mm)?;
+            let system = options.stopped_down(lens, settings, wide_open, options.colour_f_number)?;
             let seen = options.report_settings(camera.samples().map(|(nm, _)| nm).collect());
             colour_beside(&seen.analysis(&system)?, &angles_deg, camera, &measured)
         }

@@ -29,81 +29,106 @@ pub(super) fn is_kalibr(node: &Node) -> bool {
     node.get("camera_model").is_some() && node.get("intrinsics").is_some()
 }
 
+/// The distortion of a camera of Kalibr.
+struct KalibrDistortion<'a> {
+    /// The name; "none" where there is none.
+    kind: &'a str,
+    coefficients: Vec<f64>,
+    /// The name's node, or the camera's.
+    named: &'a Node,
+    /// The coefficients' node, or the camera's.
+    listed: &'a Node,
+}
+
+impl<'a> KalibrDistortion<'a> {
+    fn of(camera: &'a Node) -> Result<Self, Placed> {
+        let named = camera.get("distortion_model");
+        let listed = camera.any(&["distortion_coeffs", "distortion_coefficients"]);
+        let kind = named.and_then(Node::text).unwrap_or("none");
+        let coefficients = match listed {
+            Some(node) if kind != "none" => node.numbers()?,
+            _ => Vec::new(),
+        };
+        Ok(Self { kind, coefficients, named: named.unwrap_or(camera), listed: listed.unwrap_or(camera) })
+    }
+
+    fn is_radial(&self) -> bool {
+        matches!(self.kind, "radtan" | "radial-tangential" | "plumb_bob")
+    }
+
+    /// The coefficients, of which there must be so many.
+    fn counted(&self, count: usize) -> Result<&[f64], Placed> {
+        if self.coefficients.len() == count {
+            return Ok(&self.coefficients);
+        }
+        let expected = format!("{count} of {}", self.kind);
+        Err((self.listed.place, CalibrationProblem::Count { found: self.coefficients.len(), expected }))
+    }
+
+    /// Refuses a distortion for a model that has none.
+    fn check_none(&self, model: &Node) -> Result<(), Placed> {
+        if self.kind == "none" || self.coefficients.iter().all(|d| *d == 0.0) {
+            return Ok(());
+        }
+        let what = format!("'{}' with the distortion '{}' is no model that is known", model.shown(), self.kind);
+        Err(unsupported(self.named.place, what))
+    }
+
+    /// The model and the parameters of a pinhole with this distortion.
+    fn pinhole(&self, intrinsics: &Node) -> Result<(Model, Vec<f64>), Placed> {
+        let mut p = pinhole(&intrinsics.counted(&[4])?);
+        let model = match self.kind {
+            "none" => Model::OpenCv,
+            _ if self.is_radial() => {
+                p.extend(self.counted(4)?);
+                Model::OpenCv
+            }
+            "equidistant" | "equi" => {
+                p.extend(self.counted(4)?);
+                p.push(0.0);
+                Model::Fisheye
+            }
+            "fov" => {
+                p.extend(self.counted(1)?);
+                Model::Fov
+            }
+            _ => return Err(malformed(self.named.place, self.kind, "radtan, equidistant, fov or none")),
+        };
+        p.resize(model.parameter_names().len(), 0.0);
+        Ok((model, p))
+    }
+}
+
 /// A camera of Kalibr (its wiki, "Supported models"; `kalibr_common/ConfigReader.py`).
 pub(super) fn kalibr(name: &str, node: &Node) -> Result<CalibratedCamera, Placed> {
     let size = resolution(needed(node, &["resolution"], name)?)?;
-    let model = needed(node, &["camera_model"], name)?;
+    let word = needed(node, &["camera_model"], name)?;
     let numbers = needed(node, &["intrinsics"], name)?;
-    let distortion = node.get("distortion_model");
-    let coefficients = node.any(&["distortion_coeffs", "distortion_coefficients"]);
-    let kind = distortion.and_then(Node::text).unwrap_or("none");
-    let d = match coefficients {
-        Some(node) if kind != "none" => node.numbers()?,
-        _ => Vec::new(),
-    };
-    let wrong = |count: usize| {
-        let expected = format!("{count} of {kind}");
-        (coefficients.unwrap_or(node).place, CalibrationProblem::Count { found: d.len(), expected })
-    };
-    let counted = |count: usize| if d.len() == count { Ok(()) } else { Err(wrong(count)) };
-    let plain = |i: &Node| -> Result<(), Placed> {
-        if kind == "none" || d.iter().all(|d| *d == 0.0) {
-            return Ok(());
-        }
-        Err(unsupported(i.place, format!("'{}' with the distortion '{kind}' is no model that is known", model.shown())))
-    };
-    let is_radial = matches!(kind, "radtan" | "radial-tangential" | "plumb_bob");
-    match model.text().unwrap_or_default() {
-        "pinhole" => {
-            let mut p = pinhole(&numbers.counted(&[4])?);
-            match kind {
-                _ if is_radial => {
-                    counted(4)?;
-                    p.extend(&d);
-                    p.resize(Model::OpenCv.parameter_names().len(), 0.0);
-                    made(name, Model::OpenCv, size, &p, numbers.place)
-                }
-                "none" => {
-                    p.resize(Model::OpenCv.parameter_names().len(), 0.0);
-                    made(name, Model::OpenCv, size, &p, numbers.place)
-                }
-                "equidistant" | "equi" => {
-                    counted(4)?;
-                    p.extend(&d);
-                    p.push(0.0);
-                    made(name, Model::Fisheye, size, &p, numbers.place)
-                }
-                "fov" => {
-                    counted(1)?;
-                    p.extend(&d);
-                    made(name, Model::Fov, size, &p, numbers.place)
-                }
-                _ => Err(malformed(distortion.unwrap_or(node).place, kind, "radtan, equidistant, fov or none")),
-            }
-        }
+    let distortion = KalibrDistortion::of(node)?;
+    let (model, p) = match word.text().unwrap_or_default() {
+        "pinhole" => distortion.pinhole(numbers)?,
         "omni" => {
             let i = numbers.counted(&[5])?;
             let mut p = pinhole(&i[1..]);
             p.push(i[0]);
-            if is_radial {
-                counted(4)?;
-                p.extend(&d);
+            if distortion.is_radial() {
+                p.extend(distortion.counted(4)?);
             } else {
-                plain(distortion.unwrap_or(node))?;
+                distortion.check_none(word)?;
                 p.extend([0.0; 4]);
             }
-            made(name, Model::Omni, size, &p, numbers.place)
+            (Model::Omni, p)
         }
-        word @ ("ds" | "eucm") => {
+        kind @ ("ds" | "eucm") => {
             let i = numbers.counted(&[6])?;
-            plain(distortion.unwrap_or(node))?;
+            distortion.check_none(word)?;
             let mut p = pinhole(&i[2..]);
             p.extend(&i[..2]);
-            let model = if word == "ds" { Model::DoubleSphere } else { Model::Eucm };
-            made(name, model, size, &p, numbers.place)
+            (if kind == "ds" { Model::DoubleSphere } else { Model::Eucm }, p)
         }
-        _ => Err(malformed(model.place, model.shown(), "pinhole, omni, ds or eucm")),
-    }
+        _ => return Err(malformed(word.place, word.shown(), "pinhole, omni, ds or eucm")),
+    };
+    made(name, model, size, &p, numbers.place)
 }
 
 /// The cameras of Basalt (`basalt-headers`, `calibration/calibration.hpp` and `serialization/headers_serialization.h`), named cam0, cam1, ...
