@@ -15,7 +15,7 @@ from support.places import ROOT
 
 pytestmark = pytest.mark.once
 
-#: A bevelled head, hidden in 3D views, with a Subdivision Surface behind the Bevel; and another one in a library.
+#: A bevelled head, hidden in 3D views, and another one in a library.
 MAKE = """
 import bpy
 def head(x):
@@ -34,7 +34,6 @@ scene.collection.objects.link(scene.camera)
 scene.world = bpy.data.worlds.new("World")
 own = head(-1.2)
 own.hide_viewport = True
-own.modifiers.new("Subdivision", "SUBSURF").render_levels = 1
 with bpy.data.libraries.load({library!r}, link=True) as (there, here):
     here.objects = there.objects
 scene.collection.objects.link(here.objects[0])

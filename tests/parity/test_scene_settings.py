@@ -120,7 +120,9 @@ def test_a_sky_without_shadows(room, tmp_path):
 def test_a_sky_that_is_not_sampled_lights_all(room, parts, tmp_path):
     """In Cycles its limits are of its light samples."""
     room.world.cycles.sampling_method, room.world.cycles.max_bounces = "NONE", 0
-    described = parts.part("export.world").describe(room.world, nothing_of_images(parts))
+    described = parts.part("export.world").describe(
+        room.world, nothing_of_images(parts), parts.part("export.aovs").Aovs(room.view_layers[0])
+    )
     assert described.max_bounces == 1024
 
 
