@@ -78,7 +78,7 @@ def settings(name: str, text: str) -> list[tuple[float | None, float | None, boo
 def distortion_row(found: Any) -> tuple[str, bool]:
     one = found["distortion"]
     if one is None:
-        return "not measured | | |", True
+        return "not measured | | |", False
     rms, worst, own = (1e3 * one[key] for key in ("rms_mm", "worst_mm", "own_mm"))
     last = one["rows"][-1]
     agrees = worst <= max(LEAST_UM, PART * own)

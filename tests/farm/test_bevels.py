@@ -22,6 +22,7 @@ def head(x):
     bpy.ops.mesh.primitive_monkey_add(location=(x, 5.0, 0.0))
     made = bpy.context.object.modifiers.new("Bevel", "BEVEL")
     made.segments, made.width = 3, 0.03
+    bpy.context.object.modifiers.new("Subdivision", "SUBSURF").render_levels = 1
     return bpy.context.object
 bpy.ops.wm.read_factory_settings(use_empty=True)
 head(1.2)
@@ -86,8 +87,10 @@ def test_modifiers_up_to_the_bevel_are_applied(blender, bevelled):
     from petzval.farm import bevels
 
     before = corners(blender, bevelled)
+    bevelled.modifiers.new("Weighted", "WEIGHTED_NORMAL")
+    bevelled.modifiers["Subdivision"].render_levels = 1
     assert bevels.apply_all(blender, 1, moves=True) == (["Cube"], [])
-    assert [one.name for one in bevelled.modifiers] == ["Subdivision"]
+    assert [one.name for one in bevelled.modifiers] == ["Weighted"]
     assert len(bevelled.data.vertices) > 2 * 8 * 3
     assert np.allclose(corners(blender, bevelled), before, atol=1e-5)
     assert [one.name for one in blender.data.scenes] == ["Scene"]
@@ -117,3 +120,17 @@ def test_a_bevel_that_no_render_shows_stays(blender, bevelled):
     bevelled.modifiers["Bevel"].show_render = False
     assert bevels.apply_all(blender, 1, moves=False) == ([], [])
     assert len(bevelled.modifiers) == 3
+
+
+def test_adaptive_subdivision_is_left_to_the_render(blender, bevelled):
+    """Before Blender 5 the object has the setting, and only while features are experimental."""
+    from petzval.farm import bevels
+
+    subdivision = bevelled.modifiers["Subdivision"]
+    blender.context.scene.render.engine = "CYCLES"
+    if hasattr(subdivision, "use_adaptive_subdivision"):
+        subdivision.use_adaptive_subdivision = True
+    else:
+        bevelled.cycles.use_adaptive_subdivision = True
+    assert bevels.apply_all(blender, 1, moves=True) == (["Cube"], [])
+    assert [one.name for one in bevelled.modifiers] == ["Subdivision"]

@@ -21,6 +21,8 @@ KINDS = {
     "adaptive": ("small.blend", ["--passes", "--samples", "64", "--noise-threshold", "0.05", "--denoise", "off"], 2, [1, 0]),
     "two-way": ("small.blend", ["--integrator", "bdpt"], 2, [1, 0]),
     "catcher": ("catcher.blend", ["--passes"], 2, [1, 0]),
+    # By a file that the scene's camera names.
+    "calibrated": ("small.blend", ["--camera", "calibrated"], 2, [1, 0]),
     "thin": ("small.blend", ["--camera", "thin", "--blue-noise", "on"], 3, [0, 2, 1]),
 }  # fmt: skip
 
@@ -74,6 +76,8 @@ def test_parts_make_the_whole(kind, jobs):
     assert first_merge.returncode == 75 and json.loads(first_merge.stdout)["missing"] == [order[-1]]
     assert repeated.returncode == 0 and "it is finished already" in repeated.stdout
     assert (merge.returncode, merge.stderr) == (0, "")
+    # What the job's scene names lies in the job.
+    assert [one.name for one in job.rglob("camera.txt")] == ([] if kind == "layers" else ["camera.txt"])
     ours = sorted((job / "pictures").glob("*.exr"))
     assert len(ours) == len(theirs) == len(json.loads((job / "job.json").read_text())["parts"]) // parts
     for one, other in zip(ours, theirs, strict=True):

@@ -138,7 +138,7 @@ def test_opencv_finds_the_camera_again(studio, parts, tmp_path, case):
     # Of a corner some 20 to 30 pixels of edges are seen, each by 32 or 64 samples: to a hundredth of a pixel.
     assert np.sqrt((off**2).sum(1).mean()) < 0.02, np.sqrt((off**2).sum(1).mean())
     assert np.abs(off.mean(0)).max() < 0.002, off.mean(0)
-    cv2 = pytest.importorskip("cv2")
+    cv2 = pytest.importorskip("cv2", reason="OpenCV is not installed")
     shape, kind = ((1, -1), np.float64) if is_fisheye else ((-1, 1), np.float32)
     boards = [(one * [1, -1, 1]).reshape(*shape, 3).astype(kind) for one in on_board]
     places = [one.reshape(*shape, 2).astype(kind) for one in found]

@@ -27,6 +27,9 @@ CD 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653 0 0 0
 LD 0.3 2.5
 """
 
+#: A calibration in a file of COLMAP's kind.
+CALIBRATION = "1 SIMPLE_RADIAL 96 64 100 48 32 -0.2\n"
+
 MAKE = """
 import os, sys
 from pathlib import Path
@@ -113,6 +116,8 @@ scene.cycles.use_denoising = False
 parts.straight(scene)
 scene.render.resolution_x, scene.render.resolution_y = 96, 64
 camera.lens_file = "cooke-triplet-50mm.lens"
+# For who asks for a calibrated camera.
+camera.calibration_file = str(folder / "shots/camera.txt")
 bpy.ops.wm.save_as_mainfile(filepath=str(folder / "shots/scene/small.blend"))
 # What catches shadows needs two renders more.
 wall = bpy.data.objects["Wall"]
@@ -128,6 +133,7 @@ def save(folder: Path) -> None:
     (folder / "shots").mkdir(parents=True)
     (folder / "shots/own.lens").write_text(LENS)
     (folder / "shots/own.agf").write_text(CATALOGUE)
+    (folder / "shots/camera.txt").write_text(CALIBRATION)
     script = MAKE.format(tests=str(TESTS), folder=str(folder))
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=120, cwd=ROOT

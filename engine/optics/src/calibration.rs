@@ -68,7 +68,7 @@ impl Calibration {
         setup::of_st_map(size_px, places, parameters)
     }
 
-    /// The same model and picture with other parameters.
+    /// This camera with other parameters, of the same model and picture.
     ///
     /// # Errors
     /// [`CalibrationError`]; a table keeps its parameters.
@@ -135,7 +135,7 @@ impl Calibration {
         self.chart == Chart::Perspective
     }
 
-    /// How many pixels a small angle about the axis is wide and high, per radian: the focal lengths for the purposes of a thin lens.
+    /// Focal lengths along x and y, pixels: the width and the height of a small angle about the axis over the angle in radians.
     ///
     /// `None`: straight ahead is not seen.
     pub fn focal_px(&self) -> Option<[f64; 2]> {

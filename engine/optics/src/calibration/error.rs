@@ -73,7 +73,7 @@ pub enum Outside {
     /// The model's projection has no such direction or point: as behind a pinhole.
     #[error("the model's projection ends before")]
     Projection,
-    /// The distortion has folded back before, or reaches nowhere near.
+    /// The distortion folds back nearer to the middle, or reaches no such point.
     #[error("the distortion folds back before")]
     Fold,
     /// The point lies beyond the horizon of a tilted sensor.

@@ -4,10 +4,10 @@ use super::planar::Distortion;
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-/// Steps to look for a fold in, of a distortion along one line and along each of several.
+/// Numbers of steps in which a fold is looked for: along the one line of a radial distortion, and along each of several lines.
 const STEPS_ALONE: u32 = 4096;
 const STEPS_EACH: u32 = 512;
-/// Lines on which a distortion is looked at that differs from one to the next. What lies between two is judged by its own derivative.
+/// Number of lines on which a distortion that is not radial is looked at. A point between two lines is judged by its own derivative.
 const LINES: usize = 64;
 /// Part of a radius by which the fold may lie elsewhere between two lines than on both; a table ends at the corners of its picture.
 const BETWEEN: f64 = 0.05;

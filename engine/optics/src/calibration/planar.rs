@@ -45,9 +45,9 @@ impl Distortion {
 /// form of OpenCV's `projectPoints`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Brown {
-    /// What comes before all else.
+    /// The radial map that is applied first.
     pub(super) first: Radial,
-    /// What the others are added to.
+    /// The radial map that the other terms are added to.
     pub(super) radial: Radial,
     /// `x += 2 p1 x y + p2 (r^2 + 2 x^2)`, `y += p1 (r^2 + 2 y^2) + 2 p2 x y`.
     pub(super) tangential: [f64; 2],
@@ -174,7 +174,7 @@ impl TdeAnamorphic {
     }
 }
 
-/// What a coordinate is multiplied by, and its gradient.
+/// A factor of a coordinate, and its gradient.
 fn factor(c: &[f64; 5], p: DVec2) -> (f64, DVec2) {
     let [c02, c22, c04, c24, c44] = *c;
     // r^2 cos 2 phi = x^2 - y^2; r^4 cos 4 phi = x^4 - 6 x^2 y^2 + y^4

@@ -181,20 +181,29 @@ pub struct LensFileError {
 
 impl fmt::Display for LensFileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Place { line, column } = self.place;
-        // A file may repeat itself in its error, and a line of a file may be a million letters long.
-        let problem = self.problem.to_string();
-        match problem.char_indices().nth(LONGEST_PROBLEM) {
-            None => write!(f, "{}:{line}:{column}: {problem}", self.file),
-            Some((end, _)) => write!(f, "{}:{line}:{column}: {}…", self.file, &problem[..end]),
-        }
+        write_placed(f, &self.file, self.place, &self.problem)
     }
 }
 
 impl std::error::Error for LensFileError {}
 
-/// Characters of a problem that are told.
-const LONGEST_PROBLEM: usize = 200;
+/// Largest number of characters of a problem in a message.
+const LONGEST_PROBLEM: usize = 300;
+
+/// Writes a problem with its place as one line, `FILE:LINE:COLUMN: problem`. A file may repeat itself in its error, and a line of a file may be a
+/// million letters long: a long text is cut.
+pub(super) fn write_placed(
+    f: &mut fmt::Formatter<'_>,
+    file: &str,
+    Place { line, column }: Place,
+    problem: &dyn fmt::Display,
+) -> fmt::Result {
+    let problem = problem.to_string();
+    match problem.char_indices().nth(LONGEST_PROBLEM) {
+        None => write!(f, "{file}:{line}:{column}: {problem}"),
+        Some((end, _)) => write!(f, "{file}:{line}:{column}: {}…", &problem[..end]),
+    }
+}
 
 pub(super) fn at(file: &str, line: usize, column: usize, problem: Problem) -> LensFileError {
     LensFileError { file: file.to_owned(), place: Place { line, column }, problem }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bevel modifiers of the .blend that is open, applied for a job: Blender's Bevel goes by addresses of memory and makes other corners in each process,
-of which parts could not be joined."""
+of which parts could not be joined. A Subdivision Surface behind a Bevel is applied too: what it makes of a Bevel's texture coordinates, of which many lie
+within rounding of each other, differs between processes even where the Bevel is the same."""
 
 from __future__ import annotations
 
@@ -17,20 +18,19 @@ _OTHERS = ("mirror_object", "offset_object", "curve", "start_cap", "end_cap", "o
 
 
 def apply_all(bpy: Any, frame: int, *, moves: bool) -> tuple[list[str], list[str]]:
-    """Applies each object's modifiers up to its last Bevel, at a frame, as a render evaluates them. Names of the objects whose modifiers are applied, and
+    """Applies each object's modifiers up to its last Bevel and the Subdivision Surface behind it, at a frame, as a render evaluates them. Names of the objects whose modifiers are applied, and
     of those whose are not; of what is linked, its own .blend is asked. `moves`: more than one time is rendered."""
     done, left = [], []
     wanted: dict[Any, int] = {}
     for one in bpy.data.objects:
-        last = max(
-            (i for i, made in enumerate(one.modifiers) if made.type == "BEVEL" and made.show_render), default=None
-        )
-        if last is None or one.library is not None:
+        ends = _ends(one)
+        if not ends or one.library is not None:
             continue
-        if _can_be_applied(one, last, moves=moves):
-            wanted[one] = last
-        else:
+        last = next((end for end in ends if _can_be_applied(one, end, moves=moves)), None)
+        if last is None:
             left.append(one.name)
+        else:
+            wanted[one] = last
     for one, mesh in _evaluated(bpy, wanted, frame):
         if mesh is None:
             left.append(one.name)
@@ -40,6 +40,22 @@ def apply_all(bpy: Any, frame: int, *, moves: bool) -> tuple[list[str], list[str
             one.modifiers.remove(made)
         done.append(one.name)
     return done, left
+
+
+def _ends(one: Any) -> list[int]:
+    """Numbers of the modifiers up to which an object's may be applied, best first; none without a Bevel. Dicing by the size of pixels is of the render."""
+    shown = [(i, made) for i, made in enumerate(one.modifiers) if made.show_render]
+    bevel = max((i for i, made in shown if made.type == "BEVEL"), default=None)
+    if bevel is None:
+        return []
+    behind = [i for i, made in shown if i > bevel and made.type == "SUBSURF" and not _is_adaptive(one, made)]
+    return [*behind[-1:], bevel]
+
+
+def _is_adaptive(one: Any, made: Any) -> bool:
+    """True of a Subdivision Surface that Cycles dices by the size of pixels: a property of the modifier since Blender 5, of the object before."""
+    own = getattr(one, "cycles", None)
+    return bool(getattr(made, "use_adaptive_subdivision", False) or getattr(own, "use_adaptive_subdivision", False))
 
 
 def _can_be_applied(one: Any, last: int, *, moves: bool) -> bool:

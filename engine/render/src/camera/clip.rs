@@ -1,10 +1,10 @@
-//! Clipping of camera rays by depth, or of a panoramic camera's by distance, as in Blender.
+//! Clipping of camera rays by depth as in Blender, or by distance where a camera's depth is one.
 
-use super::{Camera, CameraDescription, Model};
+use super::{Camera, CameraDescription};
 use crate::accel::Ray;
 use glam::{DVec3, Vec3A};
 
-/// Two planes at right angles to a camera's axis, or two spheres about a panoramic camera.
+/// Two planes at right angles to a camera's axis, or two spheres about a camera whose depth is a distance.
 #[derive(Clone, Copy, Debug)]
 pub struct Clip {
     is_by_distance: bool,
@@ -17,15 +17,16 @@ pub struct Clip {
 impl Clip {
     /// The clip planes of a camera whose place is render space's origin; `None` if they leave nothing out.
     pub fn new(d: &CameraDescription, camera: &Camera) -> Option<Self> {
-        Self::along(d, camera.axes().z_axis)
+        let planes = Self::along(d, camera.axes().z_axis)?;
+        Some(Self { is_by_distance: camera.depth_is_distance(), ..planes })
     }
 
-    /// The clip planes of a camera that is not made yet; `None` if they leave nothing out. `backwards` is its axis from
+    /// The clip planes of a lens that is not made yet; `None` if they leave nothing out. `backwards` is its axis from
     /// the scene to the film, render space.
     pub fn along(d: &CameraDescription, backwards: DVec3) -> Option<Self> {
         let [near, far] = d.clip;
         let leaves_out = near > 0.0 || far < f64::INFINITY;
-        let is_by_distance = d.model == Model::Panoramic;
+        let is_by_distance = false;
         let (forward, near, far) = (-backwards.as_vec3a(), near as f32, far as f32);
         leaves_out.then_some(Self { is_by_distance, forward, near, far })
     }
@@ -71,7 +72,8 @@ mod tests {
     #[test]
     fn distance_counts_of_a_panoramic_camera() {
         let d = CameraDescription { model: Model::Panoramic, clip: [1.0, 10.0], ..Default::default() };
-        let clip = Clip::along(&d, DVec3::Z).unwrap();
+        let camera = Camera::new(&d, 100, 50).unwrap();
+        let clip = Clip::new(&d, &camera).unwrap();
         for direction in [Vec3A::NEG_Z, Vec3A::Z, Vec3A::X] {
             let cut = clip.cut(Ray::new(Vec3A::ZERO, direction));
             assert_eq!((cut.origin, cut.t_max), (direction, 9.0));

@@ -234,13 +234,19 @@ impl Camera {
         }
     }
 
-    /// Depth of a place in render space, Blender units: along the axis, or from a panoramic camera the distance.
-    pub fn depth(&self, position: Vec3) -> f32 {
+    /// True if depth is the distance from the camera: of a panoramic one as in Blender, and of a calibrated one that may see to its side.
+    pub fn depth_is_distance(&self) -> bool {
         match self {
-            Self::Panoramic(_) => position.length(),
-            Self::Eye(eye) => eye.camera.depth(position),
-            _ => -position.dot(self.axes().z_axis.as_vec3()),
+            Self::Panoramic(_) => true,
+            Self::Calibrated(c) => !c.is_flat(),
+            Self::Eye(eye) => eye.camera.depth_is_distance(),
+            _ => false,
         }
+    }
+
+    /// Depth of a place in render space, Blender units: along the axis, or the distance ([`Self::depth_is_distance`]).
+    pub fn depth(&self, position: Vec3) -> f32 {
+        if self.depth_is_distance() { position.length() } else { -position.dot(self.axes().z_axis.as_vec3()) }
     }
 
     /// Name of the camera model in reports.

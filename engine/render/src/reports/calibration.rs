@@ -1,11 +1,11 @@
-//! What a file of calibrations holds.
+//! The report of a file of calibrations.
 
 use petzval_optics::calibration::Calibration;
 use petzval_optics::formats::calibration::CalibrationFile;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// A file of calibrations. Angles in degrees, null where there is none.
+/// The report of a file of calibrations. Angles in degrees, null where there is none.
 #[derive(Serialize)]
 pub struct CalibrationReport {
     format: &'static str,
@@ -21,7 +21,7 @@ struct CameraReport {
     parameters: Map<String, Value>,
     /// The part of the picture that shows something.
     covered: f64,
-    /// Why the rest shows nothing.
+    /// The reason why the rest shows nothing.
     reason: Option<String>,
     horizontal_field_deg: Option<f64>,
     vertical_field_deg: Option<f64>,
@@ -29,7 +29,7 @@ struct CameraReport {
     largest_angle_deg: f64,
     /// The angle from the axis up to which the model is valid all around; null: it has no fold.
     valid_to_deg: Option<f64>,
-    /// Pixels for a radian about the axis, across and down.
+    /// Focal lengths across and down, pixels.
     focal_px: Option<[f64; 2]>,
 }
 

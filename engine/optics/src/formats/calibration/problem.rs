@@ -1,6 +1,7 @@
 //! Errors in files of calibrations, and their places.
 
 use crate::calibration::CalibrationError;
+use crate::formats::problem::write_placed;
 use crate::prescription::Place;
 use std::fmt;
 use thiserror::Error;
@@ -86,17 +87,9 @@ pub struct CalibrationFileError {
     pub problem: CalibrationProblem,
 }
 
-/// Characters of a problem that are told: a file may repeat itself in its error.
-const LONGEST_PROBLEM: usize = 300;
-
 impl fmt::Display for CalibrationFileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Place { line, column } = self.place;
-        let problem = self.problem.to_string();
-        match problem.char_indices().nth(LONGEST_PROBLEM) {
-            None => write!(f, "{}:{line}:{column}: {problem}", self.file),
-            Some((end, _)) => write!(f, "{}:{line}:{column}: {}…", self.file, &problem[..end]),
-        }
+        write_placed(f, &self.file, self.place, &self.problem)
     }
 }
 

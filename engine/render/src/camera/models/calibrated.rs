@@ -123,6 +123,11 @@ impl Calibrated {
     pub(in crate::camera) fn axes(&self) -> &DMat3 {
         &self.axes
     }
+
+    /// True if the camera is a pinhole's but for its distortion, so that it sees nothing beside or behind it.
+    pub(in crate::camera) fn is_flat(&self) -> bool {
+        self.calibration.is_flat()
+    }
 }
 
 impl Opening {
