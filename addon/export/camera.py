@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 
 from petzval.description import (
+    INSTALLED_LENSFUN,
     MOST_BLADES,
     OF_LENS_FILE,
     CalibrationSettings,
@@ -163,7 +164,7 @@ def _calibrated(description: CameraDescription, camera: bpy.types.Camera, report
         raise ExportError(
             f"Camera '{description.object_name}': it has no calibration: choose its file in the camera's Lens panel"
         )
-    path = bpy.path.abspath(chosen, library=camera.library)
+    path = chosen if chosen == INSTALLED_LENSFUN else bpy.path.abspath(chosen, library=camera.library)
     if description.spherical_stereo is not None:
         report.warn(
             f"Camera '{description.object_name}': a calibration does not turn with each of its rays: spherical stereo is left out"
@@ -171,7 +172,12 @@ def _calibrated(description: CameraDescription, camera: bpy.types.Camera, report
     lens = _lens(camera, False) if camera.dof.use_dof else LensSettings(f_number=None)
     described = replace(
         description,
-        calibration=CalibrationSettings(path, settings.calibration_camera.strip() or None),
+        calibration=CalibrationSettings(
+            path,
+            settings.calibration_camera.strip() or None,
+            settings.calibration_body.strip() or None,
+            camera.dof.aperture_fstop,
+        ),
         exposure=None,
         lens=lens,
         spherical_stereo=None,

@@ -40,8 +40,8 @@ def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int
     if camera.model == "CALIBRATED":
         # A complaint that there is no calibration comes when the camera is made.
         with contextlib.suppress(native.PetzvalError):
-            if complaint := native.calibration_complaint(camera, width, height):
-                report.warn(complaint)
+            for remark in native.calibration_remarks(camera, width, height):
+                report.warn(remark)
         return
     try:
         info = json.loads(native.camera_info_json(camera, width, height))

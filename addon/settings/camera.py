@@ -51,7 +51,12 @@ def _is_not_the_camera(settings: PetzvalCamera, chosen: bpy.types.Object) -> boo
 
 
 def _cameras_in_file(settings: PetzvalCamera, _context: bpy.types.Context, _typed: str) -> list[str]:
-    return [camera["name"] for camera in calibrations.of_camera(settings.id_data).get("cameras", ())]
+    found = calibrations.of_camera(settings.id_data)
+    return [one["name"] for one in found.get("cameras") or found.get("lenses", ())]
+
+
+def _bodies_in_file(settings: PetzvalCamera, _context: bpy.types.Context, _typed: str) -> list[str]:
+    return list(calibrations.of_camera(settings.id_data).get("bodies", ()))
 
 
 class PetzvalCamera(LensProperties, bpy.types.PropertyGroup):
@@ -74,14 +79,20 @@ class PetzvalCamera(LensProperties, bpy.types.PropertyGroup):
     calibration_file: StringProperty(
         name="Calibration",
         description="A file of camera calibrations: OpenCV's or ROS's YAML or JSON, COLMAP's cameras.txt, Kalibr's camchain, Basalt's or "
-        "NVIDIA's JSON, 3DEqualizer's nodes for Nuke; or an ST map (.exr) that distorts a picture",
+        "NVIDIA's JSON, 3DEqualizer's nodes for Nuke; an ST map (.exr) that distorts a picture; or a lensfun database (.xml, or a folder), "
+        "the word lensfun for the installed one",
         subtype="FILE_PATH",
         options=RELATIVE_PATH,
     )
     calibration_camera: StringProperty(
         name="Camera in File",
-        description="The name or number of the camera in the file. Empty: the only one",
+        description="The name or number of the camera in the file, or the lens of a lensfun database. Empty: the only one",
         search=_cameras_in_file,
+    )
+    calibration_body: StringProperty(
+        name="Body",
+        description="The camera body in a lensfun database, whose sensor the picture is on. Empty: Blender's own sensor",
+        search=_bodies_in_file,
     )
     aperture_mask: PointerProperty(
         name="Mask",

@@ -131,11 +131,16 @@ def _calibration(context, layout) -> None:
     found, chosen = calibrations.of_camera(camera), calibrations.chosen_in(camera)
     column = layout.column(align=True)
     column.prop(settings, "calibration_file")
-    if len(found.get("cameras", ())) > 1 or settings.calibration_camera:
-        column.prop(settings, "calibration_camera")
+    is_lensfun = bool(found.get("lenses"))
+    if len(found.get("cameras", ())) > 1 or is_lensfun or settings.calibration_camera:
+        column.prop(settings, "calibration_camera", text="Lens" if is_lensfun else None)
+    if is_lensfun:
+        column.prop(settings, "calibration_body", placeholder="Blender's Sensor")
     is_map = found.get("format") == "ST map"
     if "error" in chosen:
         complain(context, layout, chosen["error"])
+    elif is_lensfun:
+        _photographic(context, layout, chosen)
     elif chosen:
         width, height = chosen["size_px"]
         fact(layout, "Model", chosen["model"])
@@ -146,15 +151,32 @@ def _calibration(context, layout) -> None:
                 layout,
                 f"{100.0 * (1.0 - chosen['covered']):.1f} % of the picture is black: {chosen['reason']}",
             )
-    layout.prop(camera.dof, "use_dof", text="Depth of Field")
-    if is_map:
+    if is_map or is_lensfun:
         layout.prop(camera, "lens")
-    if is_map or camera.dof.use_dof:
+    layout.prop(camera.dof, "use_dof", text="Depth of Field")
+    if is_lensfun and not camera.dof.use_dof:
+        layout.prop(camera.dof, "aperture_fstop")
+    if is_map or (camera.dof.use_dof and not is_lensfun) or (is_lensfun and not settings.calibration_body):
         _blenders_film(layout, camera)
     if is_map:
         column = layout.column(align=True)
         column.prop(camera, "shift_x", text="Shift X")
         column.prop(camera, "shift_y", text="Y")
+
+
+def _photographic(context, layout, chosen: dict) -> None:
+    """What was measured of a lens of a lensfun database, at the camera's setting."""
+    fact(layout, "Focal Length", f"{chosen['marked_mm']:.4g} mm")
+    stops, lateral = chosen["corner_stops"], chosen["corner_lateral_px"]
+    if stops is not None:
+        fact(layout, "Corner", f"{stops:+.2f} stops")
+    if lateral is not None:
+        fact(layout, "Red, Blue in the Corner", f"{lateral[0]:+.2f}, {lateral[1]:+.2f} px")
+    for remark in chosen["remarks"]:
+        complain(context, layout, remark)
+    if chosen["covered"] < 1.0:
+        dark = 100.0 * (1.0 - chosen["covered"])
+        complain(context, layout, f"{dark:.1f} % of the picture is black: {chosen['reason']}")
 
 
 def _lens_info(context) -> dict:

@@ -13,6 +13,7 @@ mod error;
 mod limit;
 mod maps;
 mod model;
+pub mod photographic;
 mod planar;
 mod radial;
 mod setup;
@@ -23,6 +24,7 @@ mod warp;
 pub use error::{CalibrationError, Outside};
 pub use maps::MapDirection;
 pub use model::Model;
+pub use photographic::PhotographicLens;
 pub use survey::Survey;
 
 use chart::Chart;

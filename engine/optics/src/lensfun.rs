@@ -14,8 +14,9 @@
 //! tangent of the field's angle for a rectilinear lens), *distorted* is the real one; both have the same scale on the axis.
 //!
 //! Modules use only those before them: [`error`] → [`projection`] → [`distortion`] → [`lateral_colour`] → [`vignetting`] →
-//! [`calibrated_lens`] → [`xml`] → [`database`].
+//! [`calibrated_lens`] → [`body`] → [`xml`] → [`database`].
 
+pub mod body;
 pub mod calibrated_lens;
 pub mod database;
 pub mod distortion;
@@ -25,6 +26,7 @@ pub mod projection;
 pub mod vignetting;
 mod xml;
 
+pub use body::Body;
 pub use calibrated_lens::CalibratedLens;
 pub use database::Database;
 pub use distortion::Distortion;

@@ -48,8 +48,8 @@ __all__ = [
     "check_exr",
     "check_replaceable",
     "checkpoint_problem",
-    "calibration_complaint",
     "calibration_json",
+    "calibration_remarks",
     "calibration_text",
     "coverage_json",
     "distortion_map",
@@ -69,6 +69,7 @@ __all__ = [
     "lens_report_json",
     "merge_pictures_json",
     "osl_camera",
+    "photographic_lens_json",
     "pointiness",
     "random_per_island",
     "read_bounded",
@@ -76,6 +77,7 @@ __all__ = [
     "sharpness_json",
     "trace_surfaces_json",
     "write_calibration_map",
+    "write_photographic_map",
     "write_distortion_map",
 ]
 
@@ -263,9 +265,15 @@ def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
     of the light: of wavelength_nm, or all visible)."""
 
 def calibration_json(path: str) -> str:
-    """What a file of calibrations holds: format, remarks, and for each of cameras name, model, size_px, parameters by name, covered (the
+    """What a file of calibrations holds, or a lensfun database ("lensfun": the installed one): format, remarks, and for each of cameras name, model, size_px, parameters by name, covered (the
     part of the picture that shows something), reason (why the rest does not; null), horizontal_field_deg, vertical_field_deg (null: an edge
-    shows nothing), largest_angle_deg, valid_to_deg (from the axis; null: everywhere), focal_px (null: straight ahead is not seen)."""
+    shows nothing), largest_angle_deg, valid_to_deg (from the axis; null: everywhere), focal_px (null: straight ahead is not seen). Of a lensfun database also lenses: name, mounts, focal_range_mm, crop_factors, measured
+    (numbers of measurements of distortion, vignetting, lateral colour); and bodies, the names of the camera bodies."""
+
+def photographic_lens_json(camera: CameraDescription, width: int, height: int) -> str:
+    """The lens of a lensfun database that is the camera's calibration, at its setting: as one of `calibration_json`'s cameras, and marked_mm
+    (the focal length on the lens), film_width_mm, corner_stops (illumination of the corner; null: not measured), corner_lateral_px (red and
+    blue outside of green in the corner; null: not measured), remarks."""
 
 def calibration_text(path: str, camera: str | None, format: str) -> str:
     """A file's cameras, or the one of that name, as opencv-yaml, opencv-json, ros or colmap."""
@@ -276,8 +284,13 @@ def write_calibration_map(
     """A calibration's ST map into an OpenEXR file, as `write_distortion_map`; the share of its pixels that have a source. The other picture
     is that of the pinhole with the same middle and scale there, as large."""
 
-def calibration_complaint(camera: CameraDescription, width: int, height: int) -> str | None:
-    """A sentence on what of a calibrated camera's picture shows nothing, and why; None: all of it shows something."""
+def write_photographic_map(
+    camera: CameraDescription, size: tuple[int, int], undistorts: bool, comments: str, output: str
+) -> float:
+    """`write_calibration_map` of the lens of a lensfun database that is the camera's calibration."""
+
+def calibration_remarks(camera: CameraDescription, width: int, height: int) -> list[str]:
+    """Sentences on a calibrated camera: what of its picture shows nothing and why, and what of its lens was not measured."""
 
 def coverage_json(camera: CameraDescription, width: int, height: int) -> str:
     """The part of the picture that the lens lights, by exact rays: dark_part (0 to 1), lit_diameter_mm (of the circle on an upright film,

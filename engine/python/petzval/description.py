@@ -139,12 +139,19 @@ class Panorama:
     shift: tuple[float, float] = (0.0, 0.0)  # in widths and heights of the picture
 
 
+#: The word that stands for the installed lensfun database where a file of calibrations is named.
+INSTALLED_LENSFUN = "lensfun"
+
+
 @dataclass(frozen=True)
 class CalibrationSettings:
     """The calibration of a calibrated camera."""
 
-    path: str  # of the file of calibrations, or of an ST map (.exr)
-    camera: str | None = None  # its name in the file; None: the only one
+    # Of the file of calibrations, an ST map (.exr), a lensfun database (.xml, or a folder); or "lensfun": the installed one.
+    path: str
+    camera: str | None = None  # its name in the file, or the lens's in a lensfun database; None: the only one
+    body: str | None = None  # in a lensfun database: the picture's diagonal is its sensor's; None: Blender's sensor
+    f_number: float = 2.8  # of the vignetting of a lens in a lensfun database
 
 
 @dataclass(frozen=True)

@@ -440,9 +440,16 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
     if o["lens"]:
         own.lens_file = o["lens"]
     if o["calibration"]:
-        own.model, own.calibration_file, own.calibration_camera = "CALIBRATED", o["calibration"], ""
+        own.model, own.calibration_file, own.calibration_camera, own.calibration_body = (
+            "CALIBRATED",
+            o["calibration"],
+            "",
+            "",
+        )
     if o["calibration_camera"]:
         own.calibration_camera = o["calibration_camera"]
+    if o["calibration_body"]:
+        own.calibration_body = o["calibration_body"]
     if own.model == "CALIBRATED" and any(o[name] is not None for name in o["opening"]):
         data.dof.use_dof = True
     if o["focal_length"] is not None:

@@ -18,7 +18,7 @@ from typing import Any, TextIO
 
 from . import argument_types as types
 from . import interrupts, processes
-from .description import MOST_BLADES
+from .description import INSTALLED_LENSFUN, MOST_BLADES
 from .errors import AGAIN, CommandError
 from .interrupts import INTERRUPTED
 from .places import find_lens
@@ -43,9 +43,19 @@ def add(p: argparse.ArgumentParser) -> None:
     p.add_argument(
         "--calibration",
         metavar="FILE",
-        help="of a real camera, by OpenCV, ROS, COLMAP, Kalibr, Basalt, NVIDIA or 3DEqualizer, or an ST map (.exr): --camera calibrated",
+        help="of a real camera, by OpenCV, ROS, COLMAP, Kalibr, Basalt, NVIDIA or 3DEqualizer, an ST map (.exr), a lensfun database (.xml, or a "
+        "folder), or the word lensfun for the installed one: --camera calibrated",
     )
-    p.add_argument("--calibration-camera", metavar="NAME", help="the camera in that file, where there are several")
+    p.add_argument(
+        "--calibration-camera",
+        metavar="NAME",
+        help="the camera in that file, where there are several, or the lens in a lensfun database",
+    )
+    p.add_argument(
+        "--calibration-body",
+        metavar="NAME",
+        help="camera body in a lensfun database, for its sensor; default: the scene's sensor",
+    )
     p.set_defaults(usage_error=p.error)
     p.add_argument("--focal-length", type=types.positive, metavar="MM", help="scale the lens to this focal length")
     group = p.add_mutually_exclusive_group()
@@ -151,14 +161,15 @@ def add(p: argparse.ArgumentParser) -> None:
 
 def checked(a: argparse.Namespace) -> dict[str, Any]:
     """All options of the command by their names, as JSON can have them, checked as far as they can be without Blender. Angles are in radians."""
-    for file in filter(None, (a.scene, a.lens, a.aperture_mask, a.calibration)):
+    is_lensfun = a.calibration == INSTALLED_LENSFUN
+    for file in filter(None, (a.scene, a.lens, a.aperture_mask, None if is_lensfun else a.calibration)):
         check_name(file)
     scene = Path(a.scene)
     if not scene.is_file():
         raise CommandError(f"no such scene: {scene}: name a .blend file")
     if a.calibration and (a.lens or a.camera not in {None, "calibrated"}):
         a.usage_error("--calibration is a camera of its own: leave out --lens and other models of --camera")
-    if a.calibration and not Path(a.calibration).is_file():
+    if a.calibration and not is_lensfun and not Path(a.calibration).exists():
         raise CommandError(f"no such calibration: {a.calibration}: change --calibration")
     if a.lens and a.camera in {"pinhole", "thin", "calibrated"}:
         a.usage_error(f"--camera {a.camera} has no lens: leave out the one or the other")
@@ -190,7 +201,7 @@ def checked(a: argparse.Namespace) -> dict[str, Any]:
         "scene": str(scene.absolute()),
         "lens": str(find_lens(a.lens).absolute()) if a.lens else None,
         "aperture_mask": str(Path(a.aperture_mask).absolute()) if a.aperture_mask else None,
-        "calibration": str(Path(a.calibration).absolute()) if a.calibration else None,
+        "calibration": str(Path(a.calibration).absolute()) if a.calibration and not is_lensfun else a.calibration,
         # JSON has no infinity.
         "focus_distance": "inf" if a.focus_distance == math.inf else a.focus_distance,
         "effects": dict(a.effect),

@@ -3,19 +3,30 @@
 use crate::described::Described;
 use crate::error::{Error, invalid, json};
 use crate::gil::without_gil;
-use petzval_optics::calibration::MapDirection;
+use petzval_optics::calibration::{Calibration, MapDirection};
 use petzval_optics::formats::calibration::{self, CalibratedCamera, Format};
 use petzval_pictures::channels;
-use petzval_render::camera::CameraDescription;
+use petzval_render::camera::{CalibrationSettings, CameraDescription, calibration_of};
 use petzval_render::reports;
 use pyo3::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// What a file holds.
+/// The report of a file of calibrations, of a lensfun database, or of the installed one.
 #[pyfunction]
 pub(crate) fn calibration_json(py: Python<'_>, path: PathBuf) -> Result<String, Error> {
-    let found = without_gil(py, || calibration::read(&path).map(|file| reports::calibration::report(&file)))?;
-    json(&found?)
+    let settings = CalibrationSettings { path, ..CalibrationSettings::default() };
+    json(&without_gil(py, || reports::calibration::of_settings(&settings))??)
+}
+
+/// The report of a lens of a lensfun database at a camera's setting.
+#[pyfunction]
+pub(crate) fn photographic_lens_json(
+    py: Python<'_>,
+    camera: Described<CameraDescription>,
+    width: u32,
+    height: u32,
+) -> Result<String, Error> {
+    json(&without_gil(py, || reports::calibration::of_lens(&camera.0, [width, height]))??)
 }
 
 /// The file's cameras in another format.
@@ -50,24 +61,49 @@ pub(crate) fn write_calibration_map(
     let file = calibration::read(&path)?;
     let found = file.camera(camera)?;
     let size = size.unwrap_or(found.calibration.size_px());
-    let direction = if undistorts { MapDirection::Undistort } else { MapDirection::Distort };
+    let name = format!("{}: camera '{}'", path.display(), found.name);
+    without_gil(py, || write_map(&found.calibration, &name, (size, undistorts), comments, &output))?
+}
+
+/// Writes the ST map of a lens of a lensfun database at a camera's setting, as [`write_calibration_map`].
+#[pyfunction]
+pub(crate) fn write_photographic_map(
+    py: Python<'_>,
+    camera: Described<CameraDescription>,
+    size: [u32; 2],
+    undistorts: bool,
+    comments: &str,
+    output: PathBuf,
+) -> Result<f64, Error> {
     without_gil(py, || {
-        let dark = || invalid(format!("{}: camera '{}' does not see straight ahead", path.display(), found.name));
-        let map = found.calibration.st_map(size, direction).ok_or_else(dark)?;
-        let channel = |i: usize, name: &str| (name.to_owned(), map.iter().map(|pixel| pixel[i]).collect());
-        let named = ["R", "G", "B", "A"].into_iter().enumerate().map(|(i, name)| channel(i, name)).collect();
-        channels::write(&output, size.map(|side| side as usize), named, comments)?;
-        Ok(map.iter().filter(|pixel| pixel[3] > 0.0).count() as f64 / map.len() as f64)
+        let calibration = calibration_of(&camera.0, size[0], size[1])?;
+        write_map(&calibration, &camera.0.object_name, (size, undistorts), comments, &output)
     })?
 }
 
-/// A sentence on what of a calibrated camera's picture shows nothing, and why; `None` if all of it shows something.
+fn write_map(
+    calibration: &Calibration,
+    name: &str,
+    (size, undistorts): ([u32; 2], bool),
+    comments: &str,
+    output: &Path,
+) -> Result<f64, Error> {
+    let direction = if undistorts { MapDirection::Undistort } else { MapDirection::Distort };
+    let dark = || invalid(format!("{name} does not see straight ahead"));
+    let map = calibration.st_map(size, direction).ok_or_else(dark)?;
+    let channel = |i: usize, name: &str| (name.to_owned(), map.iter().map(|pixel| pixel[i]).collect());
+    let named = ["R", "G", "B", "A"].into_iter().enumerate().map(|(i, name)| channel(i, name)).collect();
+    channels::write(output, size.map(|side| side as usize), named, comments)?;
+    Ok(map.iter().filter(|pixel| pixel[3] > 0.0).count() as f64 / map.len() as f64)
+}
+
+/// Sentences on a calibrated camera: what of its picture shows nothing and why, and what of its lens was not measured.
 #[pyfunction]
-pub(crate) fn calibration_complaint(
+pub(crate) fn calibration_remarks(
     py: Python<'_>,
     camera: Described<CameraDescription>,
     width: u32,
     height: u32,
-) -> Result<Option<String>, Error> {
-    Ok(without_gil(py, || camera.0.calibration_complaint([width, height]))??)
+) -> Result<Vec<String>, Error> {
+    Ok(without_gil(py, || camera.0.calibration_remarks([width, height]))??)
 }

@@ -95,6 +95,8 @@ impl From<ReportError> for Error {
             ReportError::System(e) => e.into(),
             ReportError::Focus(e) => e.into(),
             ReportError::Groups(e) => e.into(),
+            ReportError::Calibration(e) => e.into(),
+            ReportError::Camera(e) => e.into(),
             other => invalid(other.to_string()),
         }
     }

@@ -64,10 +64,12 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(files::read_bounded, m)?)?;
     m.add_function(wrap_pyfunction!(files::checkpoint_problem, m)?)?;
     m.add_function(wrap_pyfunction!(pictures::check_exr, m)?)?;
-    m.add_function(wrap_pyfunction!(calibration::calibration_complaint, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::calibration_json, m)?)?;
+    m.add_function(wrap_pyfunction!(calibration::calibration_remarks, m)?)?;
+    m.add_function(wrap_pyfunction!(calibration::photographic_lens_json, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::calibration_text, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::write_calibration_map, m)?)?;
+    m.add_function(wrap_pyfunction!(calibration::write_photographic_map, m)?)?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
     m.add_function(wrap_pyfunction!(camera::coverage_json, m)?)?;
     m.add_function(wrap_pyfunction!(camera::film_of_lens_mm, m)?)?;

@@ -1,5 +1,6 @@
 //! Directions as points of a plane, before distortion.
 
+use crate::lensfun::Projection;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -18,6 +19,8 @@ pub(super) enum Chart {
     DoubleSphere(f64, f64),
     /// Longitude and latitude downwards.
     Sphere,
+    /// A round projection of lensfun's other than a pinhole's.
+    Round(Projection),
 }
 
 impl Chart {
@@ -52,6 +55,11 @@ impl Chart {
                 (d.z > -w2).then(|| across / (alpha * far + (1.0 - alpha) * z))
             }
             Self::Sphere => Some(DVec2::new(d.x.atan2(d.z), d.y.clamp(-1.0, 1.0).asin())),
+            Self::Round(projection) => {
+                let sine = across.length();
+                let height = projection.height(sine.atan2(d.z))?;
+                Some(if sine > 0.0 { across * (height / sine) } else { DVec2::ZERO })
+            }
         }
     }
 
@@ -92,6 +100,11 @@ impl Chart {
                 let (right, on) = q.x.sin_cos();
                 DVec3::new(right * ahead, up, on * ahead)
             }
+            Self::Round(projection) => {
+                let height = r2.sqrt();
+                let (sin, cos) = projection.angle_rad(height)?.sin_cos();
+                if height > 0.0 { (q * (sin / height)).extend(cos) } else { DVec3::Z }
+            }
         };
         // A root of what is negative is where the projection ends.
         direction.try_normalize()
@@ -108,6 +121,7 @@ impl Chart {
             Self::Unified(xi) => or_all(xi * xi - 1.0),
             Self::Enhanced(alpha, beta) => or_all(beta * (2.0 * alpha - 1.0)),
             Self::DoubleSphere(_, alpha) => or_all(2.0 * alpha - 1.0),
+            Self::Round(projection) => projection.reach(),
         }
     }
 }

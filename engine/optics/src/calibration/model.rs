@@ -1,5 +1,7 @@
 //! The models by name, with their parameters.
 
+use crate::lensfun::Projection;
+
 /// A camera model: which parameters a calibration has. Focal lengths and principal points are pixels of the picture, counted from its upper
 /// left corner, so that the first pixel's middle is (0.5, 0.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -32,6 +34,8 @@ pub enum Model {
     TdeRadial,
     /// 3DEqualizer's "Anamorphic - Standard, Degree 4".
     TdeAnamorphic,
+    /// A photographic lens of lensfun's: a round projection with a polynomial of the radius, and two tangential terms.
+    Lensfun(Projection),
     /// A table, on the pinhole of the parameters.
     StMap,
 }
@@ -40,7 +44,7 @@ const F_THETA: [&str; 13] = ["cx", "cy", "c", "d", "e", "k1", "k2", "k3", "k4", 
 
 impl Model {
     /// All models.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 21] = [
         Self::OpenCv,
         Self::Fisheye,
         Self::ThinPrismFisheye,
@@ -55,6 +59,12 @@ impl Model {
         Self::FThetaToPixels,
         Self::TdeRadial,
         Self::TdeAnamorphic,
+        Self::Lensfun(Projection::Rectilinear),
+        Self::Lensfun(Projection::Equidistant),
+        Self::Lensfun(Projection::Orthographic),
+        Self::Lensfun(Projection::Stereographic),
+        Self::Lensfun(Projection::Equisolid),
+        Self::Lensfun(Projection::Thoby),
         Self::StMap,
     ];
 
@@ -75,6 +85,12 @@ impl Model {
             Self::FThetaToPixels => "f-theta-to-pixels",
             Self::TdeRadial => "3de-radial-4",
             Self::TdeAnamorphic => "3de-anamorphic-4",
+            Self::Lensfun(Projection::Rectilinear) => "lensfun-rectilinear",
+            Self::Lensfun(Projection::Equidistant) => "lensfun-fisheye",
+            Self::Lensfun(Projection::Orthographic) => "lensfun-orthographic",
+            Self::Lensfun(Projection::Stereographic) => "lensfun-stereographic",
+            Self::Lensfun(Projection::Equisolid) => "lensfun-equisolid",
+            Self::Lensfun(Projection::Thoby) => "lensfun-thoby",
             Self::StMap => "st-map",
         }
     }
@@ -82,7 +98,8 @@ impl Model {
     /// The names of the parameters in the order in which they are kept.
     ///
     /// OpenCV's and most others' distortion coefficients are those of their sources. `k1` to `k8` of an f-theta camera belong to powers 1 to
-    /// 8, and `c`, `d`, `e` are NVIDIA's: `x = c x' + d y'`, `y = e x' + y'`. Lengths of 3DEqualizer are in cm, angles in degrees.
+    /// 8, and `c`, `d`, `e` are NVIDIA's: `x = c x' + d y'`, `y = e x' + y'`. `c2` to `c7` of lensfun's lenses belong to powers of the radius
+    /// in focal lengths, of which the first has 1. Lengths of 3DEqualizer are in cm, angles in degrees.
     pub fn parameter_names(self) -> &'static [&'static str] {
         match self {
             Self::OpenCv => &[
@@ -137,6 +154,7 @@ impl Model {
                 "squeeze_x",
                 "squeeze_y",
             ],
+            Self::Lensfun(_) => &["fx", "fy", "cx", "cy", "c2", "c3", "c4", "c5", "c6", "c7", "p1", "p2"],
             Self::StMap => &["fx", "fy", "cx", "cy"],
         }
     }

@@ -6,6 +6,7 @@ use super::radial::{EVEN_POWERS, HIGHEST_POWER, Radial};
 use super::st_map::StMap;
 use super::warp::Warp;
 use super::{Calibration, CalibrationError, Model};
+use crate::lensfun::Projection;
 use glam::{DMat2, DMat3, DVec2};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -227,6 +228,15 @@ fn steps(model: Model, size_px: [u32; 2], p: &[f64]) -> Result<Steps, Calibratio
             Ok(Steps { chart: Chart::Angle, distortion, is_from_picture, film })
         }
         Model::TdeRadial | Model::TdeAnamorphic => tde(model, size_px, p),
+        Model::Lensfun(projection) => {
+            let mut powers = [0.0; HIGHEST_POWER];
+            powers[0] = 1.0;
+            powers[1..7].copy_from_slice(&p[4..10]);
+            let radial = if powers[1..].iter().any(|c| *c != 0.0) { Radial::Powers(powers) } else { Radial::Identity };
+            let brown = Brown { first: Radial::Identity, radial, tangential: [p[10], p[11]], prism: [0.0; 4] };
+            let is_pinhole = projection == Projection::Rectilinear;
+            forward(if is_pinhole { Chart::Perspective } else { Chart::Round(projection) }, brown.simplest())
+        }
         Model::StMap => Err(CalibrationError::StMap("is missing")),
     }
 }

@@ -113,6 +113,10 @@ fn at_random(chance: &mut Chance) -> Vec<Calibration> {
                     ("squeeze_x", 1.0, 0.1),
                 ]);
             }
+            Model::Lensfun(_) => {
+                set(&[("c2", 0.0, 0.02), ("c3", -0.1, 0.1), ("c4", 0.0, 0.03), ("p1", 0.0, 2e-3), ("p2", 0.0, 2e-3)]);
+                set(&[("c3", -0.1, 0.1), ("c5", 0.0, 0.02), ("c7", 0.0, 5e-3)]);
+            }
             Model::Equirectangular => set(&[]),
             Model::StMap => {}
         }

@@ -56,7 +56,7 @@ pub struct CalibrationSet {
 pub struct CalibratedLens {
     /// The maker.
     pub maker: String,
-    /// The model; its English name where there are several.
+    /// The model, by the first name in its file that is in no other language than English.
     pub model: String,
     /// The mounts.
     pub mounts: Vec<String>,
@@ -80,11 +80,16 @@ const SHEPARD_POWER: f64 = 3.5;
 const MEASURED: f64 = 1e-4;
 const TOO_FAR: f64 = 1.0;
 
+/// Maker and model; the maker only once.
+pub(super) fn full_name(maker: &str, model: &str) -> String {
+    let begins = model.to_lowercase().starts_with(&maker.to_lowercase());
+    if begins { model.to_owned() } else { format!("{maker} {model}") }
+}
+
 impl CalibratedLens {
     /// Maker and model; the maker only once.
     pub fn name(&self) -> String {
-        let begins = self.model.to_lowercase().starts_with(&self.maker.to_lowercase());
-        if begins { self.model.clone() } else { format!("{} {}", self.maker, self.model) }
+        full_name(&self.maker, &self.model)
     }
 
     /// The measured marked focal length that is nearest to a focal length, both mm; that itself where nothing was measured.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{CalibratedLens, LensfunError, xml};
+use super::{Body, CalibratedLens, LensfunError, xml};
 
 /// The most bytes of a file; lensfun's largest has 1.6 million.
 const MOST_BYTES: u64 = 64 << 20;
@@ -19,10 +19,11 @@ const INSTALLED: [&str; 7] = [
     "/opt/homebrew/share/lensfun/version_1",
 ];
 
-/// The lenses of a lensfun database.
+/// The lenses and camera bodies of a lensfun database.
 #[derive(Clone, Debug, Default)]
 pub struct Database {
     lenses: Vec<CalibratedLens>,
+    bodies: Vec<Body>,
 }
 
 impl Database {
@@ -46,13 +47,15 @@ impl Database {
                 return Err(LensfunError::NoFiles { path: path.to_owned() });
             }
         }
-        let mut lenses = Vec::new();
+        let mut all = Self::default();
         for file in files {
             let text =
                 petzval_files::read_text_bounded(&file, MOST_BYTES).map_err(|error| unreadable(&file, &error))?;
-            lenses.extend(xml::lenses(&text, &file.to_string_lossy())?);
+            let Self { lenses, bodies } = Self::parse(&text, &file.to_string_lossy())?;
+            all.lenses.extend(lenses);
+            all.bodies.extend(bodies);
         }
-        Ok(Self { lenses })
+        Ok(all)
     }
 
     /// The database in the text of a file; `file` is its name in messages.
@@ -60,7 +63,8 @@ impl Database {
     /// # Errors
     /// [`LensfunError::Content`]: it is none.
     pub fn parse(text: &str, file: &str) -> Result<Self, LensfunError> {
-        Ok(Self { lenses: xml::lenses(text, file)? })
+        let (lenses, bodies) = xml::parse(text, file)?;
+        Ok(Self { lenses, bodies })
     }
 
     /// The database that is installed on this computer: the user's own, updated, of the system.
@@ -92,66 +96,93 @@ impl Database {
         &self.lenses
     }
 
-    /// The lens of a name. Case and blanks do not count. The model, or maker and model, in full; else what stands in the name of one lens
-    /// only. Entries of one name, measured with several sensors, are one lens with all their sets.
+    /// The lens of a name. Case and blanks do not count. The model, or maker and model, in full; else words, or beginnings of words, that stand in the name
+    /// of one lens only. Entries of one name, measured with several sensors, are one lens with all their sets.
     ///
     /// # Errors
     /// [`LensfunError::Unknown`], [`LensfunError::Ambiguous`].
     pub fn find(&self, name: &str) -> Result<CalibratedLens, LensfunError> {
-        let wanted = key(name);
-        let exact = self.lenses.iter().filter(|lens| key(&lens.model) == wanted || key(&lens.name()) == wanted);
-        if let Some(found) = Self::joined(exact.collect()) {
-            return Ok(found);
-        }
-        let words: Vec<&str> = wanted.split(' ').collect();
-        let holds = |lens: &&CalibratedLens| {
-            let known = key(&lens.name());
-            !wanted.is_empty() && words.iter().all(|word| known.contains(word))
-        };
-        let like: Vec<&CalibratedLens> = self.lenses.iter().filter(holds).collect();
-        let mut names: Vec<String> = like.iter().map(|lens| lens.name()).collect();
-        names.sort_unstable();
-        names.dedup();
-        match (names.len(), Self::joined(like)) {
-            (1, Some(found)) => Ok(found),
-            (0, _) => Err(LensfunError::Unknown { name: name.to_owned(), near: self.near(&wanted) }),
-            _ => Err(LensfunError::Ambiguous { name: name.to_owned(), all: names }),
-        }
+        let names: Vec<_> = self.lenses.iter().map(|lens| [lens.model.clone(), lens.name()]).collect();
+        let entries = matching(&names, name, "lens")?;
+        let (first, others) = entries.split_first().ok_or_else(|| unknown(&names, name, "lens"))?;
+        let mut lens = self.lenses[*first].clone();
+        lens.sets.extend(others.iter().flat_map(|other| self.lenses[*other].sets.clone()));
+        Ok(lens)
     }
 
-    /// Entries of a lens as one, with the sets of all.
-    fn joined(entries: Vec<&CalibratedLens>) -> Option<CalibratedLens> {
-        let (first, others) = entries.split_first()?;
-        let mut lens = (*first).clone();
-        lens.sets.extend(others.iter().flat_map(|other| other.sets.clone()));
-        Some(lens)
+    /// All camera bodies, in the order of the files.
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
     }
 
-    /// The names that have the most words, or parts of words, of a key in common with it.
-    fn near(&self, wanted: &str) -> Vec<String> {
-        const LEAST: f64 = 0.3;
-        const MOST: usize = 6;
-        let pairs = |text: &str| -> Vec<[char; 2]> {
-            let letters: Vec<char> = text.chars().filter(|c| *c != ' ').collect();
-            letters.windows(2).map(|pair| [pair[0], pair[1]]).collect()
-        };
-        let wanted = pairs(wanted);
-        // Dice's coefficient of the pairs of letters.
-        let likeness = |name: &str| {
-            let mut left = pairs(&key(name));
-            let all = (left.len() + wanted.len()).max(1);
-            let shared = wanted.iter().filter(|pair| {
-                let at = left.iter().position(|other| other == *pair);
-                at.map(|at| left.swap_remove(at)).is_some()
-            });
-            2.0 * shared.count() as f64 / all as f64
-        };
-        let mut names: Vec<(f64, String)> =
-            self.lenses.iter().map(|lens| (likeness(&lens.name()), lens.name())).collect();
-        names.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
-        names.dedup_by(|a, b| a.1 == b.1);
-        names.into_iter().take(MOST).filter(|(likeness, _)| *likeness >= LEAST).map(|(_, name)| name).collect()
+    /// The camera body of a name, which is looked for as a lens's is; of bodies of one name the first.
+    ///
+    /// # Errors
+    /// [`LensfunError::Unknown`], [`LensfunError::Ambiguous`].
+    pub fn body(&self, name: &str) -> Result<&Body, LensfunError> {
+        let names: Vec<_> = self.bodies.iter().map(|body| [body.model.clone(), body.name()]).collect();
+        let found = matching(&names, name, "camera body")?;
+        found.first().map(|first| &self.bodies[*first]).ok_or_else(|| unknown(&names, name, "camera body"))
     }
+}
+
+/// The numbers of the entries of a name, all of one name, each known by model and by maker and model; `what` they are, for messages.
+fn matching(names: &[[String; 2]], name: &str, what: &'static str) -> Result<Vec<usize>, LensfunError> {
+    let wanted = key(name);
+    let numbers = |holds: &dyn Fn(&[String; 2]) -> bool| -> Vec<usize> {
+        names.iter().enumerate().filter(|(_, names)| holds(names)).map(|(i, _)| i).collect()
+    };
+    let exact = numbers(&|[model, full]| key(model) == wanted || key(full) == wanted);
+    if !exact.is_empty() {
+        return Ok(exact);
+    }
+    let words: Vec<&str> = wanted.split(' ').collect();
+    let like = numbers(&|[_, full]| {
+        let known = key(full);
+        !wanted.is_empty() && words.iter().all(|word| begins_a_word(&known, word))
+    });
+    let mut all: Vec<String> = like.iter().map(|i| names[*i][1].clone()).collect();
+    all.sort_unstable();
+    all.dedup();
+    match all.len() {
+        1 => Ok(like),
+        0 => Err(unknown(names, name, what)),
+        _ => Err(LensfunError::Ambiguous { what, name: name.to_owned(), all }),
+    }
+}
+
+fn unknown(names: &[[String; 2]], name: &str, what: &'static str) -> LensfunError {
+    LensfunError::Unknown { what, name: name.to_owned(), near: near(names, &key(name)) }
+}
+
+/// The names that have the most words, or parts of words, of a key in common with it.
+fn near(names: &[[String; 2]], wanted: &str) -> Vec<String> {
+    const LEAST: f64 = 0.3;
+    const MOST: usize = 6;
+    let pairs = |text: &str| -> Vec<[char; 2]> {
+        let letters: Vec<char> = text.chars().filter(|c| *c != ' ').collect();
+        letters.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+    };
+    let wanted = pairs(wanted);
+    // Dice's coefficient of the pairs of letters.
+    let likeness = |name: &str| {
+        let mut left = pairs(&key(name));
+        let all = (left.len() + wanted.len()).max(1);
+        let shared = wanted.iter().filter(|pair| {
+            let at = left.iter().position(|other| other == *pair);
+            at.map(|at| left.swap_remove(at)).is_some()
+        });
+        2.0 * shared.count() as f64 / all as f64
+    };
+    let mut names: Vec<(f64, &String)> = names.iter().map(|[_, full]| (likeness(full), full)).collect();
+    names.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(b.1)));
+    names.dedup_by(|a, b| a.1 == b.1);
+    names.into_iter().take(MOST).filter(|(likeness, _)| *likeness >= LEAST).map(|(_, name)| name.clone()).collect()
+}
+
+/// True if a text has a word that begins so: 8mm is not in 28mm, and nikkor is in Zoom-Nikkor.
+fn begins_a_word(text: &str, word: &str) -> bool {
+    text.match_indices(word).any(|(at, _)| !text[..at].ends_with(char::is_alphanumeric))
 }
 
 /// A name in small letters with single blanks.

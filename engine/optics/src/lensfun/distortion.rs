@@ -104,6 +104,19 @@ impl Distortion {
         }
     }
 
+    /// The formula with lengths in the focal length of the measurement: coefficients of r² to r⁷ of the distorted radius by the straight one, that
+    /// of r being 1, and the tangential terms `p1`, `p2` of `x += 2 p1 x y + p2 (r² + 2 x²)`, `y += p1 (r² + 2 y²) + 2 p2 x y`.
+    pub fn in_focal_lengths(&self) -> ([f64; 6], [f64; 2]) {
+        let f = self.real_focal_mm;
+        let [_, c2, c3, c4, c5] = self.radial();
+        let radial = [c2 * f, c3 * f.powi(2), c4 * f.powi(3), c5 * f.powi(4), 0.0, self.seventh() * f.powi(6)];
+        let tangential = match self.model {
+            DistortionModel::Adobe([.., k4, k5]) => [k4, k5],
+            _ => [0.0; 2],
+        };
+        (radial, tangential)
+    }
+
     /// Distorted radius by the straight one, both mm, without tangential terms, and its derivative.
     pub fn radius_mm(&self, straight_mm: f64) -> (f64, f64) {
         let r = straight_mm;

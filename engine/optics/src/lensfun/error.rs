@@ -41,17 +41,27 @@ pub enum LensfunError {
         /// What is wrong, and what belongs there.
         what: String,
     },
-    /// No lens has this name.
-    #[error("no lens in the lensfun database is called '{name}'; {}", proposal(near))]
+    /// No lens is named, and there are several.
+    #[error("there are {count} lenses in the lensfun database; name one")]
+    NotChosen {
+        /// How many there are.
+        count: usize,
+    },
+    /// No lens or camera body has this name.
+    #[error("no {what} in the lensfun database is called '{name}'; {}", proposal(near))]
     Unknown {
+        /// The kind that was looked for.
+        what: &'static str,
         /// The name that was asked for.
         name: String,
         /// The names nearest to it, best first.
         near: Vec<String>,
     },
-    /// Several lenses have this in their names.
-    #[error("'{name}' may be {} lenses of the lensfun database: {}; give more of the name", all.len(), some(all))]
+    /// Several lenses or camera bodies have this in their names.
+    #[error("'{name}' may be {} of the lensfun database: {}; give more of the name", several(all.len(), what), some(all))]
     Ambiguous {
+        /// The kind that was looked for.
+        what: &'static str,
         /// The name that was asked for.
         name: String,
         /// The names that hold it.
@@ -61,6 +71,10 @@ pub enum LensfunError {
 
 /// The most names that a message lists.
 const MOST: usize = 6;
+
+fn several(count: usize, what: &str) -> String {
+    format!("{count} {}", if what == "lens" { "lenses" } else { "camera bodies" })
+}
 
 fn some(names: &[String]) -> String {
     let more = if names.len() > MOST { ", …" } else { "" };

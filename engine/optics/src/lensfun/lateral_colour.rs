@@ -55,6 +55,9 @@ pub enum Channel {
     Blue,
 }
 
+/// Steps of the inverse, whose map is within some thousandths of the identity.
+const MOST_STEPS: u32 = 50;
+
 /// Lateral colour of a lens at a focal length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralColour {
@@ -87,5 +90,23 @@ impl LateralColour {
                 (p * common + DVec2::new(x_term[i], y_term[i]) * r2) * (scale[i] * f)
             }
         }
+    }
+
+    /// The point in green light of what a channel shows at a place, both mm in the real picture; `None`: the formula has none near.
+    pub fn green_mm(&self, channel: Channel, place_mm: DVec2) -> Option<DVec2> {
+        let enough = 4.0 * f64::EPSILON * place_mm.length();
+        let mut green = place_mm;
+        for _ in 0..MOST_STEPS {
+            let off = place_mm - self.place_mm(channel, green);
+            if !off.is_finite() {
+                return None;
+            }
+            if off.length() <= enough {
+                return Some(green);
+            }
+            green += off;
+        }
+        let off = (place_mm - self.place_mm(channel, green)).length();
+        (off <= 1e-9 * place_mm.length()).then_some(green)
     }
 }

@@ -1,7 +1,7 @@
 //! Projections that lensfun's lenses are said to have: how far from the middle a field is, without distortion.
 
 /// A projection by angle from the axis. Panoramic and equirectangular pictures have none, so they are read as unknown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Projection {
     /// By the tangent.
     #[default]
@@ -33,6 +33,17 @@ impl Projection {
             "fisheye_thoby" => Self::Thoby,
             _ => return None,
         })
+    }
+
+    /// The largest height in the picture without distortion, in focal lengths; infinite where there is none.
+    pub fn reach(self) -> f64 {
+        match self {
+            Self::Rectilinear | Self::Stereographic => f64::INFINITY,
+            Self::Equidistant => std::f64::consts::PI,
+            Self::Orthographic => 1.0,
+            Self::Equisolid => 2.0,
+            Self::Thoby => THOBY[0],
+        }
     }
 
     /// Height in the picture without distortion, in focal lengths, of a field at this angle from the axis; `None`: the projection does not

@@ -1,4 +1,4 @@
-//! A lensfun database's XML, versions 1 and 2, as lenses.
+//! A lensfun database's XML, versions 1 and 2, as lenses and camera bodies.
 
 use roxmltree::{Document, Node, ParsingOptions};
 
@@ -6,7 +6,7 @@ use super::calibrated_lens::{CalibratedLens, CalibrationSet, DistortionRow, Late
 use super::distortion::DistortionModel;
 use super::lateral_colour::LateralColourModel;
 use super::vignetting::VignettingModel;
-use super::{LensfunError, Projection, Sensor};
+use super::{Body, LensfunError, Projection, Sensor};
 
 /// The most elements, attributes and texts of a file: 40 times those of lensfun's largest.
 const MOST_NODES: u32 = 2_000_000;
@@ -17,8 +17,8 @@ struct Reader<'a> {
     document: &'a Document<'a>,
 }
 
-/// The lenses in the text of a file.
-pub(super) fn lenses(text: &str, file: &str) -> Result<Vec<CalibratedLens>, LensfunError> {
+/// The lenses and camera bodies in the text of a file.
+pub(super) fn parse(text: &str, file: &str) -> Result<(Vec<CalibratedLens>, Vec<Body>), LensfunError> {
     let options = ParsingOptions { allow_dtd: true, nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
@@ -31,11 +31,19 @@ pub(super) fn lenses(text: &str, file: &str) -> Result<Vec<CalibratedLens>, Lens
         let what = format!("<{}> where <lensdatabase> belongs; give a lensfun database", root.tag_name().name());
         return Err(reader.wrong(root, what));
     }
-    children(root, "lens").map(|lens| reader.lens(lens)).collect()
+    let lenses = children(root, "lens").map(|lens| reader.lens(lens)).collect::<Result<_, _>>()?;
+    let bodies = children(root, "camera").map(|body| reader.body(body)).collect::<Result<_, _>>()?;
+    Ok((lenses, bodies))
 }
 
 fn children<'a, 'i>(node: Node<'a, 'i>, name: &'static str) -> impl Iterator<Item = Node<'a, 'i>> {
     node.children().filter(move |child| child.has_tag_name(name))
+}
+
+/// The English text of the first child of that name, else as [`text`].
+fn english_text<'a>(node: Node<'a, '_>, name: &'static str) -> Option<&'a str> {
+    let english = children(node, name).find(|child| child.attribute("lang") == Some("en"));
+    english.map_or_else(|| text(node, name), |child| child.text().map(str::trim))
 }
 
 /// The text of the first child of that name that is in no other language.
@@ -102,6 +110,14 @@ impl Reader<'_> {
             centre,
             sets,
             place: (self.file.to_owned(), self.document.text_pos_at(node.range().start).row),
+        })
+    }
+
+    fn body(&self, node: Node<'_, '_>) -> Result<Body, LensfunError> {
+        Ok(Body {
+            maker: english_text(node, "maker").unwrap_or_default().to_owned(),
+            model: english_text(node, "model").unwrap_or_default().to_owned(),
+            crop_factor: self.positive_text(node, "cropfactor", 1.0)?,
         })
     }
 

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
+use petzval_optics::calibration::PhotographicLens;
+use petzval_optics::calibration::photographic::{PhotographicError, PhotographicSetting};
 use petzval_optics::lensfun::lateral_colour::Channel;
 use petzval_optics::lensfun::{Database, LensfunError, Projection};
 use serde_json::Value;
@@ -64,6 +66,117 @@ fn calibrations_are_those_of_lensfun() {
         }
     }
     assert!(distortions >= 75 && colours >= 70 && lights >= 50, "{distortions} {colours} {lights}");
+}
+
+/// The film of a crop factor, of 3000 pixels by 2000, so that its diagonal is the sensor's.
+fn setting(crop: f64, focal_mm: f64, f_number: f64, distance_m: f64) -> PhotographicSetting {
+    let width_mm = petzval_optics::lensfun::FULL_DIAGONAL_MM / crop * 3.0 / 13f64.sqrt();
+    PhotographicSetting {
+        size_px: [3000, 2000],
+        film_mm: [width_mm, width_mm * 2.0 / 3.0],
+        focal_mm,
+        f_number,
+        distance_m,
+    }
+}
+
+/// As a camera: directions by the projection's own formula, everything else as lensfun's library has it.
+#[test]
+fn cameras_are_those_of_lensfun() {
+    let database = database();
+    let settings: Vec<Value> = serde_json::from_str(REFERENCE).unwrap();
+    let (mut seen, mut coloured, mut lit) = (0, 0, 0);
+    for value in &settings {
+        let number = |key: &str| value[key].as_f64().unwrap();
+        let lens = database.find(value["model"].as_str().unwrap()).unwrap();
+        let [shortest, longest] = lens.focal_range_mm;
+        // Beyond its ends a zoom is no camera.
+        if number("focal_mm") < shortest || number("focal_mm") > longest {
+            continue;
+        }
+        let setting = setting(number("crop"), number("focal_mm"), number("f_number"), number("distance_m"));
+        let camera = PhotographicLens::new(&lens, &setting).unwrap();
+        let mm_per_px = setting.film_mm[0] / 3000.0;
+        let centre = DVec2::new(1500.0, 1000.0) + DVec2::from_array(lens.centre) * 1000.0;
+        let pixel = |mm: DVec2| mm / mm_per_px + centre;
+        // 1e-9 of the picture, as every calibration.
+        let near = |got: DVec2, want: DVec2| assert!((got - want).length() < 3e-6, "{} {got} {want}", lens.model);
+        for row in value["points"].as_array().unwrap() {
+            let straight = point(&row["at_mm"]).unwrap();
+            let Some(angle) = lens.projection.unwrap().angle_rad(straight.length() / number("real_focal_mm")) else {
+                continue;
+            };
+            let direction = (straight.normalize_or_zero() * angle.sin()).extend(angle.cos());
+            let distorted = point(&row["distorted_mm"]).unwrap();
+            if let Ok(found) = camera.calibration.project(direction) {
+                near(found, pixel(distorted));
+                near(camera.calibration.project(camera.calibration.unproject(found).unwrap()).unwrap(), found);
+                seen += 1;
+            }
+            // The place in red of a point of green.
+            for (channel, key) in [(Channel::Red, "red_mm"), (Channel::Blue, "blue_mm")] {
+                let (Some(place), Ok(green)) = (point(&row[key]), camera.calibration.unproject(pixel(straight))) else {
+                    continue;
+                };
+                let found = camera.unproject(pixel(place), channel).unwrap();
+                assert!((found - green).length() < 1e-8, "{} {found} {green}", lens.model);
+                coloured += 1;
+            }
+            if let Some(gain) = row["gain"].as_f64() {
+                let light = camera.illumination(pixel(straight)).unwrap();
+                assert!((light * gain - 1.0).abs() < SAME, "{} {light} {gain}", lens.model);
+                lit += 1;
+            }
+        }
+    }
+    assert!(seen >= 50 && coloured >= 80 && lit >= 30, "{seen} {coloured} {lit}");
+}
+
+#[test]
+fn what_is_no_camera_says_why() {
+    let database = database();
+    let zoom = database.find("Nikon Nikkor Z 24-70mm f/4 S").unwrap();
+    let error = |setting: PhotographicSetting| PhotographicLens::new(&zoom, &setting).unwrap_err();
+    let good = setting(1.0, 35.0, 8.0, f64::INFINITY);
+    assert!(PhotographicLens::new(&zoom, &good).is_ok());
+    assert!(matches!(error(setting(1.0, 80.0, 8.0, 10.0)), PhotographicError::FocalLength { longest: 70.0, .. }));
+    let large = error(setting(0.79, 35.0, 8.0, 10.0)).to_string();
+    assert!(large.contains("measured up to 21.6 mm") && large.contains("corner lies at 27.4 mm"), "{large}");
+    for (bad, what) in [
+        (PhotographicSetting { focal_mm: f64::NAN, ..good }, "focal length"),
+        (PhotographicSetting { f_number: 0.0, ..good }, "f-number"),
+        (PhotographicSetting { distance_m: -1.0, ..good }, "distance"),
+        (PhotographicSetting { film_mm: [f64::INFINITY, 24.0], ..good }, "width"),
+    ] {
+        assert!(error(bad).to_string().contains(what), "{}", error(bad));
+    }
+    let panoramic = petzval_optics::lensfun::CalibratedLens { projection: None, ..zoom.clone() };
+    assert!(matches!(PhotographicLens::new(&panoramic, &good), Err(PhotographicError::Panoramic(_))));
+    // A lens without measurements is a pinhole, and says so.
+    let bare = petzval_optics::lensfun::CalibratedLens { sets: Vec::new(), ..zoom };
+    let camera = PhotographicLens::new(&bare, &good).unwrap();
+    assert_eq!(camera.remarks.len(), 3);
+    let direction = camera.calibration.unproject(DVec2::new(2500.0, 1000.0)).unwrap();
+    let width_mm = good.film_mm[0];
+    assert!((direction - DVec3::new(width_mm / 3.0, 0.0, 35.0).normalize()).length() < 1e-12);
+}
+
+#[test]
+fn bodies_are_found_as_lenses_are() {
+    let text = "<lensdatabase><camera><maker>Nikon Corporation</maker><maker lang=\"en\">Nikon</maker><model>Nikon Z 6</model>\
+                <model lang=\"en\">Z 6</model><mount>Nikon Z</mount><cropfactor>1.0</cropfactor></camera>\
+                <camera><maker>Nikon</maker><model>Z 50</model><cropfactor>1.529</cropfactor></camera></lensdatabase>";
+    let database = Database::parse(text, "my.xml").unwrap();
+    assert_eq!(database.body("nikon z 50").unwrap().crop_factor, 1.529);
+    assert_eq!(database.body("Z 6").unwrap().name(), "Nikon Z 6");
+    let message = |name: &str| database.body(name).unwrap_err().to_string();
+    assert_eq!(
+        message("Z"),
+        "'Z' may be 2 camera bodies of the lensfun database: Nikon Z 50, Nikon Z 6; give more of the name"
+    );
+    assert!(message("Canon").starts_with("no camera body in the lensfun database is called 'Canon'"));
+    let broken = Database::parse("<lensdatabase><camera><cropfactor>0</cropfactor></camera></lensdatabase>", "my.xml");
+    assert_eq!(broken.unwrap_err().to_string(), "my.xml:1:15: cropfactor '0' is not a number above zero; write one");
 }
 
 #[test]

@@ -14,6 +14,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ..description import INSTALLED_LENSFUN
+
 #: Kinds of datablocks whose files no render reads.
 _UNREAD = {"Sound", "Text", "Library"}
 #: Settings of a camera that name files of which Blender knows nothing: its lens, its calibration.
@@ -119,6 +121,12 @@ class Packer:
     def _file_of(self, camera: Any, name: str) -> str:
         """A file that a camera's setting names; empty where it is a lens that comes with Petzval, or none."""
         chosen = getattr(camera.petzval, name).strip()
+        if name == "calibration_file" and (chosen == INSTALLED_LENSFUN or os.path.isdir(self._absolute(chosen, None))):
+            self.warnings.append(
+                f"camera '{camera.name}': the lensfun database '{chosen}' is not packed, and other machines may have another one: name one "
+                ".xml file of it"
+            )
+            return ""
         path = self._absolute(chosen, None) if chosen else ""
         return path if path and os.path.isfile(path) else ""
 

@@ -157,13 +157,25 @@ pub struct FilmSettings {
 }
 
 /// The calibration of a camera, and where it stands.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationSettings {
-    /// The file of calibrations, or an ST map (`.exr`).
+    /// The file of calibrations, an ST map (`.exr`), a lensfun database (`.xml` or a folder of such), or the word `lensfun` for the database
+    /// that is installed.
     pub path: PathBuf,
-    /// The camera's name in the file; `None` is the only one.
+    /// The camera's name in the file, or the lens's in a lensfun database; `None` is the only one.
     pub camera: Option<String>,
+    /// The camera body in a lensfun database, whose sensor the picture's diagonal is; `None` is Blender's sensor.
+    pub body: Option<String>,
+    /// The f-number of a lens's vignetting in a lensfun database.
+    pub f_number: f64,
+}
+
+impl Default for CalibrationSettings {
+    /// No file, at the f-number of Blender's cameras.
+    fn default() -> Self {
+        Self { path: PathBuf::new(), camera: None, body: None, f_number: 2.8 }
+    }
 }
 
 /// The settings of a camera, unchecked. Angles in radians; `None` leaves the lens's own value.

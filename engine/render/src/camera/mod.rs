@@ -16,6 +16,7 @@ pub mod tools;
 
 pub use description::{CalibrationSettings, CameraDescription, EnabledEffects, Model, Spectrum};
 pub use lens_file::LensFile;
+pub use models::calibrated::calibration_of;
 
 use crate::Rgb;
 use crate::accel::Ray;
@@ -173,7 +174,7 @@ impl Camera {
             Self::Adapted(c) => c.sample(p, u_lens, u_wavelength),
             Self::Orthographic(c) => Some(c.ray(p)),
             Self::Panoramic(c) => c.sample(p, u_lens),
-            Self::Calibrated(c) => c.sample(p, u_lens),
+            Self::Calibrated(c) => c.sample(p, u_lens, u_wavelength),
             Self::Eye(c) => c.sample(p, u_lens, u_wavelength),
         }
     }
@@ -181,12 +182,8 @@ impl Camera {
     /// True if a sample depends on its wavelength or is carried back to the film: if not, [`Request`] needs no numbers for that.
     pub fn has_wavelengths(&self) -> bool {
         match self {
-            Self::Pinhole(_)
-            | Self::Thin(_)
-            | Self::Orthographic(_)
-            | Self::Panoramic(_)
-            | Self::Calibrated(_)
-            | Self::Eye(_) => false,
+            Self::Pinhole(_) | Self::Thin(_) | Self::Orthographic(_) | Self::Panoramic(_) | Self::Eye(_) => false,
+            Self::Calibrated(c) => c.is_coloured(),
             Self::Lens(_) | Self::Gaussian(_) | Self::ImageBased(_) | Self::Adapted(_) => true,
         }
     }

@@ -88,7 +88,8 @@ impl CameraChoice {
     pub(super) fn applied(&self, d: &CameraDescription) -> CameraDescription {
         if self.way == CameraKind::Given {
             let line_nm = d.wavelength_nm.or(self.spectrum.is_none().then_some(D_LINE_NM));
-            return CameraDescription { wavelength_nm: line_nm, transmission: self.transmission, ..d.clone() };
+            let (shown, transmission) = (self.shown, self.transmission);
+            return CameraDescription { wavelength_nm: line_nm, shown, transmission, ..d.clone() };
         }
         let mut d = CameraDescription { shown: self.shown, transmission: self.transmission, ..d.clone() };
         match self.spectrum {

@@ -11,7 +11,7 @@ use crate::camera::{EnabledEffects, Spectrum};
 use crate::spectrum::{SET_SIZE, SPECTRAL_COUNT};
 
 /// Measures are taken at some places and for some rays of all: what is worst may lie between them.
-const MARGIN: f64 = 1.25;
+pub(super) const MARGIN: f64 = 1.25;
 /// The part of the places without light from which on it is unknown what they would show.
 const DARK: f64 = 0.02;
 
@@ -25,7 +25,7 @@ pub(super) fn decide(known: &Known<'_>, wishes: &PlanOptions) -> Result<(Vec<Dec
     Ok((decisions, choice, sample_ns(price, known.survey.shape()) + lossy_ns))
 }
 
-fn tolerance(effect: Effect, wishes: &PlanOptions) -> f64 {
+pub(super) fn tolerance(effect: Effect, wishes: &PlanOptions) -> f64 {
     effect.unit().tolerance(wishes.quality)
 }
 

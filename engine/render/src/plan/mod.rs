@@ -5,6 +5,7 @@
 //! picture, and applied to the camera's description. After that nothing asks any more what is simulated. No decision depends
 //! on a clock, so the same scene has the same plan on every machine.
 
+mod calibrated;
 mod choice;
 mod coincident;
 mod decide;
@@ -309,8 +310,9 @@ impl Plan {
         wishes: &PlanOptions,
         start: Instant,
     ) -> Result<Self, PlanError> {
-        let model = ModelEffects::new(d.model, wishes)?;
         let camera = Camera::new(d, width, height)?;
+        let calibrated = calibrated::decisions(&camera, wishes);
+        let model = ModelEffects::new(d.model, &calibrated, wishes)?;
         let ray = |i: usize| {
             let place = Survey::place(i % GRID[0], i / GRID[0]);
             camera.sample(place, [0.5; 2], 0.5).map(|found| found.ray)
@@ -322,8 +324,8 @@ impl Plan {
         let blur = decide::motion_without_lens(motion, moving.len() > 1, wishes);
         let is_moving = blur.is_on;
         let decision = |effect: Effect| {
-            if effect == Effect::MotionBlur {
-                return blur.clone();
+            if let Some(one) = [&blur].into_iter().chain(&calibrated).find(|one| one.effect == effect) {
+                return one.clone();
             }
             Decision {
                 effect,
@@ -339,7 +341,10 @@ impl Plan {
         };
         Ok(Self {
             decisions: Effect::ALL.into_iter().map(decision).collect(),
-            camera: CameraChoice::given(wishes, is_moving, model.colours, model.transmission),
+            camera: CameraChoice {
+                shown: calibrated::shown(&calibrated),
+                ..CameraChoice::given(wishes, is_moving, model.colours, model.transmission)
+            },
             camera_ns: 0.0,
             ghost_reflections: wishes.ghost_reflections,
             quality: wishes.quality,
@@ -388,8 +393,8 @@ struct ModelEffects {
 }
 
 impl ModelEffects {
-    /// Checks that the user asks for nothing else.
-    fn new(model: Model, wishes: &PlanOptions) -> Result<Self, PlanError> {
+    /// Checks that the user asks for nothing else, but for what is decided already.
+    fn new(model: Model, decided: &[Decision], wishes: &PlanOptions) -> Result<Self, PlanError> {
         if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
             return Err(PlanError::NotYet(effect));
         }
@@ -402,6 +407,7 @@ impl ModelEffects {
         };
         let is_against = |effect: &Effect| {
             *effect != Effect::MotionBlur
+                && !decided.iter().any(|one| one.effect == *effect)
                 && match wishes.word(*effect) {
                     EffectMode::Auto => false,
                     EffectMode::On => !effects.has(*effect),

@@ -1,7 +1,13 @@
 //! The report of a file of calibrations.
 
+use super::ReportError;
+use crate::camera::{CalibrationSettings, CameraDescription};
+use glam::DVec2;
 use petzval_optics::calibration::Calibration;
-use petzval_optics::formats::calibration::CalibrationFile;
+use petzval_optics::formats::calibration::{self, CalibrationFile};
+use petzval_optics::lensfun::calibrated_lens::CalibrationSet;
+use petzval_optics::lensfun::lateral_colour::Channel;
+use petzval_optics::lensfun::{Body, CalibratedLens, Database};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -11,6 +17,37 @@ pub struct CalibrationReport {
     format: &'static str,
     remarks: Vec<String>,
     cameras: Vec<CameraReport>,
+    /// Lenses of a lensfun database.
+    lenses: Vec<LensEntry>,
+    /// Names of the camera bodies of a lensfun database.
+    bodies: Vec<String>,
+}
+
+/// A lens of a lensfun database.
+#[derive(Serialize)]
+struct LensEntry {
+    name: String,
+    mounts: Vec<String>,
+    focal_range_mm: [f64; 2],
+    /// Of the sensors with which it was measured.
+    crop_factors: Vec<f64>,
+    /// Numbers of measurements of distortion, vignetting and lateral colour.
+    measured: [usize; 3],
+}
+
+/// The report of a lens of a lensfun database at a setting.
+#[derive(Serialize)]
+pub struct PhotographicReport {
+    #[serde(flatten)]
+    camera: CameraReport,
+    /// The focal length that the lens is marked with at this setting.
+    marked_mm: f64,
+    film_width_mm: f64,
+    /// The illumination of the corner over that of the middle, stops; null: not measured, or dark.
+    corner_stops: Option<f64>,
+    /// How far red and blue lie outside of green in the corner, pixels; null: not measured.
+    corner_lateral_px: Option<[f64; 2]>,
+    remarks: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -33,10 +70,77 @@ struct CameraReport {
     focal_px: Option<[f64; 2]>,
 }
 
+/// The report of a file of calibrations or of a lensfun database.
+///
+/// # Errors
+/// [`ReportError`]: there is none, or it cannot be read.
+pub fn of_settings(settings: &CalibrationSettings) -> Result<CalibrationReport, ReportError> {
+    if settings.is_of_lensfun() {
+        Ok(of_database(&settings.database()?))
+    } else {
+        Ok(report(&calibration::read(&settings.path)?))
+    }
+}
+
+/// The report of a lens of a lensfun database at a camera's setting, for a picture of that many pixels.
+///
+/// # Errors
+/// [`ReportError`]: there is no such lens, or it makes no camera at this setting.
+pub fn of_lens(d: &CameraDescription, size_px: [u32; 2]) -> Result<PhotographicReport, ReportError> {
+    let lens = d.photographic_lens(size_px)?;
+    let lens =
+        lens.ok_or_else(|| ReportError::OutOfRange("this calibration is no lens of a lensfun database".into()))?;
+    let corner = DVec2::from_array(size_px.map(f64::from));
+    let lateral = [Channel::Red, Channel::Blue].map(|channel| lens.lateral_px(corner, channel));
+    let stops = lens.illumination(corner).map(f64::log2);
+    Ok(PhotographicReport {
+        marked_mm: lens.marked_mm,
+        film_width_mm: lens.film_width_mm(),
+        corner_stops: stops.filter(|_| lens.has_vignetting()),
+        corner_lateral_px: lens.has_lateral_colour().then_some(lateral),
+        camera: of_camera(&lens.name, &lens.calibration),
+        remarks: lens.remarks,
+    })
+}
+
+fn of_database(database: &Database) -> CalibrationReport {
+    let mut lenses: Vec<LensEntry> = database.lenses().iter().map(entry).collect();
+    lenses.sort_by(|a, b| a.name.cmp(&b.name));
+    // Entries of one name are one lens, measured with several sensors.
+    lenses.dedup_by(|next, first| {
+        let is_same = next.name == first.name;
+        if is_same {
+            first.crop_factors.append(&mut next.crop_factors);
+            first.measured = std::array::from_fn(|i| first.measured[i] + next.measured[i]);
+        }
+        is_same
+    });
+    let mut bodies: Vec<String> = database.bodies().iter().map(Body::name).collect();
+    bodies.sort_unstable();
+    bodies.dedup();
+    CalibrationReport { format: "a lensfun database", remarks: Vec::new(), cameras: Vec::new(), lenses, bodies }
+}
+
+fn entry(lens: &CalibratedLens) -> LensEntry {
+    let count = |of: &dyn Fn(&CalibrationSet) -> usize| lens.sets.iter().map(of).sum();
+    LensEntry {
+        name: lens.name(),
+        mounts: lens.mounts.clone(),
+        focal_range_mm: lens.focal_range_mm,
+        crop_factors: lens.sets.iter().map(|set| set.sensor.crop_factor).collect(),
+        measured: [
+            count(&|set| set.distortion.len()),
+            count(&|set| set.vignetting.len()),
+            count(&|set| set.lateral_colour.len()),
+        ],
+    }
+}
+
 /// Reports what a file of calibrations holds.
 pub fn report(file: &CalibrationFile) -> CalibrationReport {
     let cameras = file.cameras.iter().map(|camera| of_camera(&camera.name, &camera.calibration)).collect();
-    CalibrationReport { format: file.format.name(), remarks: file.remarks.clone(), cameras }
+    let (lenses, bodies) = (Vec::new(), Vec::new());
+    CalibrationReport { format: file.format.name(), remarks: file.remarks.clone(), cameras, lenses, bodies }
 }
 
 fn of_camera(name: &str, calibration: &Calibration) -> CameraReport {

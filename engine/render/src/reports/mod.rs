@@ -18,8 +18,10 @@ pub mod summary;
 mod tolerance;
 mod transmission;
 
+use crate::camera::CameraError;
 use petzval_optics::analysis::Analysis;
 use petzval_optics::focus::{Focus, FocusError, GroupsError, focused};
+use petzval_optics::formats::calibration::CalibrationFileError;
 use petzval_optics::glass::line_nm;
 use petzval_optics::lensfun::LensfunError;
 use petzval_optics::paraxial::Paraxial;
@@ -77,6 +79,12 @@ pub enum ReportError {
     /// The lensfun database has no calibration of the lens.
     #[error(transparent)]
     Lensfun(#[from] LensfunError),
+    /// A file of calibrations cannot be read.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationFileError),
+    /// A camera cannot be made.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
     /// The lens cannot be set.
     #[error(transparent)]
     System(#[from] SystemError),

@@ -8,5 +8,6 @@ pub mod gaussian;
 pub mod image_based;
 pub mod orthographic;
 pub mod panoramic;
+mod photographic;
 pub mod pinhole;
 pub mod thin;

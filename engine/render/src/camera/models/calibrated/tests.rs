@@ -7,7 +7,11 @@ fn description(camera: &str) -> CameraDescription {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/calibrations/cameras.txt");
     CameraDescription {
         model: Model::Calibrated,
-        calibration: Some(CalibrationSettings { path: path.into(), camera: Some(camera.to_owned()) }),
+        calibration: Some(CalibrationSettings {
+            path: path.into(),
+            camera: Some(camera.to_owned()),
+            ..CalibrationSettings::default()
+        }),
         ..Default::default()
     }
 }
@@ -29,7 +33,7 @@ fn an_undistorted_calibration_is_a_pinhole() {
     });
     let pinhole = Pinhole::new(&framed, d.axes().unwrap(), 96, 64);
     for p in PLACES {
-        let (found, expected) = (camera(&d).sample(p, [0.0; 2]).unwrap(), pinhole.ray(p));
+        let (found, expected) = (camera(&d).sample(p, [0.0; 2], 0.5).unwrap(), pinhole.ray(p));
         assert!((found.ray.direction - expected.ray.direction).length() < 1e-6, "{p}");
         assert_eq!((found.ray.origin, found.weight), (expected.ray.origin, Mat3::IDENTITY));
     }
@@ -69,10 +73,10 @@ fn the_blur_is_that_of_a_thin_lens() {
         });
         let blurred = camera(&d);
         for p in PLACES {
-            let towards = sharp.sample(p, [0.0; 2]).unwrap().ray.direction;
+            let towards = sharp.sample(p, [0.0; 2], 0.5).unwrap().ray.direction;
             let reach = if is_flat { 4.0 / -towards.z } else { 4.0 };
             for u in [[0.1, 0.2], [0.9, 0.5], [0.5, 0.99]] {
-                let ray = blurred.sample(p, u).unwrap().ray;
+                let ray = blurred.sample(p, u, 0.5).unwrap().ray;
                 let off = towards * reach - ray.origin;
                 assert!(off.cross(ray.direction).length() < 1e-5, "{name} {p}");
             }
@@ -83,15 +87,16 @@ fn the_blur_is_that_of_a_thin_lens() {
         });
         let reach = if is_flat { 4.0 } else { 5.0 };
         let (towards, ray) = (
-            sharp.sample(Vec2::ZERO, [0.0; 2]).unwrap().ray.direction,
-            camera(&beside).sample(Vec2::ZERO, [0.9, 0.5]).unwrap().ray,
+            sharp.sample(Vec2::ZERO, [0.0; 2], 0.5).unwrap().ray.direction,
+            camera(&beside).sample(Vec2::ZERO, [0.9, 0.5], 0.5).unwrap().ray,
         );
         let reach = if is_flat { reach / -towards.z } else { reach };
         assert!((towards * reach - ray.origin).cross(ray.direction).length() < 1e-5, "{name}");
         // Focal length over twice the f-number, on a sensor of 36 mm.
         let [focal_px, _] = calibration_of(&d, 96, 64).unwrap().focal_px().unwrap();
         let radius = focal_px / 96.0 * 36.0 / 4.0 / 1000.0;
-        let far = (0..200).map(|i| blurred.sample(Vec2::ZERO, [i as f32 / 200.0, 0.7]).unwrap().ray.origin.length());
+        let far =
+            (0..200).map(|i| blurred.sample(Vec2::ZERO, [i as f32 / 200.0, 0.7], 0.5).unwrap().ray.origin.length());
         let largest = far.fold(0.0, f32::max);
         assert!(
             (f64::from(largest) / radius - 1.0).abs() < 0.2 && f64::from(largest) <= radius * (1.0 + 1e-5),
@@ -105,8 +110,8 @@ fn beyond_a_fold_there_is_no_ray_and_a_reason() {
     let d = description("4");
     // 1 - 1.5 r^2 = 0 at r = 0.816, which lies at 2/3 of it: 27 pixels from the middle.
     let made = camera(&d);
-    assert!(made.sample(Vec2::new(27.0 / 96.0, 0.0), [0.0; 2]).is_some());
-    assert!(made.sample(Vec2::new(27.5 / 96.0, 0.0), [0.0; 2]).is_none());
+    assert!(made.sample(Vec2::new(27.0 / 96.0, 0.0), [0.0; 2], 0.5).is_some());
+    assert!(made.sample(Vec2::new(27.5 / 96.0, 0.0), [0.0; 2], 0.5).is_none());
     let complaint = d.calibration_complaint([96, 64]).unwrap().unwrap();
     assert!(
         complaint.starts_with("Camera 'Camera': ")
@@ -148,15 +153,17 @@ fn an_st_map_in_a_file_is_a_camera() {
     channels::write(&path, [96, 64], vec![channel(0, "R"), channel(1, "G")], "").unwrap();
     let [fx, fy, cx, cy] = calibration.pinhole_px().unwrap();
     let by_map = d.clone().with(|d| {
-        d.calibration = Some(CalibrationSettings { path: path.clone(), camera: None });
+        d.calibration = Some(CalibrationSettings { path: path.clone(), ..CalibrationSettings::default() });
         d.perspective.focal_length_mm = fx / 96.0 * 36.0;
         d.perspective.film_width_mm = 36.0;
         d.perspective.shift = [(48.0 - cx) / 96.0, (cy - 32.0) / 96.0];
     });
     let (found, expected) = (camera(&by_map), camera(&d));
     for p in PLACES.iter().take(2).chain(&PLACES[3..]) {
-        let (a, b) =
-            (found.sample(*p, [0.0; 2]).unwrap().ray.direction, expected.sample(*p, [0.0; 2]).unwrap().ray.direction);
+        let (a, b) = (
+            found.sample(*p, [0.0; 2], 0.5).unwrap().ray.direction,
+            expected.sample(*p, [0.0; 2], 0.5).unwrap().ray.direction,
+        );
         // The pinhole of Blender's camera has square pixels; this one's differ by a part in eighty.
         let square = (fy / fx) as f32;
         let b = glam::Vec3A::new(b.x, b.y * square, b.z).normalize();
