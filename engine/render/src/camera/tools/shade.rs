@@ -6,7 +6,7 @@
 
 use crate::camera::description::{CameraDescription, EnabledEffects};
 use crate::camera::lens::real_lens::packet::Request;
-use crate::camera::{Camera, CameraError};
+use crate::camera::{Camera, CameraError, Model};
 use crate::luminance;
 use crate::sampler::evenly::Evenly;
 use glam::Vec2;
@@ -23,7 +23,9 @@ const RAYS: u32 = 1024;
 /// # Errors
 /// As [`Camera::new`].
 pub fn gains(d: &CameraDescription, camera: &Camera, width: u32, height: u32) -> Result<Option<Vec<f32>>, CameraError> {
-    if d.shown.vignetting && d.shown.is_traced_plainly() {
+    // A calibrated camera leaves its own vignetting out.
+    let has_own = d.model == Model::Calibrated;
+    if has_own || (d.shown.vignetting && d.shown.is_traced_plainly()) {
         return Ok(None);
     }
     let whole = Camera::new(&CameraDescription { shown: EnabledEffects::default(), ..d.clone() }, width, height)?;
