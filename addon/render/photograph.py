@@ -10,7 +10,15 @@ import time
 
 import bpy
 
-from petzval.description import CameraDescription, DenoisingDescription, Matrix4, ShutterDescription, changed, focused
+from petzval.description import (
+    CameraDescription,
+    DenoisingDescription,
+    Matrix4,
+    SettingsDescription,
+    ShutterDescription,
+    changed,
+    focused,
+)
 
 from ..data import denoiser, effects, passes, process_memory, settings_version
 from ..export import camera as camera_export
@@ -22,7 +30,7 @@ from ..export.motion import Frame, Motion
 from ..export.report import Report
 from ..native import engine
 from . import checkpoints, loop, messages, persistent, planning, progress, shares, staging, statistics
-from .results import Results, deliver_black
+from .results import Results, deliver_black, region
 
 # Samples: with fewer, the time that a forecast takes would be seen.
 _WORTH_A_FORECAST = 1 << 21
@@ -138,7 +146,7 @@ class Photograph:
             loop.WATCH.study(loop.Subject(scene, camera, settings, moving, wishes, opened, sync_seconds))
             deliver_black(self.host, self.depsgraph, self.view.name)
             return
-        self._plan(native, scene, camera, settings, moving, opened, how)
+        settings = self._plan(native, scene, camera, settings, moving, opened, how)
         beside = self.results.for_job() | {
             "plan": self.plan,
             "neighbours": neighbours,
@@ -351,8 +359,8 @@ class Photograph:
             self._denoise(job, how)
         return job
 
-    def _plan(self, native, scene, camera, settings, moving, opened, how) -> None:
-        """Decides what is simulated."""
+    def _plan(self, native, scene, camera, settings, moving, opened, how) -> SettingsDescription:
+        """Decides what is simulated; the settings, in a border only of what it needs."""
         self._tell("Planning the effects", 0.0)
         wishes = effects.wishes(self.scene.petzval)
         self.plan = loop.stoppable(
@@ -360,6 +368,11 @@ class Photograph:
         )
         planned = json.loads(self.plan.json())
         is_part = loop.WATCH.share is not None
+        border = region(self.scene.render) if self.scene.render.use_border else None
+        # Parts of a picture are joined with others of its whole.
+        if border is not None and not is_part and not self.results.is_mergeable:
+            window = self.plan.window(tuple(border), (settings.width, settings.height))
+            settings = dataclasses.replace(settings, window=window)
         if settings.width * settings.height * settings.samples > _WORTH_A_FORECAST and not is_part:
             planned = json.loads(loop.stoppable(lambda: self.plan.forecast(scene, camera, settings), self._stop_asked))
         if how is not None and (predicted := planned.get("predicted")):
@@ -373,6 +386,7 @@ class Photograph:
             self.report.warn(faces["text"])
             self.host.report({"INFO"}, faces["text"])
         self.told, self.planned = planned, effects.summary(planned)
+        return settings
 
     def _over_the_shutter(
         self, shutter: shutters.Shutter | None, camera: CameraDescription, width: int, height: int

@@ -134,7 +134,7 @@ def _calibration(context, layout) -> None:
     is_lensfun = bool(found.get("lenses"))
     if len(found.get("cameras", ())) > 1 or is_lensfun or settings.calibration_camera:
         column.prop(settings, "calibration_camera", text="Lens" if is_lensfun else None)
-    if is_lensfun:
+    if is_lensfun or settings.calibration_body:
         column.prop(settings, "calibration_body", placeholder="Blender's Sensor")
     is_map = found.get("format") == "ST map"
     if "error" in chosen:

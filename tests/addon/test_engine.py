@@ -105,6 +105,27 @@ def test_a_border_is_the_crop_of_the_whole(parts, tmp_path, border, model):
     outside = np.ones(whole.shape[:2], bool)
     outside[rows, columns] = False
     assert not framed[outside].any()
+    last = parts.part("render.statistics").last(scene.name)
+    assert last.stats["samples"] == last.stats["samples_most"] == scene.petzval.samples
+
+
+@pytest.mark.once
+def test_a_border_renders_no_more_than_itself(parts, blender):
+    """But for whole tiles, and with what strays over the picture all of it."""
+    scene = parts.set_up(width=320, height=320, samples=2, model="LENS")
+    parts.straight(scene)
+    scene.render.use_border = True
+    scene.render.border_min_x, scene.render.border_max_x = 0.1, 0.2
+    scene.render.border_min_y, scene.render.border_max_y = 0.1, 0.2
+
+    def rays() -> int:
+        blender.ops.render.render()
+        return parts.part("render.statistics").last("Scene").stats["camera_rays"]
+
+    # A tile has 32 x 32 pixels; a border of 32 touches up to nine of the hundred.
+    assert rays() <= 2 * 9 * 32 * 32
+    scene.petzval.effects.glare = "ON"
+    assert rays() >= 2 * 320 * 320
 
 
 def test_a_transparent_film(parts, tmp_path):

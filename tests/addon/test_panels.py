@@ -113,6 +113,33 @@ def test_a_calibration_is_told_of_where_it_is_chosen(blender, parts, layout):
     assert search(own, blender.context, "") == ["1", "2", "3", "4"]
 
 
+def test_a_lens_of_lensfun_is_told_of(blender, parts, layout):
+    from support.places import ROOT
+
+    scene = parts.set_up(model="CALIBRATED")
+    camera = scene.camera.data
+    own = camera.petzval
+    own.calibration_file = str(ROOT / "tests/reference/lensfun/lenses.xml")
+
+    def drawn():
+        return layout.draw("data", layout.context(camera=camera, object=scene.camera))
+
+    assert "choose one" in " ".join(drawn().said)
+    assert "Nikon Nikkor Z 24-70mm f/4 S" in parts.part("settings.camera")._cameras_in_file(own, blender.context, "")
+    own.calibration_camera, camera.lens, camera.dof.aperture_fstop = "Nikkor Z 24-70mm f/4 S", 24.0, 4.0
+    whole = drawn()
+    assert {("PetzvalCamera", "calibration_body"), ("Camera", "lens"), ("CameraDOFSettings", "aperture_fstop")} <= set(
+        whole.shown
+    )
+    # The corner by the row of lenses.xml that is nearest, of 24 mm and F/4: 1 - 0.444 - 0.876 + 0.463 is 0.143.
+    (corner,) = [float(text.split()[0]) for text in whole.said if text.endswith(" stops")]
+    assert abs(corner - -2.8) < 0.02
+    camera.lens = 80.0
+    assert "goes from 24 to 70 mm" in " ".join(drawn().said)
+    own.calibration_body = "Nikon Z 6"
+    assert "no camera body in the lensfun database" in " ".join(drawn().said)
+
+
 @pytest.mark.parametrize("kind", ["POINT", "SPOT", "SUN", "AREA"])
 def test_the_lights_panels(blender, parts, layout, kind):
     parts.set_up()
@@ -289,7 +316,7 @@ def test_every_setting_of_our_own_can_be_seen(blender, parts, layout):
             now = layout.context(camera=scene.camera.data, object=scene.camera)
             for tab in ("render", "data", "view_layer"):
                 seen |= set(layout.draw(tab, now).shown)
-    own.model, own.calibration_camera = "CALIBRATED", "1"
+    own.model, own.calibration_camera, own.calibration_body = "CALIBRATED", "1", "1"
     seen |= set(layout.draw("data", now).shown)
     for holder in (own, scene.petzval, scene.petzval.effects, blender.context.view_layer.petzval):
         rna = holder.bl_rna

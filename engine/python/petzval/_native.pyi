@@ -537,6 +537,8 @@ class Plan:
         "gaussian" | "pinhole" | "as given", wavelengths, pipeline, round_f_number); look (depths in Blender units, open_part,
         exposure, brightest: towards, irradiance, part, place or null; coincident_faces: objects, part of the picture, text);
         seconds."""
+    def window(self, border: tuple[int, int, int, int], size: tuple[int, int]) -> tuple[int, int, int, int] | None:
+        """The part of a picture (left, bottom, width, height) to render for a border of it, in which no light of the rest belongs; None: all."""
     def forecast(self, scene: Scene, camera: CameraDescription, settings: SettingsDescription) -> str:
         """The same with predicted (seconds, after_seconds of them for stray light, samples, threads, camera_part) and each row's predicted_cost, a part of the time
         without the effect: renders a little for that, about 0.1 s."""

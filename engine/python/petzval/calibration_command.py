@@ -83,7 +83,7 @@ def _add_lens(parser: argparse.ArgumentParser) -> None:
 
 def _described(arguments: argparse.Namespace) -> tuple[CameraDescription, tuple[int, int]]:
     """The camera of a lens in a lensfun database, and the picture's size."""
-    identity = tuple(tuple(float(i == j) for j in range(4)) for i in range(4))
+    identity = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
     path = arguments.file if arguments.file == INSTALLED_LENSFUN else os.path.abspath(arguments.file)
     found = CameraDescription(
         arguments.camera or "camera",

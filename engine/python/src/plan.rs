@@ -56,6 +56,11 @@ impl Plan {
         json(&without_gil(py, || settings.0.forecast(&self.plan, stage, &camera.0))??)
     }
 
+    /// The part of a picture to render for a border of it.
+    fn window(&self, border: [u32; 4], size: [u32; 2]) -> Option<[u32; 4]> {
+        self.plan.window(border, size)
+    }
+
     fn json(&self) -> Result<String, Error> {
         json(&self.plan.report())
     }

@@ -326,10 +326,13 @@ impl Job {
         let ended = *lock(&self.shared.ended_at);
         let counts = self.shared.film.sample_counts();
         let sum: f64 = counts.iter().copied().map(f64::from).sum();
+        let area =
+            |tile: &usize| self.shared.film.rect(*tile).width as usize * self.shared.film.rect(*tile).height as usize;
+        let pixels: usize = self.shared.tiles.iter().map(area).sum();
         Statistics {
             render_seconds: ended.unwrap_or_else(|| self.shared.started.elapsed()).as_secs_f64(),
-            samples: self.shared.film.samples_everywhere(),
-            mean_samples: sum / counts.len() as f64,
+            samples: self.shared.film.samples_everywhere(&self.shared.tiles),
+            mean_samples: sum / pixels.max(1) as f64,
             most_samples: counts.iter().copied().max().unwrap_or(0),
             counts: *lock(&self.shared.counts),
             threads: self.threads.len(),

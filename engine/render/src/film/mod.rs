@@ -494,9 +494,9 @@ impl Film {
         out
     }
 
-    /// Samples that every pixel has.
-    pub fn samples_everywhere(&self) -> u32 {
-        (0..self.tiles.len()).map(|i| self.tile(i).samples).min().unwrap_or(0)
+    /// Samples that every pixel of some tiles has.
+    pub fn samples_everywhere(&self, tiles: &[usize]) -> u32 {
+        tiles.iter().map(|&i| self.tile(i).samples).min().unwrap_or(0)
     }
 
     /// The data of the surfaces that each pixel sees, rows from below; zeros if the film was not to keep them.

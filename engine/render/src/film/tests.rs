@@ -36,7 +36,7 @@ fn means_and_changes() {
     assert_eq!(changed.len(), 1);
     assert_eq!(changed[0].pixels[0], [1.0, 1.0, 1.5, 1.0]);
     assert!(film.take_changed().is_empty());
-    assert_eq!(film.samples_everywhere(), 0);
+    assert_eq!(film.samples_everywhere(&(0..film.tile_count()).collect::<Vec<_>>()), 0);
     assert_eq!(film.picture().iter().filter(|p| p[3] > 0.0).count(), 256);
 }
 

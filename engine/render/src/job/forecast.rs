@@ -29,7 +29,7 @@ const MOST: Duration = Duration::from_millis(120);
 pub struct Forecast {
     /// Wall time of the samples, s.
     pub seconds: f64,
-    /// Samples of the whole picture; where pixels get as many as they need, the most.
+    /// Samples of what is rendered of the picture; where pixels get as many as they need, the most.
     pub samples: u64,
     /// Number of threads that the time holds for.
     pub threads: usize,
@@ -51,8 +51,10 @@ impl Forecast {
         beside: OutputOptions,
     ) -> Result<Self, SettingsError> {
         let threads = settings.thread_count();
-        let all = u64::from(settings.width) * u64::from(settings.height) * u64::from(settings.samples);
+        let samples = u64::from(settings.samples);
         let shared = Shared::new(stage, cameras, settings, beside)?;
+        let pixels = |tile: &usize| u64::from(shared.film.rect(*tile).width * shared.film.rect(*tile).height);
+        let all = samples * shared.tiles.iter().map(pixels).sum::<u64>();
         let shot = shared.shot();
         let tiles: Vec<usize> = (0..TILES + WARM_UP).map(|i| shared.tile(i)).collect();
         let next = AtomicUsize::new(0);
@@ -150,9 +152,9 @@ pub fn stray_light(
 }
 
 impl Shared {
-    /// The number of a tile: all of them spread evenly over the picture.
+    /// The number of a tile: all of them spread evenly over what is rendered.
     fn tile(&self, i: usize) -> usize {
         let place = (0.5 + 0.618_033_988_75 * i as f64).fract();
-        (place * self.film.tile_count() as f64) as usize
+        self.tiles[(place * self.tiles.len() as f64) as usize]
     }
 }

@@ -378,6 +378,28 @@ impl Plan {
         self.camera.applied(d)
     }
 
+    /// The part of a picture (left, bottom, width, height, pixels) to render for a border of it, within which no light of the rest belongs:
+    /// larger by how far colours are apart. `None`: all, as light strays or is led to the film from anywhere.
+    pub fn window(&self, [left, bottom, width, height]: [u32; 4], size: [u32; 2]) -> Option<[u32; 4]> {
+        let camera = &self.camera;
+        if camera.ghosts || camera.glare || camera.diffraction || camera.pipeline == Pipeline::SceneFirst {
+            return None;
+        }
+        let spread = if camera.wavelengths() > 1 {
+            [Effect::LateralColour, Effect::AxialColour].into_iter().try_fold(0.0, |sum, effect| {
+                let measure = self.decision(effect).measure.filter(|px| px.is_finite())?;
+                Some(sum + measure * decide::MARGIN)
+            })?
+        } else {
+            0.0
+        };
+        let margin = spread.ceil() as u32;
+        let begin = [left, bottom].map(|side| side.saturating_sub(margin));
+        let end = [(left, width, size[0]), (bottom, height, size[1])]
+            .map(|(from, length, most)| from.saturating_add(length).saturating_add(margin).min(most));
+        (begin[0] < end[0] && begin[1] < end[1]).then(|| [begin[0], begin[1], end[0] - begin[0], end[1] - begin[1]])
+    }
+
     /// The way that light is followed.
     pub fn pipeline(&self) -> Pipeline {
         self.camera.pipeline
