@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from . import argument_types as types
-from .description import INSTALLED_LENSFUN, CalibrationSettings, CameraDescription, FocusSettings, Perspective
+from .description import IDENTITY, INSTALLED_LENSFUN, CalibrationSettings, CameraDescription, FocusSettings, Perspective
 from .errors import CommandError, complain
 from .scene_options import check_writable
 
@@ -83,11 +83,10 @@ def _add_lens(parser: argparse.ArgumentParser) -> None:
 
 def _described(arguments: argparse.Namespace) -> tuple[CameraDescription, tuple[int, int]]:
     """The camera of a lens in a lensfun database, and the picture's size."""
-    identity = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
     path = arguments.file if arguments.file == INSTALLED_LENSFUN else os.path.abspath(arguments.file)
     found = CameraDescription(
         arguments.camera or "camera",
-        identity,
+        IDENTITY,
         model="CALIBRATED",
         perspective=Perspective(arguments.focal_length, arguments.film_width),
         focus=FocusSettings(None if math.isinf(arguments.distance) else arguments.distance),

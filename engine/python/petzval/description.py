@@ -25,6 +25,8 @@ MOST_BLADES = 24
 
 Colour = tuple[float, float, float]
 Matrix4 = tuple[tuple[float, float, float, float], ...]
+#: A camera at the world's origin that looks along -z.
+IDENTITY: Matrix4 = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 #: The focal length that a lens is scaled to: {"MILLIMETRES": f} or {"SCALE": factor}.
 FocalLength = Literal["AS_PUBLISHED"] | dict[str, float]
 

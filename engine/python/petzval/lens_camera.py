@@ -7,13 +7,12 @@ import argparse
 import math
 
 from . import argument_types as types
-from .description import CameraDescription, FilmSettings, FocusSettings
+from .description import IDENTITY, CameraDescription, FilmSettings, FocusSettings
 from .lens_setting import add_focus, add_setting, setting_of
 from .places import find_lens
 
 #: As the engine's description has it, in units of which a thousand millimetres make one.
 _SCALE = 1000.0
-_IDENTITY = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
 def add_camera(parser: argparse.ArgumentParser, kinds: str) -> None:
@@ -39,7 +38,7 @@ def camera_of(
     width_mm, height_mm = arguments.film
     return CameraDescription(
         object_name="camera",
-        matrix_world=_IDENTITY,
+        matrix_world=IDENTITY,
         lens_path=str(find_lens(arguments.lens)),
         lens=setting_of(arguments),
         focus=FocusSettings(distance=None if is_far else distance / _SCALE),
