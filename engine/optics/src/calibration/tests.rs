@@ -57,6 +57,7 @@ impl Chance {
 }
 
 /// Parameters of every model, distorted as real lenses are.
+#[expect(clippy::too_many_lines, reason = "an arm for each model")]
 fn at_random(chance: &mut Chance) -> Vec<Calibration> {
     let mut found = Vec::new();
     for model in Model::ALL {
