@@ -10,6 +10,7 @@
 
 mod chart;
 mod error;
+mod fit;
 mod limit;
 mod maps;
 mod model;
@@ -21,6 +22,7 @@ mod survey;
 mod warp;
 
 pub use error::{CalibrationError, Outside};
+pub use fit::{CameraToFit, FitError, FittedCalibration, SeenDirection, fit};
 pub use maps::MapDirection;
 pub use model::Model;
 pub use survey::Survey;
