@@ -134,7 +134,7 @@ impl Calibration {
 
     /// True if the camera is a pinhole's but for its distortion, so that a plane across its axis is all sharp at once.
     pub fn is_flat(&self) -> bool {
-        self.chart == Chart::Perspective
+        self.model.is_flat()
     }
 
     /// How many pixels a small angle about the axis is wide and high, per radian: the focal lengths for the purposes of a thin lens.

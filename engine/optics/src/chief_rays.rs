@@ -186,6 +186,24 @@ impl FilmChiefRays {
     }
 }
 
+/// The direction from the origin to where a ray is at a distance, mm, `None` for infinity: on the plane across z if `is_flat`, else on the
+/// sphere about the origin. The ray is in camera space (x right, y down, z ahead). `None`: it does not come there.
+pub fn direction_at(origin_mm: DVec3, direction: DVec3, distance_mm: Option<f64>, is_flat: bool) -> Option<DVec3> {
+    let Some(distance) = distance_mm else { return Some(direction) };
+    let way = if is_flat {
+        (distance - origin_mm.z) / direction.z
+    } else {
+        let along = origin_mm.dot(direction);
+        -along + (along * along - origin_mm.length_squared() + distance * distance).sqrt()
+    };
+    (way > 0.0 && way.is_finite()).then(|| (origin_mm + direction * way).normalize())
+}
+
+/// A vector of lens space in camera space, or back: x right, y down, z ahead.
+pub fn turned(v: DVec3) -> DVec3 {
+    DVec3::new(v.x, -v.y, -v.z)
+}
+
 /// The point of the axis that is nearest to some rays, by least squares of their distances, z in lens space; `None`: all run along the axis.
 pub fn nearest_on_axis_mm<'a>(rays: impl IntoIterator<Item = &'a Ray>) -> Option<f64> {
     // The distance of (0, 0, z) from a ray, squared: |(o - z) - d (d . (o - z))|^2.

@@ -16,7 +16,7 @@
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film, an [`entrance_map::EntranceMap`] from the scene.
 //!
 //! A module uses only those that stand before it here: [`least_squares`] → [`calibration`] → [`first_order`] → [`glass`] → [`coating`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
-//! [`prescription`] → [`deviation`] → [`formats`] → [`system`] → [`trace`] → [`transmission`] → [`paraxial`] → [`axial_beam`] → [`published`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`chief_rays`] → [`drawing`] → [`gaussian`] → [`ghosts`] → [`scatter`] →
+//! [`prescription`] → [`deviation`] → [`formats`] → [`system`] → [`trace`] → [`transmission`] → [`paraxial`] → [`axial_beam`] → [`published`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`chief_rays`] → [`lens_fit`] → [`drawing`] → [`gaussian`] → [`ghosts`] → [`scatter`] →
 //! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`analysis`] → [`diffraction`] → [`ray_table`] → [`lensfun`] → [`sensitivity`] → [`reality`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
@@ -82,6 +82,7 @@ pub mod glass;
 pub mod interface;
 pub mod lane;
 pub mod least_squares;
+pub mod lens_fit;
 pub mod lensfun;
 pub mod paraxial;
 pub mod prescription;

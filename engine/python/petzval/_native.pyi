@@ -6,7 +6,7 @@ World space and all lengths without a unit in their name are in Blender units. A
 Every error is a subclass of `PetzvalError`; its message is one line: what, where, what to do.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Any, final
 
@@ -58,6 +58,7 @@ __all__ = [
     "denoising_seconds",
     "film_bytes_a_pixel",
     "film_of_lens_mm",
+    "fitted_camera_json",
     "framing_json",
     "free_memory_bytes",
     "glass_json",
@@ -275,6 +276,21 @@ def write_calibration_map(
 ) -> float:
     """A calibration's ST map into an OpenEXR file, as `write_distortion_map`; the share of its pixels that have a source. The other picture
     is that of the pinhole with the same middle and scale there, as large."""
+
+def fitted_camera_json(
+    camera: CameraDescription,
+    size: tuple[int, int],
+    options: Mapping[str, Any],  # model, coefficients (None: those that the lens's symmetry leaves), centre ("PUPIL" | "NEAREST")
+    name: str,
+    format: str | None,  # as `calibration_text`
+    ray_map: tuple[str, str] | None,  # file and comments
+    residual_map: tuple[str, str] | None,
+) -> tuple[str, str | None]:
+    """What `petzval lens calibrate` tells, and the calibration's text in that format. name, efl_mm, wavelength_nm, focus_distance_mm (null:
+    infinity), size_px, picture_mm; model, parameters by name, free (those that were found); lit (the part of the picture that chief rays
+    light, in which the model was fitted), rms_px, worst_px, worst_at_px, worst_angle_deg, largest_angle_deg; covered, reason,
+    horizontal_field_deg, vertical_field_deg, valid_to_deg as `calibration_json`; centre_z_mm and pupil_z_mm (from the first vertex),
+    wander_mm (of the chief rays' crossings, from the centre), elsewhere (rms_px and worst_px at other distance_mm), rays, steps."""
 
 def calibration_complaint(camera: CameraDescription, width: int, height: int) -> str | None:
     """A sentence on what of a calibrated camera's picture shows nothing, and why; None: all of it shows something."""

@@ -67,6 +67,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(calibration::calibration_complaint, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::calibration_json, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::calibration_text, m)?)?;
+    m.add_function(wrap_pyfunction!(calibration::fitted_camera_json, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::write_calibration_map, m)?)?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
     m.add_function(wrap_pyfunction!(camera::coverage_json, m)?)?;

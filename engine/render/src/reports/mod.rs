@@ -7,6 +7,7 @@ pub mod calibration;
 mod distortion;
 pub mod drawing;
 mod fans;
+pub mod fitted_camera;
 pub mod ghosts;
 mod illumination;
 pub mod info;
