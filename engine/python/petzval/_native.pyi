@@ -59,6 +59,7 @@ __all__ = [
     "film_bytes_a_pixel",
     "film_of_lens_mm",
     "fitted_camera_json",
+    "fitted_lens_json",
     "framing_json",
     "free_memory_bytes",
     "glass_json",
@@ -291,6 +292,14 @@ def fitted_camera_json(
     light, in which the model was fitted), rms_px, worst_px, worst_at_px, worst_angle_deg, largest_angle_deg; covered, reason,
     horizontal_field_deg, vertical_field_deg, valid_to_deg as `calibration_json`; centre_z_mm and pupil_z_mm (from the first vertex),
     wander_mm (of the chief rays' crossings, from the centre), elsewhere (rms_px and worst_px at other distance_mm), rays, steps."""
+
+def fitted_lens_json(lens: Lens, settings: LensSettings, options: Mapping[str, Any]) -> tuple[str, str, list[str]]:
+    """What `petzval lens fit` tells, the text of the fitted lens file, and what of the lens cannot stand in one. Options: calibration (its
+    path), camera (None: the only one), pixel_pitch_um and film_mm (pairs, or None), wavelength_nm, focus_distance_mm (None: infinity),
+    adjust (names), gaps (None, or {"MILLIMETRES" | "PART": tolerance}) and surfaces (before them; None: all). The answer: name,
+    calibration, model, size_px, pixel_pitch_um, wavelength_nm, compared (part of the picture), points; before and after: rms_px, worst_px,
+    worst_at_px, rms_um, worst_um, efl_mm, focus_distance_mm (null: infinity), film_distance_mm; scale; gaps: surface, before_mm, after_mm,
+    tolerance_mm, is_at_end, effect_px (of all of the tolerance); alike (pairs that do the same to the picture), steps."""
 
 def calibration_complaint(camera: CameraDescription, width: int, height: int) -> str | None:
     """A sentence on what of a calibrated camera's picture shows nothing, and why; None: all of it shows something."""

@@ -13,6 +13,7 @@ from typing import Any
 from . import (
     lens_calibrate_command,
     lens_export_command,
+    lens_fit_command,
     lens_ghosts_command,
     lens_list,
     lens_reality_command,
@@ -67,6 +68,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     lens_ghosts_command.add_parser(actions, KINDS)
     lens_reality_command.add_parser(actions, KINDS)
     lens_calibrate_command.add_parser(actions, KINDS)
+    lens_fit_command.add_parser(actions, KINDS)
 
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
     info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")

@@ -84,6 +84,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(reports::lens_drawing_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_ghosts_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_reality_json, m)?)?;
+    m.add_function(wrap_pyfunction!(reports::fitted_lens_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_groups, m)?)?;
     m.add_function(wrap_pyfunction!(glass::glass_json, m)?)?;
     m.add_function(wrap_pyfunction!(glass::glasses_json, m)?)?;

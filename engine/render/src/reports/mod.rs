@@ -8,6 +8,7 @@ mod distortion;
 pub mod drawing;
 mod fans;
 pub mod fitted_camera;
+pub mod fitted_lens;
 pub mod ghosts;
 mod illumination;
 pub mod info;
