@@ -158,7 +158,13 @@ def _notes(found: dict[str, Any], camera: Any) -> list[str]:
         notes.append(
             f"the model has no direction for {100.0 * (1.0 - found['covered']):.2f} % of the picture: {found['reason']}"
         )
-    if found["worst_px"] > _MUCH_PX:
+    valid = found["valid_to_deg"]
+    if valid is not None and valid < 1.01 * found["largest_angle_deg"]:
+        notes.append(
+            f"the best formula without a fold in the lit picture folds at its edge, {valid:.1f} degrees from the axis: the model does not suit the "
+            "lens, a fisheye's may"
+        )
+    elif found["worst_px"] > _MUCH_PX:
         notes.append(
             f"the model leaves up to {found['worst_px']:.2g} pixels: give more --coefficients, another --model, or take the exact --map"
         )

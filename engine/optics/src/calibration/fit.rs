@@ -1,8 +1,8 @@
 //! The parameters of a model that fit directions seen at points of a picture: least squares of the distances, pixels, between the points and
 //! those at which the model sees the directions.
 //!
-//! The search never leaves what the model can turn round: a step after which a direction of the picture lies beyond a fold is not taken, so a
-//! model that was found does not fold where it was asked for.
+//! Where the best parameters of a formula fold within the picture, the search is made again within what the model can turn round: a step
+//! after which a direction of the picture lies beyond a fold is not taken. A model that was found does not fold where it was asked for.
 
 use super::{Calibration, CalibrationError, Model};
 use crate::least_squares::{Parameter, minimise};
@@ -11,9 +11,6 @@ use thiserror::Error;
 
 /// Parameters that say where the picture's plane lies; all others are coefficients.
 const FRAME: [&str; 7] = ["fx", "fy", "cx", "cy", "c", "d", "e"];
-
-/// A fit that leaves less needs no second search, pixels.
-const ENOUGH_PX: f64 = 0.1;
 
 /// A direction that is seen at a point of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,35 +155,23 @@ pub fn fit(camera: &CameraToFit, seen: &[SeenDirection]) -> Result<FittedCalibra
         let largest_deg = seen.iter().map(angle).fold(0.0, f64::max);
         return Err(FitError::NotSeen { model: camera.model, largest_deg });
     }
-    let with = |values: &[f64], free: &[Free], found: &[f64]| {
-        let mut all = values.to_vec();
-        for (one, value) in free.iter().zip(found) {
-            one.places.iter().for_each(|&place| all[place] = *value);
-        }
-        all
-    };
-    let residuals = |all: &[f64]| {
-        let calibration = Calibration::new(camera.model, camera.size_px, all).ok()?;
-        residuals_px(&calibration, seen)
-    };
+    let search = Search { camera, seen, free: &free };
     let frame = free.iter().filter(|one| FRAME.contains(&one.name)).count().max(1);
-    // One coefficient more at a time, or all at once: near a fold one way may end where the other does not.
-    let ways = [(frame..=free.len()).collect::<Vec<_>>(), vec![frame, free.len()]];
+    let by_one: Vec<usize> = (frame..=free.len()).collect();
+    // By the formula alone first; if it folds in the picture, one coefficient more at a time and all at once within its fold, where one way
+    // may end before the other does.
+    let ways = [(by_one.clone(), true), (by_one, false), (vec![frame, free.len()], false)];
     let (mut best, mut steps): (Option<(f64, Vec<f64>)>, usize) = (None, 0);
-    for counts in ways {
-        let (mut values, mut sum) = (values.clone(), f64::INFINITY);
-        for now in counts.into_iter().map(|count| &free[..count]) {
-            let parameters: Vec<Parameter> =
-                now.iter().map(|one| Parameter { start: values[one.places[0]], ..one.parameter }).collect();
-            let Some(found) = minimise(&parameters, |found| residuals(&with(&values, now, found))) else { break };
-            values = with(&values, now, &found.values);
-            (sum, steps) = (found.sum, steps + found.steps);
-        }
+    for (counts, is_by_formula) in ways {
+        let (values, now) = search.through(&values, &counts, is_by_formula);
+        steps += now;
+        let Some(sum) = search.residuals(&values, false).map(|all| all.iter().map(|r| r * r).sum::<f64>()) else {
+            continue;
+        };
         if best.as_ref().is_none_or(|(least, _)| sum < 0.999 * least) {
             best = Some((sum, values));
         }
-        // Hundredths of a pixel are no end before a fold.
-        if sum.sqrt() < ENOUGH_PX {
+        if is_by_formula {
             break;
         }
     }
@@ -195,14 +180,60 @@ pub fn fit(camera: &CameraToFit, seen: &[SeenDirection]) -> Result<FittedCalibra
     Ok(FittedCalibration { calibration, free: free.iter().map(|one| one.name).collect(), steps })
 }
 
-/// Distances of what a model sees from where it is seen, pixels by the root of the weight: x and y of each.
-fn residuals_px(calibration: &Calibration, seen: &[SeenDirection]) -> Option<Vec<f64>> {
-    let mut all = Vec::with_capacity(2 * seen.len());
-    for one in seen {
-        let off = (calibration.project(one.direction).ok()? - one.point_px) * one.weight.sqrt();
-        all.extend([off.x, off.y]);
+/// A search for parameters.
+struct Search<'a> {
+    camera: &'a CameraToFit,
+    seen: &'a [SeenDirection],
+    free: &'a [Free],
+}
+
+impl Search<'_> {
+    /// The best parameters with the first so many of them free, for one count after the other; and steps.
+    fn through(&self, start: &[f64], counts: &[usize], is_by_formula: bool) -> (Vec<f64>, usize) {
+        let (mut values, mut steps) = (start.to_vec(), 0);
+        for now in counts.iter().map(|&count| &self.free[..count]) {
+            let parameters: Vec<Parameter> =
+                now.iter().map(|one| Parameter { start: values[one.places[0]], ..one.parameter }).collect();
+            let with = |found: &[f64]| {
+                let mut all = values.clone();
+                for (one, value) in now.iter().zip(found) {
+                    one.places.iter().for_each(|&place| all[place] = *value);
+                }
+                all
+            };
+            let Some(found) = minimise(&parameters, |found| self.residuals(&with(found), is_by_formula)) else { break };
+            (values, steps) = (with(&found.values), steps + found.steps);
+        }
+        (values, steps)
     }
-    Some(all)
+
+    /// Distances of what a model sees from where it is seen, pixels by the root of the weight: x and y of each. `None`: some direction lies
+    /// beyond what the model can turn round; by its formula alone it has a place there, too.
+    fn residuals(&self, values: &[f64], is_by_formula: bool) -> Option<Vec<f64>> {
+        let calibration = Calibration::new(self.camera.model, self.camera.size_px, values).ok()?;
+        let mut all = Vec::with_capacity(2 * self.seen.len());
+        for one in self.seen {
+            let point = match is_by_formula {
+                true => calibration.by_formula(one.direction)?,
+                false => calibration.project(one.direction).ok()?,
+            };
+            let off = (point - one.point_px) * one.weight.sqrt();
+            all.extend([off.x, off.y]);
+        }
+        Some(all)
+    }
+}
+
+impl Calibration {
+    /// [`Calibration::project`] by the formula of a distortion alone, also beyond its fold; of one that leads from the picture, the point.
+    fn by_formula(&self, direction: DVec3) -> Option<DVec2> {
+        if self.is_from_picture {
+            return self.project(direction).ok();
+        }
+        let distorted = self.warp.formula(self.chart.point(direction.normalize())?);
+        let on_film = self.film * distorted.extend(1.0);
+        (on_film.z > 0.0).then(|| on_film.truncate() / on_film.z)
+    }
 }
 
 /// The parameters at which the search starts: the lens about its axis, without distortion.
