@@ -28,7 +28,7 @@ const PLACES: u32 = 24;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ChiefRayError {
     /// The lens has a mirror.
-    #[error("lens '{0}' has mirrors, whose obstruction hides its chief rays; a lens without mirrors has them")]
+    #[error("lens '{0}' has mirrors, which may hide its chief rays; they are followed through lenses without mirrors")]
     Mirror(String),
     /// The lens has no power.
     #[error("lens '{0}' has no focal length (its power is 0), so it forms no picture of a scene")]

@@ -5,18 +5,23 @@
 //! stands at the calibration's principal point, for a sensor is never quite in its middle; what of the calibration is not symmetric about it
 //! stays over. What hardly changes the picture stays where it was: a change by all of its tolerance costs a thousandth of a pixel.
 
-use glam::{DVec2, DVec3};
-use thiserror::Error;
+mod error;
+mod gaps;
+mod set_lens;
 
 use crate::calibration::Calibration;
-use crate::chief_rays::{ChiefRayError, FilmChiefRays, direction_at, turned};
-use crate::focus::{FilmPlane, GroupsError, focused};
-use crate::glass::Medium;
+use crate::chief_rays::FilmChiefRays;
+use crate::focus::{FilmPlane, focused};
 use crate::least_squares::{Minimum, Parameter, minimise};
 use crate::paraxial::Paraxial;
-use crate::prescription::moving::{MovingParts, Part};
-use crate::prescription::{NextMedium, Prescription};
-use crate::system::{FocalLength, LensSettings, System, SystemError};
+use crate::prescription::Prescription;
+use crate::prescription::moving::MovingParts;
+use crate::system::{FocalLength, LensSettings, System};
+use glam::{DVec2, DVec3};
+
+pub use error::LensFitError;
+use gaps::gaps_of;
+use set_lens::SetLens;
 
 /// Cells over the larger side of the picture, at whose corners the lens is compared.
 const CELLS: u32 = 24;
@@ -77,52 +82,6 @@ pub struct LensToFit<'a> {
     pub adjusted: &'a [Adjusted],
     /// Gaps that are adjusted; `None`: they stay.
     pub gaps: Option<GapsToFit>,
-}
-
-/// The reason why a lens cannot be adjusted.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum LensFitError {
-    /// The lens has no chief rays.
-    #[error(transparent)]
-    ChiefRays(#[from] ChiefRayError),
-    /// The lens cannot be set.
-    #[error(transparent)]
-    System(#[from] SystemError),
-    /// The lens cannot be focused.
-    #[error(transparent)]
-    Groups(#[from] GroupsError),
-    /// The calibration does not see straight ahead.
-    #[error("the calibration does not see straight ahead, so it has no principal point to put the lens's axis on")]
-    NoAxis,
-    /// Lens and calibration have no part of the picture in common.
-    #[error(
-        "lens and calibration have {points} of {all} places of the picture in common; look at the pixels' size and the focal length"
-    )]
-    TooLittle {
-        /// Places that both see.
-        points: usize,
-        /// Places that were looked at.
-        all: usize,
-    },
-    /// Nothing is to be adjusted.
-    #[error("nothing is to be adjusted; name focal-length, focus, film-distance, or gaps")]
-    Nothing,
-    /// Film distance and focus are one.
-    #[error(
-        "focus and film-distance are one quantity of a lens that is focused by moving its film: adjust one of them"
-    )]
-    FocusIsFilm,
-    /// A surface has no such gap.
-    #[error("behind surface {surface} is no fixed gap in air inside of the lens; there are {there}")]
-    NoGap {
-        /// The surface that was named.
-        surface: usize,
-        /// The surfaces before gaps.
-        there: String,
-    },
-    /// The tolerance is no positive number.
-    #[error("a tolerance of {0} for gaps; give one above zero, and as a part less than all of the gap")]
-    Tolerance(f64),
 }
 
 /// How far a lens is from a calibration.
@@ -404,93 +363,6 @@ impl Adjusted {
             Self::FilmDistance => "film-distance",
         }
     }
-}
-
-/// A lens with its adjustments, before its film.
-struct SetLens {
-    lens: Prescription,
-    scale: f64,
-    system: System,
-    rays: FilmChiefRays,
-    pupil_z_mm: f64,
-    film_z_mm: f64,
-    distance_mm: Option<f64>,
-}
-
-impl SetLens {
-    /// Those of the points that both the lens and the calibration see.
-    fn common(&self, search: &Search<'_>, points: &[DVec2]) -> Vec<DVec2> {
-        let is_lit = |point: &DVec2| {
-            let film = search.film_mm(*point);
-            self.rays.at(film, None).is_some_and(|chief| self.rays.is_through(film, &chief))
-        };
-        let is_seen = |point: &DVec2| search.task.calibration.unproject(*point).is_ok();
-        let both = points.iter().filter(|point| is_seen(point) && is_lit(point));
-        both.filter(|point| self.off(search, **point).is_some()).copied().collect()
-    }
-
-    /// Where the calibration sees what the lens shows at a point, from there, pixels.
-    fn off(&self, search: &Search<'_>, point: DVec2) -> Option<DVec2> {
-        let calibration = search.task.calibration;
-        let chief = self.rays.at(search.film_mm(point), None)?;
-        let origin = turned(chief.scene.origin - DVec3::Z * self.pupil_z_mm);
-        let direction = turned(chief.scene.direction);
-        let seen = direction_at(origin, direction, self.distance_mm, calibration.is_flat())?;
-        Some(calibration.project(seen).ok()? - point)
-    }
-
-    fn film_distance_mm(&self) -> f64 {
-        self.film_z_mm - self.system.last_vertex_z_mm()
-    }
-
-    fn state(&self, wavelength_nm: f64) -> LensState {
-        LensState {
-            efl_mm: Paraxial::new(&self.system, wavelength_nm).efl_mm,
-            focus_distance_mm: self.distance_mm,
-            film_distance_mm: self.film_distance_mm(),
-        }
-    }
-
-    fn into_prescription(self) -> Prescription {
-        let film_distance_mm = self.film_distance_mm();
-        let mut lens = self.lens;
-        let last = lens.surfaces.len() - 1;
-        let moves = lens.moving.as_ref().is_some_and(|moving| moving.parts().contains(&Part::gap(last)));
-        if !moves {
-            lens.surfaces[last].thickness_mm = film_distance_mm;
-        }
-        lens
-    }
-}
-
-/// The gaps that are adjusted: surface, gap and tolerance, mm.
-fn gaps_of(lens: &Prescription, asked: &GapsToFit, scale: f64) -> Result<Vec<(usize, f64, f64)>, LensFitError> {
-    let (Tolerance::Millimetres(size) | Tolerance::Part(size)) = asked.tolerance;
-    let is_part = matches!(asked.tolerance, Tolerance::Part(_));
-    if !(size > 0.0 && size.is_finite()) || (is_part && size >= 1.0) {
-        return Err(LensFitError::Tolerance(size));
-    }
-    let air = NextMedium::Medium(Medium::air());
-    let moves =
-        |surface: usize| lens.moving.as_ref().is_some_and(|moving| moving.parts().contains(&Part::gap(surface)));
-    let inside = 0..lens.surfaces.len() - 1;
-    let is_gap = |i: &usize| {
-        let row = &lens.surfaces[*i];
-        row.behind == air && row.thickness_mm > 0.0 && !moves(*i)
-    };
-    let there: Vec<usize> = inside.filter(is_gap).collect();
-    let wanted = asked.surfaces.clone().unwrap_or_else(|| there.clone());
-    let one = |surface: usize| {
-        if !there.contains(&surface) {
-            let there = there.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-            return Err(LensFitError::NoGap { surface, there });
-        }
-        let gap_mm = lens.surfaces[surface].thickness_mm;
-        // Elements do not run into each other by more than most of their gap.
-        let tolerance = if is_part { size * gap_mm } else { (size * scale).min(0.9 * gap_mm) };
-        Ok((surface, gap_mm, tolerance))
-    };
-    wanted.into_iter().map(one).collect()
 }
 
 #[cfg(test)]

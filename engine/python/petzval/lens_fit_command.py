@@ -115,10 +115,10 @@ def _notes(found: dict[str, Any]) -> list[str]:
         notes.append(
             f"{100.0 * found['compared']:.1f} % of the picture are compared: elsewhere the lens or the calibration sees nothing"
         )
-    notes += [
-        f"{one} and {other} do the same to the picture: the calibration does not tell them apart, so leave out one"
-        for one, other in found["alike"]
-    ]
+    if pairs := [f"{one} and {other}" for one, other in found["alike"]]:
+        notes.append(
+            f"the calibration hardly tells apart what does the same to the picture, so leave out one of each: {', '.join(pairs)}"
+        )
     ends = [str(gap["surface"]) for gap in found["gaps"] if gap["is_at_end"]]
     if ends:
         notes.append(f"at the end of their tolerance: the gaps behind surfaces {', '.join(ends)}")

@@ -4,6 +4,7 @@
 //! Where the best parameters of a formula fold within the picture, the search is made again within what the model can turn round: a step
 //! after which a direction of the picture lies beyond a fold is not taken. A model that was found does not fold where it was asked for.
 
+use super::setup::Formula;
 use super::{Calibration, CalibrationError, Model};
 use crate::least_squares::{Parameter, minimise};
 use glam::{DVec2, DVec3};
@@ -11,6 +12,11 @@ use thiserror::Error;
 
 /// Parameters that say where the picture's plane lies; all others are coefficients.
 const FRAME: [&str; 7] = ["fx", "fy", "cx", "cy", "c", "d", "e"];
+
+/// The least determinant of a distortion's derivative, parts of one, in a search that stays away from folds; and what a lack of one costs,
+/// pixels.
+const LEAST_SLOPE: f64 = 0.05;
+const SLOPE_PX: f64 = 1e4;
 
 /// A direction that is seen at a point of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,20 +164,24 @@ pub fn fit(camera: &CameraToFit, seen: &[SeenDirection]) -> Result<FittedCalibra
     let search = Search { camera, seen, free: &free };
     let frame = free.iter().filter(|one| FRAME.contains(&one.name)).count().max(1);
     let by_one: Vec<usize> = (frame..=free.len()).collect();
-    // By the formula alone first; if it folds in the picture, one coefficient more at a time and all at once within its fold, where one way
-    // may end before the other does.
-    let ways = [(by_one.clone(), true), (by_one, false), (vec![frame, free.len()], false)];
+    // By the formula alone; if that folds in the picture, with what keeps it from it; and within its fold, one coefficient more at a time and
+    // all at once, where one way may end before the other does.
+    let ways = [
+        (by_one.clone(), Bound::None),
+        (by_one.clone(), Bound::Slope),
+        (by_one, Bound::Fold),
+        (vec![frame, free.len()], Bound::Fold),
+    ];
     let (mut best, mut steps): (Option<(f64, Vec<f64>)>, usize) = (None, 0);
-    for (counts, is_by_formula) in ways {
-        let (values, now) = search.through(&values, &counts, is_by_formula);
+    for (counts, bound) in ways {
+        let (values, now) = search.through(&values, &counts, bound);
         steps += now;
-        let Some(sum) = search.residuals(&values, false).map(|all| all.iter().map(|r| r * r).sum::<f64>()) else {
-            continue;
-        };
+        let found = search.residuals(&values, Bound::Fold);
+        let Some(sum) = found.map(|all| all.iter().map(|r| r * r).sum::<f64>()) else { continue };
         if best.as_ref().is_none_or(|(least, _)| sum < 0.999 * least) {
             best = Some((sum, values));
         }
-        if is_by_formula {
+        if bound == Bound::None {
             break;
         }
     }
@@ -189,7 +199,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// The best parameters with the first so many of them free, for one count after the other; and steps.
-    fn through(&self, start: &[f64], counts: &[usize], is_by_formula: bool) -> (Vec<f64>, usize) {
+    fn through(&self, start: &[f64], counts: &[usize], bound: Bound) -> (Vec<f64>, usize) {
         let (mut values, mut steps) = (start.to_vec(), 0);
         for now in counts.iter().map(|&count| &self.free[..count]) {
             let parameters: Vec<Parameter> =
@@ -201,39 +211,50 @@ impl Search<'_> {
                 }
                 all
             };
-            let Some(found) = minimise(&parameters, |found| self.residuals(&with(found), is_by_formula)) else { break };
+            let Some(found) = minimise(&parameters, |found| self.residuals(&with(found), bound)) else { break };
             (values, steps) = (with(&found.values), steps + found.steps);
         }
         (values, steps)
     }
 
-    /// Distances of what a model sees from where it is seen, pixels by the root of the weight: x and y of each. `None`: some direction lies
-    /// beyond what the model can turn round; by its formula alone it has a place there, too.
-    fn residuals(&self, values: &[f64], is_by_formula: bool) -> Option<Vec<f64>> {
-        let calibration = Calibration::new(self.camera.model, self.camera.size_px, values).ok()?;
-        let mut all = Vec::with_capacity(2 * self.seen.len());
+    /// Distances of what a model sees from where it is seen, pixels by the root of the weight: x and y of each, and what a bound costs.
+    /// `None`: some direction has no place.
+    fn residuals(&self, values: &[f64], bound: Bound) -> Option<Vec<f64>> {
+        let CameraToFit { model, size_px, .. } = *self.camera;
+        let mut all = Vec::with_capacity(3 * self.seen.len());
+        let formula = if bound == Bound::Fold { None } else { Formula::new(model, size_px, values) };
+        let Some(formula) = formula else {
+            let calibration = Calibration::new(model, size_px, values).ok()?;
+            for one in self.seen {
+                let off = (calibration.project(one.direction).ok()? - one.point_px) * one.weight.sqrt();
+                all.extend([off.x, off.y]);
+            }
+            return Some(all);
+        };
         for one in self.seen {
-            let point = match is_by_formula {
-                true => calibration.by_formula(one.direction)?,
-                false => calibration.project(one.direction).ok()?,
-            };
+            let (point, slope) = formula.project(one.direction)?;
             let off = (point - one.point_px) * one.weight.sqrt();
             all.extend([off.x, off.y]);
+            if bound == Bound::Slope {
+                // A picture whose heights go with the angle shrinks a plane's by the fourth power of the cosine, about.
+                let cosine = if model.is_flat() { one.direction.z / one.direction.length() } else { 1.0 };
+                let short = (LEAST_SLOPE * cosine.powi(4) - slope).max(0.0) / cosine.powi(4);
+                all.push(SLOPE_PX * short * one.weight.sqrt());
+            }
         }
         Some(all)
     }
 }
 
-impl Calibration {
-    /// [`Calibration::project`] by the formula of a distortion alone, also beyond its fold; of one that leads from the picture, the point.
-    fn by_formula(&self, direction: DVec3) -> Option<DVec2> {
-        if self.is_from_picture {
-            return self.project(direction).ok();
-        }
-        let distorted = self.warp.formula(self.chart.point(direction.normalize())?);
-        let on_film = self.film * distorted.extend(1.0);
-        (on_film.z > 0.0).then(|| on_film.truncate() / on_film.z)
-    }
+/// What keeps a search from formulas that fold.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Bound {
+    /// Nothing.
+    None,
+    /// A cost of slopes that are flat or turned over.
+    Slope,
+    /// There is nothing beyond a fold.
+    Fold,
 }
 
 /// The parameters at which the search starts: the lens about its axis, without distortion.
@@ -346,97 +367,4 @@ fn coefficient(model: Model, name: &str, radius: f64, farthest_px: f64, focal_px
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Points of a picture with the directions of a camera.
-    fn seen_by(camera: &Calibration) -> Vec<SeenDirection> {
-        let [w, h] = camera.size_px().map(f64::from);
-        let point = |i: u32| DVec2::new(w * f64::from(i % 17) / 16.0, h * f64::from(i / 17) / 11.0);
-        let of = |point_px: DVec2| {
-            let direction =
-                camera.unproject(point_px).unwrap_or_else(|why| panic!("{:?}: {why}", camera.model())) * 3.0;
-            SeenDirection { point_px, direction, weight: 1.0 / 204.0 }
-        };
-        (0..204).map(|i| of(point(i))).collect()
-    }
-
-    fn to_fit(model: Model, focal_px: f64, is_symmetric: bool) -> CameraToFit {
-        let (size_px, centre_px) = ([480, 320], [240.0, 160.0]);
-        CameraToFit { model, size_px, focal_px: [focal_px; 2], centre_px, is_symmetric, coefficients: None }
-    }
-
-    /// Each model's own directions give its parameters back, from a start without distortion and a focal length that is 3 % off.
-    #[test]
-    fn a_model_is_found_again() {
-        let cases: [(Model, &[f64]); 10] = [
-            (Model::OpenCv, &[420.0, 420.0, 240.0, 160.0, -0.3, 0.15, 0.0, 0.0, 0.02]),
-            (Model::Fisheye, &[210.0, 210.0, 240.0, 160.0, 0.05, -0.02, 0.012, -0.003]),
-            (Model::ThinPrismFisheye, &[300.0, 300.0, 240.0, 160.0, 0.05, -0.02, 0.0, 0.0, 0.012, -0.003]),
-            (Model::RadTanThinPrismFisheye, &[300.0, 300.0, 240.0, 160.0, 0.05, -0.02, 0.01, -0.003, 1e-3, -1e-4]),
-            (Model::Fov, &[300.0, 300.0, 240.0, 160.0, 0.9]),
-            (Model::Division, &[300.0, 300.0, 240.0, 160.0, -0.2]),
-            (Model::DoubleSphere, &[300.0, 300.0, 240.0, 160.0, -0.2, 0.6]),
-            (Model::Eucm, &[300.0, 300.0, 240.0, 160.0, 0.6, 1.1]),
-            (Model::FThetaToPixels, &[240.0, 160.0, 1.0, 0.0, 0.0, 200.0, 0.0, -8.0, 0.0, 0.5]),
-            (Model::FThetaToAngle, &[240.0, 160.0, 1.0, 0.0, 0.0, 5e-3, 0.0, 1e-9]),
-        ];
-        for (model, given) in cases {
-            let mut parameters = given.to_vec();
-            parameters.resize(model.parameter_names().len(), 0.0);
-            let camera = Calibration::new(model, [480, 320], &parameters).unwrap();
-            let seen = seen_by(&camera);
-            let focal = camera.focal_px().unwrap()[0] * 1.03;
-            let found = fit(&to_fit(model, focal, true), &seen).unwrap();
-            let off =
-                seen.iter().map(|one| (found.calibration.project(one.direction).unwrap() - one.point_px).length());
-            // Coefficients of several powers make up for each other: what counts is where they put the points.
-            let worst = off.fold(0.0, f64::max);
-            assert!(worst < 1e-5, "{}: {worst} px, {:?}", model.name(), found.calibration.parameters());
-            let apart = found.calibration.parameters().iter().zip(&parameters).map(|(a, b)| (a - b).abs());
-            assert!(apart.fold(0.0, f64::max) < 2e-3 * focal, "{}", model.name());
-        }
-    }
-
-    /// A camera without symmetry: each focal length, the principal point and what decentres are found.
-    #[test]
-    fn a_decentred_camera_is_found_again() {
-        let mut parameters = vec![420.0, 423.0, 243.7, 156.2, -0.3, 0.15, 0.006, -0.005, 0.0];
-        parameters.resize(18, 0.0);
-        let camera = Calibration::new(Model::OpenCv, [480, 320], &parameters).unwrap();
-        let found = fit(&to_fit(Model::OpenCv, 400.0, false), &seen_by(&camera)).unwrap();
-        let apart = found.calibration.parameters().iter().zip(&parameters).map(|(a, b)| (a - b).abs());
-        assert!(apart.fold(0.0, f64::max) < 1e-4, "{:?}", found.calibration.parameters());
-        assert_eq!(found.free, ["fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"]);
-    }
-
-    /// Directions of a fisheye of 140 degrees, to which a polynomial of the tangent is fitted: what is found does not fold in the picture.
-    #[test]
-    fn what_is_found_does_not_fold() {
-        let camera =
-            Calibration::new(Model::Fisheye, [480, 320], &[230.0, 230.0, 240.0, 160.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-                .unwrap();
-        let found = fit(&to_fit(Model::OpenCv, 230.0, true), &seen_by(&camera)).unwrap();
-        assert_eq!(found.calibration.survey().covered, 1.0, "{:?}", found.calibration.parameters());
-    }
-
-    #[test]
-    fn what_cannot_be_fitted_is_named() {
-        let fisheye = |focal: f64| {
-            let parameters = [focal, focal, 240.0, 160.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-            seen_by(&Calibration::new(Model::Fisheye, [480, 320], &parameters).unwrap())
-        };
-        let wrong = |camera: &CameraToFit, seen: &[SeenDirection]| fit(camera, seen).unwrap_err();
-        let opencv = to_fit(Model::OpenCv, 150.0, true);
-        // The corners are 288 pixels from the middle.
-        assert!(
-            matches!(wrong(&opencv, &fisheye(150.0)), FitError::NotSeen { largest_deg, .. } if (largest_deg - 110.2).abs() < 0.1)
-        );
-        let seen = fisheye(400.0);
-        assert!(matches!(wrong(&to_fit(Model::StMap, 400.0, true), &seen), FitError::Model(_)));
-        assert_eq!(wrong(&opencv, &seen[..1]), FitError::TooFew { seen: 1, parameters: 4 });
-        let asked = CameraToFit { coefficients: Some(vec!["k9".into()]), ..opencv };
-        let text = wrong(&asked, &seen).to_string();
-        assert!(text.starts_with("the model opencv has no coefficient 'k9'; it has k1, k2, p1"), "{text}");
-    }
-}
+mod tests;

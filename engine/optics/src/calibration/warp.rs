@@ -43,11 +43,6 @@ impl Warp {
         value.is_finite().then_some(value)
     }
 
-    /// The point by the formula alone, also beyond the limit.
-    pub(super) fn formula(&self, q: DVec2) -> DVec2 {
-        self.distortion.at(q).0
-    }
-
     /// The point within the limit that is distorted to `target`; `None` if there is none.
     pub(super) fn back(&self, target: DVec2) -> Option<DVec2> {
         if !target.is_finite() {

@@ -1,7 +1,10 @@
 use super::*;
 use crate::calibration::{CameraToFit, Model, SeenDirection};
+use crate::chief_rays::turned;
 use crate::formats::lens;
-use crate::glass::{Catalogue, line_nm};
+use crate::glass::{Catalogue, Medium, line_nm};
+use crate::prescription::NextMedium;
+use crate::prescription::moving::Part;
 use std::path::Path;
 
 const SIZE: [u32; 2] = [1920, 1280];
