@@ -46,9 +46,7 @@ def test_a_lens_without_distortion_is_a_pinhole(calibrate, petzval_cli):
     assert far["parameters"]["fx"] == pytest.approx(far["efl_mm"] / 0.0005, rel=2e-6)
     assert (far["parameters"]["cx"], far["parameters"]["cy"]) == (360.0, 240.0)
     near = calibrate(*lens, "--focus-distance", "3000")
-    info = json.loads(
-        petzval_cli("lens", "info", lens[0], "--focus-distance", "3000", "--json").stdout
-    )
+    info = json.loads(petzval_cli("lens", "info", lens[0], "--focus-distance", "3000", "--json").stdout)
     assert near["parameters"]["fx"] == pytest.approx(-info["magnification"] * 3000.0 / 0.0005, rel=2e-6)
 
 
@@ -75,9 +73,7 @@ def test_rays_of_the_map_come_back(calibrate, petzval_cli, tmp_path, case):
     start = origin[rows, columns].astype(float) * turn + [0.0, 0.0, found["centre_z_mm"]]
     along = -direction[rows, columns].astype(float) * turn
     # From some way before the lens on, so that the ray has to find the first surface itself.
-    asked = [
-        {"origin": list(p - 40.0 * d), "direction": list(d)} for p, d in zip(start, along, strict=True)
-    ]
+    asked = [{"origin": list(p - 40.0 * d), "direction": list(d)} for p, d in zip(start, along, strict=True)]
     done = petzval_cli("lens", "trace", case[0], "--rays", "-", "--json", stdin=json.dumps({"rays": asked}))
     out = json.loads(done.stdout)["rays"]
     film_z = json.loads(petzval_cli("lens", "info", case[0], "--json").stdout)["film_z_mm"]
@@ -153,7 +149,15 @@ def test_files_are_read_again(calibrate, petzval_cli, tmp_path):
 def test_every_model_is_near(calibrate):
     """A wide lens of 45.8 degrees at 480 pixels, by each model: polynomials to a tenth of a pixel, one or two numbers to a few."""
     lens = ("biogon-21-f4.5", "--size", "480x320")
-    polynomials = ("opencv", "fisheye", "thin-prism-fisheye", "rad-tan-thin-prism-fisheye", "omni", "f-theta", "f-theta-to-pixels")
+    polynomials = (
+        "opencv",
+        "fisheye",
+        "thin-prism-fisheye",
+        "rad-tan-thin-prism-fisheye",
+        "omni",
+        "f-theta",
+        "f-theta-to-pixels",
+    )
     for model in (*polynomials, "fov", "division", "eucm", "double-sphere"):
         found = calibrate(*lens, "--model", model)
         most = 0.1 if model in polynomials else 2.0
@@ -207,5 +211,7 @@ def test_the_nearest_centre_leaves_less_elsewhere(calibrate):
     pupil, nearest = (calibrate("nikkor-24-f1.8", "--centre", centre) for centre in ("pupil", "nearest"))
     assert pupil["parameters"]["fx"] == pytest.approx(nearest["parameters"]["fx"], rel=1e-12)
     assert pupil["centre_z_mm"] == pupil["pupil_z_mm"] < nearest["centre_z_mm"]
-    at_1_m = [next(one for one in found["elsewhere"] if one["distance_mm"] == 1000.0)["rms_px"] for found in (pupil, nearest)]
+    at_1_m = [
+        next(one for one in found["elsewhere"] if one["distance_mm"] == 1000.0)["rms_px"] for found in (pupil, nearest)
+    ]
     assert at_1_m[1] < 0.6 * at_1_m[0], at_1_m

@@ -107,7 +107,9 @@ def test_a_real_camera_comes_nearer(fit, tmp_path):
         # By its own pinhole and pixels of 5.936 um.
         assert scaled["after"]["efl_mm"] == pytest.approx(20.25, rel=0.05)
     same = fit("nikkor-20-f1.8", cameras, "--pixel-pitch-um", "5.9358465608")
-    assert same["after"]["rms_px"] == pytest.approx(fit("nikkor-20-f1.8", cameras, "--film", "35.9x24")["after"]["rms_px"])
+    assert same["after"]["rms_px"] == pytest.approx(
+        fit("nikkor-20-f1.8", cameras, "--film", "35.9x24")["after"]["rms_px"]
+    )
 
 
 def opencv_file(path, fx, fy, size=(1920, 1280)):
@@ -137,7 +139,9 @@ def test_what_cannot_be_is_one_line(petzval_cli, tmp_path):
     ]  # fmt: skip
     for (lens, calibration, *more), words in cases:
         assert_complains(petzval_cli("lens", "fit", lens, "--calibration", calibration, *more), words)
-    wide = petzval_cli("lens", "fit", "nikkor-24-f1.8", "--calibration", tmp_path / "wide.yml", "--pixel-pitch-um", "18.75,17.0455")
+    wide = petzval_cli(
+        "lens", "fit", "nikkor-24-f1.8", "--calibration", tmp_path / "wide.yml", "--pixel-pitch-um", "18.75,17.0455"
+    )
     assert wide.returncode == 0, wide.stderr
     bad = petzval_cli("lens", "fit", "nikkor-24-f1.8", "--calibration", good, "--gaps", "some")
     assert_complains(bad, "argument --gaps: invalid tolerance value: 'some'", status=2)

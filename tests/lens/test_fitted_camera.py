@@ -124,9 +124,7 @@ def test_opencv_finds_the_same_camera_in_pictures_of_the_lens(studio, parts, tmp
     pixels = np.stack([x.ravel(), y.ravel()], 1)
     mine = np.array([[p["fx"], 0, p["cx"] - 0.5], [0, p["fy"], p["cy"] - 0.5], [0, 0, 1]])
     own = np.array([p["k1"], p["k2"], 0.0, 0.0, p["k3"]])
-    fields = [
-        cv2.undistortPoints(pixels.reshape(-1, 1, 2), *camera).reshape(-1, 2) for camera in ((mine, own), (k, d))
-    ]
+    fields = [cv2.undistortPoints(pixels.reshape(-1, 1, 2), *camera).reshape(-1, 2) for camera in ((mine, own), (k, d))]
     a, b = (
         np.concatenate([field, np.ones((len(field), 1))], 1) / np.sqrt(1.0 + (field**2).sum(1))[:, None]
         for field in fields

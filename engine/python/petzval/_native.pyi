@@ -281,7 +281,9 @@ def write_calibration_map(
 def fitted_camera_json(
     camera: CameraDescription,
     size: tuple[int, int],
-    options: Mapping[str, Any],  # model, coefficients (None: those that the lens's symmetry leaves), centre ("PUPIL" | "NEAREST")
+    options: Mapping[
+        str, Any
+    ],  # model, coefficients (None: those that the lens's symmetry leaves), centre ("PUPIL" | "NEAREST")
     name: str,
     format: str | None,  # as `calibration_text`
     ray_map: tuple[str, str] | None,  # file and comments

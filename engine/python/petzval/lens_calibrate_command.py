@@ -56,7 +56,9 @@ def add_parser(actions: Any, kinds: str) -> None:
     calibrate.add_argument(
         "-o", "--output", metavar="OUT", help="the calibration: a .yml, .yaml, .json or .txt file, as `calibration convert`"
     )  # fmt: skip
-    calibrate.add_argument("--to", choices=("opencv", "ros", "colmap"), help="the file's format; default: by its ending")
+    calibrate.add_argument(
+        "--to", choices=("opencv", "ros", "colmap"), help="the file's format; default: by its ending"
+    )
     calibrate.add_argument("--map", metavar="RAYS.exr", help="the ray of each pixel, origin and direction, 32 bits")
     calibrate.add_argument("--residual", metavar="OFF.exr", help="what the model leaves in each pixel, in pixels")
     calibrate.add_argument("--json", action="store_true", help="print one JSON object")

@@ -44,9 +44,7 @@ def add_parser(actions: Any, kinds: str) -> None:
     fit = actions.add_parser("fit", help="adjust the lens to a measured camera calibration", allow_abbrev=False)
     fit.add_argument("lens", metavar="FILE", help=f"a lens file ({kinds}), or the name of a shipped lens")
     fit.add_argument("--calibration", required=True, metavar="FILE", help=CALIBRATIONS)
-    fit.add_argument(
-        "--calibration-camera", metavar="NAME", help="of the file's cameras, where there are several"
-    )
+    fit.add_argument("--calibration-camera", metavar="NAME", help="of the file's cameras, where there are several")
     fit.add_argument("--pixel-pitch-um", type=_pitch, metavar="UM[,UM]", help="size of a pixel on the sensor")
     fit.add_argument(
         "--film", type=types.film, default="lens", metavar="WxH|NAME|lens",
