@@ -10,6 +10,7 @@ import pytest
 
 from support import zipped_exr
 from support.command_line import assert_complains
+from support.places import ROOT
 
 pytestmark = pytest.mark.once
 #: A small picture of a wide lens, whole.
@@ -164,6 +165,30 @@ def test_every_model_is_near(calibrate):
         assert found["rms_px"] < most and found["covered"] == 1.0, (model, found["rms_px"])
 
 
+def test_lenses_without_symmetry(calibrate, tmp_path):
+    """An anamorphic lens squeezes by two; OpenCV's tilted sensor is a tilted film; an element that is displaced moves the principal point."""
+    squeezed = calibrate("anamorphic-2x-double-gauss")["parameters"]
+    # To first order of its design: 100 mm up and 50 mm across.
+    assert squeezed["fy"] / squeezed["fx"] == pytest.approx(2.0, rel=0.01)
+    plain = calibrate("nikkor-24-f1.8", "--tilt", "3")
+    tilted = calibrate("nikkor-24-f1.8", "--tilt", "3", "--coefficients", "k1,k2,k3,tau_x,tau_y")
+    assert tilted["rms_px"] < 0.06 < 10 * tilted["rms_px"] < plain["rms_px"]
+    assert abs(tilted["parameters"]["tau_y"]) < 1e-6 < abs(tilted["parameters"]["tau_x"])
+    moved = tmp_path / "moved.lens"
+    text = (ROOT / "lenses/cooke-triplet-50mm.lens").read_text()
+    moved.write_text(text.replace("#radius", "# element: 4-5 decenter_y=0.3\n#radius"))
+    found = calibrate(moved)
+    assert abs(found["parameters"]["cy"] - 640.0) > 5.0 and abs(found["parameters"]["cx"] - 960.0) < 1e-3
+    assert found["rms_px"] < 1.0
+
+
+def test_a_zoom_stands_where_it_is_asked(calibrate, petzval_cli):
+    for focal in ("24.72", "50", "67.9"):
+        found = calibrate("nikkor-z-24-70-f4", "--focal-length", focal, "--size", "1920x1280")
+        width = found["picture_mm"][0]
+        assert found["parameters"]["fx"] * width / 1920 == pytest.approx(float(focal), rel=2e-3)
+
+
 def test_the_part_that_is_lit_is_fitted(petzval_cli, calibrate):
     """A lens whose picture is a circle in its film."""
     found = calibrate("laikin-fisheye-170", "--model", "fisheye", "--film", "36x24", "--size", "360x240")
@@ -187,6 +212,7 @@ def test_the_part_that_is_lit_is_fitted(petzval_cli, calibrate):
         (("cooke-triplet-50mm", "--map", "a.png"), ("its ending is not .exr: change --map",)),
         (("cooke-triplet-50mm", "--model", "eucm", "-o", "{tmp}/a.yml"), ("OpenCV's YAML has no model like eucm",)),
         (("cooke-triplet-50mm", "--film", "3x2", "--shift", "900,0"), ("lights nothing of this film",)),
+        (("cooke-triplet-50mm", "--size", "20000x20000", "--map", "{tmp}/a.exr"), ("a map of 20000 x 20000 pixels: give less",)),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_one_line(petzval_cli, tmp_path, arguments, words):

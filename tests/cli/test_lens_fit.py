@@ -94,6 +94,32 @@ def test_a_focus_distance_is_found(fit, petzval_cli, tmp_path):
     assert found["after"]["rms_px"] < 0.01 < found["before"]["rms_px"]
 
 
+def test_groups_that_focus_are_found_by_their_distortion(fit, petzval_cli, tmp_path):
+    """A lens whose rear group focuses, at 0.5 m: from 0.7 m on, and from infinity with its size free, too. It stays a lens that focuses."""
+    camera = tmp_path / "camera.yml"
+    done = petzval_cli("lens", "calibrate", "nikkor-28-f1.4", "--focus-distance", "500", "-o", camera)
+    assert done.returncode == 0, done.stderr
+    found = fit("nikkor-28-f1.4", camera, "--adjust", "focus", "--focus-distance", "700", "-o", tmp_path / "a.lens")
+    assert found["after"]["focus_distance_mm"] == pytest.approx(500.0, rel=2e-3)
+    both = fit("nikkor-28-f1.4", camera, "--adjust", "focus,focal-length")
+    # The model of three coefficients leaves a hundredth of a pixel, which the two share.
+    assert both["after"]["focus_distance_mm"] == pytest.approx(500.0, rel=0.02)
+    assert both["scale"] == pytest.approx(1.0, abs=2e-3)
+    assert "# moving:" in (tmp_path / "a.lens").read_text()
+
+
+def test_a_zoom_is_written_as_it_stands(fit, petzval_cli, tmp_path):
+    camera = tmp_path / "camera.yml"
+    zoom = ("nikkor-z-24-70-f4", "--focal-length", "50")
+    done = petzval_cli("lens", "calibrate", *zoom, *RATIONAL, "-o", camera)
+    assert done.returncode == 0, done.stderr
+    found = fit(zoom[0], camera, *zoom[1:], "-o", tmp_path / "a.lens")
+    assert found["before"]["rms_px"] < 0.01 and found["scale"] == pytest.approx(1.0, abs=1e-5)
+    info = json.loads(petzval_cli("lens", "info", tmp_path / "a.lens", "--json").stdout)
+    assert info["efl_mm"] == pytest.approx(50.0, abs=1e-3)
+    assert "# moving:" not in (tmp_path / "a.lens").read_text()
+
+
 def test_a_real_camera_comes_nearer(fit, tmp_path):
     """Lenses of about 20 mm beside the D3X: scaled they come from 400 to 1000 um to 40 to 90, and with gaps nearer still. No patent is the
     product, nor of the one that was used, so more cannot be asked."""

@@ -24,7 +24,7 @@ use gaps::gaps_of;
 use set_lens::SetLens;
 
 /// Cells over the larger side of the picture, at whose corners the lens is compared.
-const CELLS: u32 = 24;
+const CELLS: f64 = 24.0;
 /// Pixels that a change by all of a tolerance costs.
 const PULL_PX: f64 = 1e-3;
 /// Focal lengths, and film distances by the focal length, are sought within this part, and focus distances from so many focal lengths on.
@@ -254,8 +254,8 @@ impl<'a> Search<'a> {
     /// Nodes over the picture with its edges, pixels.
     fn all_points(&self) -> Vec<DVec2> {
         let size = self.task.calibration.size_px();
-        let larger = size[0].max(size[1]);
-        let [columns, rows] = size.map(|side| (CELLS * side).div_ceil(larger).max(4));
+        let larger = f64::from(size[0].max(size[1]));
+        let [columns, rows] = size.map(|side| ((CELLS * f64::from(side) / larger).ceil() as u32).max(4));
         let at = |i: u32, n: u32, side: u32| f64::from(side) * f64::from(i) / f64::from(n);
         let node = |i: u32| {
             let (column, row) = (i % (columns + 1), i / (columns + 1));

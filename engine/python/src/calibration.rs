@@ -12,6 +12,9 @@ use petzval_render::reports::fitted_camera::{FittedCamera, FittedCameraOptions, 
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
+/// Largest number of pixels of a map of rays, which takes a hundred bytes for each.
+const MOST_PIXELS: u64 = 1 << 26;
+
 /// What a file holds.
 #[pyfunction]
 pub(crate) fn calibration_json(py: Python<'_>, path: PathBuf) -> Result<String, Error> {
@@ -81,6 +84,10 @@ pub(crate) fn fitted_camera_json(
     residual_map: Option<(PathBuf, String)>,
 ) -> Result<(String, Option<String>), Error> {
     let format = format.map(format_of).transpose()?;
+    let [width, height] = size.map(u64::from);
+    if (ray_map.is_some() || residual_map.is_some()) && width * height > MOST_PIXELS {
+        return Err(invalid(format!("a map of {width} x {height} pixels: give less than {MOST_PIXELS} in all")));
+    }
     without_gil(py, || {
         let found = fitted_camera(&camera.0, size, &options.0).map_err(|error| invalid(error.to_string()))?;
         let text = format.map(|format| {

@@ -124,7 +124,7 @@ pub fn fitted_camera(
     })?;
     let rays = PictureRays::new(d, size_px, options.centre)?;
     let wrong = |problem: FitError| FittedCameraError::Fit { lens: rays.system.name().to_owned(), problem };
-    let lit: Vec<PictureRay> = rays.grid().into_iter().filter(|ray| ray.is_lit).collect();
+    let lit = rays.lit_grid();
     let seen = seen(&lit, rays.sharp_mm(), model.is_flat());
     let camera = CameraToFit {
         model,

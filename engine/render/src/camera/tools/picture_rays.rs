@@ -16,8 +16,10 @@ use petzval_optics::trace::Ray as LensRay;
 use rayon::prelude::*;
 use serde::Deserialize;
 
-/// Cells over the picture's larger side, at whose corners its rays are looked at.
+/// Cells over the picture's larger side, at whose corners its rays are looked at; and where fewer nodes than these are lit.
 const CELLS: u32 = 64;
+const FINE_CELLS: u32 = 256;
+const FEW: usize = 400;
 
 /// The point of the axis that counts as the centre of projection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -105,7 +107,7 @@ impl PictureRays {
             sharp_z_mm: info.focus_distance_mm.map(|distance| pupil_z_mm - distance),
             system,
         };
-        let lit: Vec<PictureRay> = rays.grid().into_iter().filter(|ray| ray.is_lit).collect();
+        let lit = rays.lit_grid();
         if lit.is_empty() {
             return Err(PictureRaysError::Dark(rays.system.name().to_owned()));
         }
@@ -160,9 +162,10 @@ impl PictureRays {
 
     /// The rays of the nodes of a grid over the picture with its edges, by row from the top. Nodes without a ray are left out; weights are
     /// by the picture's area, and all of it has one.
-    pub fn grid(&self) -> Vec<PictureRay> {
-        let larger = self.size_px[0].max(self.size_px[1]);
-        let [columns, rows] = self.size_px.map(|side| (CELLS * side).div_ceil(larger).max(4));
+    fn grid(&self, cells: u32) -> Vec<PictureRay> {
+        let larger = f64::from(self.size_px[0].max(self.size_px[1]));
+        let [columns, rows] =
+            self.size_px.map(|side| ((f64::from(cells) * f64::from(side) / larger).ceil() as u32).max(4));
         let part = |i: u32, n: u32| f64::from(i) / f64::from(n);
         let share = |i: u32, n: u32| if i == 0 || i == n { 0.5 } else { 1.0 } / f64::from(n);
         let row = |j: u32| {
@@ -176,6 +179,14 @@ impl PictureRays {
             (0..=columns).filter_map(of).collect::<Vec<_>>()
         };
         (0..=rows).into_par_iter().flat_map_iter(row).collect()
+    }
+
+    /// The rays of those nodes of a grid over the picture, with its edges, that the lens lights.
+    pub fn lit_grid(&self) -> Vec<PictureRay> {
+        let lit = |cells: u32| self.grid(cells).into_iter().filter(|ray| ray.is_lit).collect::<Vec<_>>();
+        let found = lit(CELLS);
+        // The picture of a lens in a film that is far too large is a small circle.
+        if found.len() < FEW { lit(FINE_CELLS) } else { found }
     }
 
     /// The rays of the middles of all pixels, by row from the top; `None`: the lens does not light it.
