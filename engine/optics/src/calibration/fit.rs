@@ -13,10 +13,8 @@ use thiserror::Error;
 /// Parameters that say where the picture's plane lies; all others are coefficients.
 const FRAME: [&str; 7] = ["fx", "fy", "cx", "cy", "c", "d", "e"];
 
-/// The least determinant of a distortion's derivative, parts of one, in a search that stays away from folds; and what a lack of one costs,
-/// pixels.
+/// The least determinant of a distortion's derivative in a search that stays away from folds, parts of that of a fisheye.
 const LEAST_SLOPE: f64 = 0.05;
-const SLOPE_PX: f64 = 1e4;
 
 /// A direction that is seen at a point of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,26 +162,32 @@ pub fn fit(camera: &CameraToFit, seen: &[SeenDirection]) -> Result<FittedCalibra
     let search = Search { camera, seen, free: &free };
     let frame = free.iter().filter(|one| FRAME.contains(&one.name)).count().max(1);
     let by_one: Vec<usize> = (frame..=free.len()).collect();
-    // By the formula alone; if that folds in the picture, with what keeps it from it; and within its fold, one coefficient more at a time and
-    // all at once, where one way may end before the other does.
+    // By the formula alone; if that folds in the picture, from there with what keeps it from it; and within its fold, one coefficient more at
+    // a time and all at once, where one way may end before the other does.
+    let all = vec![free.len()];
     let ways = [
         (by_one.clone(), Bound::None),
-        (by_one.clone(), Bound::Slope),
+        (all.clone(), Bound::Slope(1e4)),
+        (all, Bound::Slope(1e6)),
         (by_one, Bound::Fold),
         (vec![frame, free.len()], Bound::Fold),
     ];
     let (mut best, mut steps): (Option<(f64, Vec<f64>)>, usize) = (None, 0);
+    let mut before = values.clone();
     for (counts, bound) in ways {
-        let (values, now) = search.through(&values, &counts, bound);
+        let from = if bound == Bound::Fold { &values } else { &before };
+        let (found, now) = search.through(from, &counts, bound);
         steps += now;
-        let found = search.residuals(&values, Bound::Fold);
-        let Some(sum) = found.map(|all| all.iter().map(|r| r * r).sum::<f64>()) else { continue };
-        if best.as_ref().is_none_or(|(least, _)| sum < 0.999 * least) {
-            best = Some((sum, values));
+        if let Some(all) = search.residuals(&found, Bound::Fold) {
+            let sum: f64 = all.iter().map(|r| r * r).sum();
+            if best.as_ref().is_none_or(|(least, _)| sum < 0.999 * least) {
+                best = Some((sum, found.clone()));
+            }
+            if bound == Bound::None {
+                break;
+            }
         }
-        if bound == Bound::None {
-            break;
-        }
+        before = found;
     }
     let (_, values) = best.unwrap_or((0.0, values));
     let calibration = Calibration::new(camera.model, camera.size_px, &values)?;
@@ -235,11 +239,11 @@ impl Search<'_> {
             let (point, slope) = formula.project(one.direction)?;
             let off = (point - one.point_px) * one.weight.sqrt();
             all.extend([off.x, off.y]);
-            if bound == Bound::Slope {
+            if let Bound::Slope(cost_px) = bound {
                 // A picture whose heights go with the angle shrinks a plane's by the fourth power of the cosine, about.
                 let cosine = if model.is_flat() { one.direction.z / one.direction.length() } else { 1.0 };
                 let short = (LEAST_SLOPE * cosine.powi(4) - slope).max(0.0) / cosine.powi(4);
-                all.push(SLOPE_PX * short * one.weight.sqrt());
+                all.push(cost_px * short * one.weight.sqrt());
             }
         }
         Some(all)
@@ -247,12 +251,12 @@ impl Search<'_> {
 }
 
 /// What keeps a search from formulas that fold.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq)]
 enum Bound {
     /// Nothing.
     None,
-    /// A cost of slopes that are flat or turned over.
-    Slope,
+    /// What slopes cost that are flat or turned over, pixels.
+    Slope(f64),
     /// There is nothing beyond a fold.
     Fold,
 }
