@@ -10,6 +10,7 @@
 
 mod chart;
 mod error;
+mod fit;
 mod limit;
 mod maps;
 mod model;
@@ -22,6 +23,7 @@ mod survey;
 mod warp;
 
 pub use error::{CalibrationError, Outside};
+pub use fit::{CameraToFit, FitError, FittedCalibration, SeenDirection, fit};
 pub use maps::MapDirection;
 pub use model::Model;
 pub use photographic::PhotographicLens;
@@ -134,7 +136,7 @@ impl Calibration {
 
     /// True if the camera is a pinhole's but for its distortion, so that a plane across its axis is all sharp at once.
     pub fn is_flat(&self) -> bool {
-        self.chart == Chart::Perspective
+        self.model.is_flat()
     }
 
     /// Focal lengths along x and y, pixels: the width and the height of a small angle about the axis over the angle in radians.

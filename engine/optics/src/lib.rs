@@ -15,8 +15,8 @@
 //! where its planes lie and where the film must stand; a [`trace::Tracer`] carries rays through it at one wavelength,
 //! either way; a [`pupil_map::PupilMap`] chooses where to aim from the film, an [`entrance_map::EntranceMap`] from the scene.
 //!
-//! A module uses only those that stand before it here: [`lensfun`] → [`calibration`] → [`first_order`] → [`glass`] → [`coating`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
-//! [`prescription`] → [`deviation`] → [`formats`] → [`system`] → [`trace`] → [`transmission`] → [`paraxial`] → [`axial_beam`] → [`published`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`drawing`] → [`gaussian`] → [`ghosts`] → [`scatter`] →
+//! A module uses only those that stand before it here: [`least_squares`] → [`lensfun`] → [`calibration`] → [`first_order`] → [`glass`] → [`coating`] → [`lane`] → [`vector`] → [`surface`] → [`interface`] → [`single_surface`] → [`diaphragm`] →
+//! [`prescription`] → [`deviation`] → [`formats`] → [`system`] → [`trace`] → [`transmission`] → [`paraxial`] → [`axial_beam`] → [`published`] → [`focus`] → [`seidel`] → [`field`] → [`vignetting`] → [`chief_rays`] → [`lens_fit`] → [`drawing`] → [`gaussian`] → [`ghosts`] → [`scatter`] →
 //! [`pupil_map`] → [`entrance_map`] → [`autofocus`] → [`analysis`] → [`diffraction`] → [`ray_table`] → [`sensitivity`] → [`reality`].
 //!
 //! A ray that is lost is a result: the surface and one of seven reasons. No value is ever NaN, and no input panics.
@@ -65,6 +65,7 @@ pub mod analysis;
 pub mod autofocus;
 pub mod axial_beam;
 pub mod calibration;
+pub mod chief_rays;
 pub mod coating;
 pub mod deviation;
 pub mod diaphragm;
@@ -80,6 +81,8 @@ pub mod ghosts;
 pub mod glass;
 pub mod interface;
 pub mod lane;
+pub mod least_squares;
+pub mod lens_fit;
 pub mod lensfun;
 pub mod paraxial;
 pub mod prescription;

@@ -233,6 +233,29 @@ impl Prescription {
         fixed
     }
 
+    /// The lens `factor` times as large, with all lengths of its surfaces, its film's radius and its moving parts. Its header stays.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let row = |row: &SurfaceRow| SurfaceRow {
+            shape: row.shape.scaled(factor),
+            pose: row.pose.scaled(factor),
+            thickness_mm: row.thickness_mm * factor,
+            semi_diameter_mm: row.semi_diameter_mm * factor,
+            obstruction_mm: row.obstruction_mm * factor,
+            behind: match &row.behind {
+                NextMedium::Medium(medium) => NextMedium::Medium(medium.scaled(factor)),
+                NextMedium::Mirror => NextMedium::Mirror,
+            },
+            ..row.clone()
+        };
+        Self {
+            surfaces: self.surfaces.iter().map(row).collect(),
+            film_radius_mm: self.film_radius_mm.map(|radius| radius * factor),
+            moving: self.moving.as_ref().map(|moving| moving.scaled(factor)),
+            ..self.clone()
+        }
+    }
+
     /// This lens with its surfaces in the first position of its moving parts.
     pub fn in_first_position(self) -> Self {
         let published = self.moving.as_ref().map(|moving| moving.first_zoom_mm());

@@ -6,7 +6,7 @@ World space and all lengths without a unit in their name are in Blender units. A
 Every error is a subclass of `PetzvalError`; its message is one line: what, where, what to do.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Any, final
 
@@ -58,6 +58,8 @@ __all__ = [
     "denoising_seconds",
     "film_bytes_a_pixel",
     "film_of_lens_mm",
+    "fitted_camera_json",
+    "fitted_lens_json",
     "framing_json",
     "free_memory_bytes",
     "glass_json",
@@ -291,6 +293,31 @@ def write_photographic_map(
 
 def calibration_remarks(camera: CameraDescription, width: int, height: int) -> list[str]:
     """Sentences on a calibrated camera: what of its picture shows nothing and why, and what of its lens was not measured."""
+
+def fitted_camera_json(
+    camera: CameraDescription,
+    size: tuple[int, int],
+    options: Mapping[
+        str, Any
+    ],  # model, coefficients (None: those that the lens's symmetry leaves), centre ("PUPIL" | "NEAREST")
+    name: str,
+    format: str | None,  # as `calibration_text`
+    ray_map: tuple[str, str] | None,  # file and comments
+    residual_map: tuple[str, str] | None,
+) -> tuple[str, str | None]:
+    """What `petzval lens calibrate` tells, and the calibration's text in that format. name, efl_mm, wavelength_nm, focus_distance_mm (null:
+    infinity), size_px, picture_mm; model, parameters by name, free (those that were found); lit (the part of the picture that chief rays
+    light, in which the model was fitted), rms_px, worst_px, worst_at_px, worst_angle_deg, largest_angle_deg; covered, reason,
+    horizontal_field_deg, vertical_field_deg, valid_to_deg as `calibration_json`; centre_z_mm and pupil_z_mm (from the first vertex),
+    wander_mm (of the chief rays' crossings, from the centre), elsewhere (rms_px and worst_px at other distance_mm), rays, steps."""
+
+def fitted_lens_json(lens: Lens, settings: LensSettings, options: Mapping[str, Any]) -> tuple[str, str, list[str]]:
+    """What `petzval lens fit` tells, the text of the fitted lens file, and what of the lens cannot stand in one. Options: calibration (its
+    path), camera (None: the only one), pixel_pitch_um and film_mm (pairs, or None), wavelength_nm, focus_distance_mm (None: infinity),
+    adjust (names), gaps (None, or {"MILLIMETRES" | "PART": tolerance}) and surfaces (before them; None: all). The answer: name,
+    calibration, model, size_px, pixel_pitch_um, wavelength_nm, compared (part of the picture), points; before and after: rms_px, worst_px,
+    worst_at_px, rms_um, worst_um, efl_mm, focus_distance_mm (null: infinity), film_distance_mm; scale; gaps: surface, before_mm, after_mm,
+    tolerance_mm, is_at_end, effect_px (of all of the tolerance); alike (pairs that do the same to the picture), steps."""
 
 def coverage_json(camera: CameraDescription, width: int, height: int) -> str:
     """The part of the picture that the lens lights, by exact rays: dark_part (0 to 1), lit_diameter_mm (of the circle on an upright film,

@@ -195,25 +195,30 @@ def _lines(camera: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _convert(arguments: argparse.Namespace) -> int:
-    from . import _native, atomic_files
-
-    out = Path(arguments.out)
+def form_of(out: Path, asked: str | None) -> tuple[str, str]:
+    """The format of a file, as the command has it and as the engine has it: the one asked for, or by its ending."""
     ending = out.suffix.lower()
-    kind = arguments.to or {".yml": "opencv", ".json": "opencv", ".yaml": "ros", ".txt": "colmap"}.get(ending)
-    if _is_lensfun(arguments.file):
-        raise CommandError(
-            f"{arguments.file}: lensfun's models have odd powers of the radius, which none of these formats has: use stmap, or the database itself"
-        )
+    kind = asked or {".yml": "opencv", ".json": "opencv", ".yaml": "ros", ".txt": "colmap"}.get(ending)
     if kind is None:
         raise CommandError(
             f"cannot write {out}: its ending says no format: end it in .yml, .yaml, .json or .txt, or give --to"
         )
+    plain, as_json = _FORMATS[kind]
+    return kind, as_json if ending == ".json" and as_json else plain
+
+
+def _convert(arguments: argparse.Namespace) -> int:
+    from . import _native, atomic_files
+
+    if _is_lensfun(arguments.file):
+        raise CommandError(
+            f"{arguments.file}: lensfun's models have odd powers of the radius, which none of these formats has: use stmap, or the database itself"
+        )
+    out = Path(arguments.out)
+    kind, form = form_of(out, arguments.to)
     if out.exists() and os.path.exists(arguments.file) and os.path.samefile(out, arguments.file):
         raise CommandError(f"{out}: it would replace the file that is read: name another")
     check_writable(out)
-    plain, as_json = _FORMATS[kind]
-    form = as_json if ending == ".json" and as_json else plain
     found = _read(arguments.file)
     text = _native.calibration_text(arguments.file, arguments.camera, form)
     _say(arguments.file, found["remarks"])

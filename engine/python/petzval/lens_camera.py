@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lens before a film, without a scene: for `petzval lens stmap` and `osl`."""
+"""A lens before a film, without a scene: for `petzval lens stmap`, `osl` and `calibrate`."""
 
 from __future__ import annotations
 
@@ -24,6 +24,11 @@ def add_camera(parser: argparse.ArgumentParser, kinds: str) -> None:
     parser.add_argument("--pixels", type=types.pixels, metavar="WxH", required=True, help="of the picture")
     add_setting(parser)
     add_focus(parser)
+    add_pose(parser)
+
+
+def add_pose(parser: argparse.ArgumentParser) -> None:
+    """How the film stands behind the lens."""
     parser.add_argument("--tilt", type=types.number, default=0.0, metavar="DEG", help="turn of the film about its horizontal axis")  # fmt: skip
     parser.add_argument("--swing", type=types.number, default=0.0, metavar="DEG", help="turn of the film about its vertical axis")  # fmt: skip
     parser.add_argument("--shift", type=types.pair, default=[0.0, 0.0], metavar="X,Y", help="the lens right and up against the film, mm")  # fmt: skip

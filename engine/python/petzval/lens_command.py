@@ -10,7 +10,15 @@ import os
 from pathlib import Path
 from typing import Any
 
-from . import lens_export_command, lens_ghosts_command, lens_list, lens_reality_command, lens_report_command
+from . import (
+    lens_calibrate_command,
+    lens_export_command,
+    lens_fit_command,
+    lens_ghosts_command,
+    lens_list,
+    lens_reality_command,
+    lens_report_command,
+)
 from .argument_types import natural, number
 from .errors import CommandError, complain
 from .lens_loading import load, say
@@ -59,6 +67,8 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     lens_export_command.add_parsers(actions, KINDS)
     lens_ghosts_command.add_parser(actions, KINDS)
     lens_reality_command.add_parser(actions, KINDS)
+    lens_calibrate_command.add_parser(actions, KINDS)
+    lens_fit_command.add_parser(actions, KINDS)
 
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
     info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")

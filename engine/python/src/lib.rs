@@ -68,6 +68,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(calibration::calibration_remarks, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::photographic_lens_json, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::calibration_text, m)?)?;
+    m.add_function(wrap_pyfunction!(calibration::fitted_camera_json, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::write_calibration_map, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::write_photographic_map, m)?)?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
@@ -85,6 +86,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(reports::lens_drawing_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_ghosts_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_reality_json, m)?)?;
+    m.add_function(wrap_pyfunction!(reports::fitted_lens_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_groups, m)?)?;
     m.add_function(wrap_pyfunction!(glass::glass_json, m)?)?;
     m.add_function(wrap_pyfunction!(glass::glasses_json, m)?)?;

@@ -1,12 +1,13 @@
 //! Reports on lenses, for `petzval lens`.
 
 use crate::described::{Described, Named};
-use crate::error::{Error, json};
+use crate::error::{Error, invalid, json};
 use crate::gil::without_gil;
 use crate::lens::Lens;
 use petzval_optics::prescription::LensGroup;
 use petzval_optics::system::LensSettings;
 use petzval_render::reports::drawing::{DrawnLight, drawing};
+use petzval_render::reports::fitted_lens::{FittedLensOptions, fitted_lens};
 use petzval_render::reports::ghosts::{GhostSource, ghosts};
 use petzval_render::reports::reality::{RealityOptions, reality};
 use petzval_render::reports::{ReportSettings, report};
@@ -107,6 +108,19 @@ pub(crate) fn lens_reality_json(
         count,
     };
     json(&without_gil(py, || reality(&lens.prescription, &settings.0, &options))??)
+}
+
+/// See the stub.
+#[pyfunction]
+pub(crate) fn fitted_lens_json(
+    py: Python<'_>,
+    lens: &Lens,
+    settings: Described<LensSettings>,
+    options: Named<FittedLensOptions>,
+) -> Result<(String, String, Vec<String>), Error> {
+    let found = without_gil(py, || fitted_lens(&lens.prescription, &settings.0, &options.0))?;
+    let found = found.map_err(|error| invalid(error.to_string()))?;
+    Ok((json(&found.report)?, found.text, found.lost))
 }
 
 /// See the stub.

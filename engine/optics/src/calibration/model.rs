@@ -159,6 +159,12 @@ impl Model {
         }
     }
 
+    /// True if the model is a pinhole's but for its distortion, so that it sees a plane across its axis and nothing beside or behind it.
+    pub fn is_flat(self) -> bool {
+        use Model::{Division, Fov, OpenCv, StMap, TdeAnamorphic, TdeRadial};
+        matches!(self, OpenCv | Fov | Division | TdeRadial | TdeAnamorphic | StMap)
+    }
+
     /// A pinhole's parameters: no distortion; with the model's own radial projection where it has one. `None`: the model is no pinhole's.
     pub fn undistorted(self, focal_px: [f64; 2], centre_px: [f64; 2]) -> Option<Vec<f64>> {
         let names = self.parameter_names();

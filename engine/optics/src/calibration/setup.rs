@@ -7,7 +7,7 @@ use super::st_map::StMap;
 use super::warp::Warp;
 use super::{Calibration, CalibrationError, Model};
 use crate::lensfun::Projection;
-use glam::{DMat2, DMat3, DVec2};
+use glam::{DMat2, DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -32,6 +32,24 @@ pub(super) fn of_parameters(
     check(model, size_px, parameters)?;
     let steps = steps(model, size_px, parameters)?;
     finished(model, size_px, parameters, steps)
+}
+
+/// A model's formula alone, without the bounds within which it can be turned round.
+pub(super) struct Formula(Steps);
+
+impl Formula {
+    /// The formula of a model that leads from directions to the picture; `None`: these are no parameters of such.
+    pub(super) fn new(model: Model, size_px: [u32; 2], parameters: &[f64]) -> Option<Self> {
+        check(model, size_px, parameters).ok()?;
+        steps(model, size_px, parameters).ok().filter(|steps| !steps.is_from_picture).map(Self)
+    }
+
+    /// The point at which a direction is seen, pixels, and the determinant of the distortion's derivative there.
+    pub(super) fn project(&self, direction: DVec3) -> Option<(DVec2, f64)> {
+        let (distorted, slope) = self.0.distortion.at(self.0.chart.point(direction.try_normalize()?)?);
+        let on_film = self.0.film * distorted.extend(1.0);
+        (on_film.z > 0.0).then(|| (on_film.truncate() / on_film.z, slope.determinant()))
+    }
 }
 
 pub(super) fn of_st_map(

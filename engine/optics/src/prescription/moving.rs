@@ -224,6 +224,27 @@ impl MovingParts {
         Ok(Self { parts, zooms_in: zooms.len() > 1, first_zoom_mm: zoom(first), zooms })
     }
 
+    /// The parts of a lens `factor` times as large; the nominal focal lengths of a zoom are so, too.
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        let zoom_mm = |mm: f64| if self.zooms_in { mm * factor } else { mm };
+        let value = |(part, value): (&Part, &f64)| match part.quantity {
+            Quantity::Gap | Quantity::Radius | Quantity::Diameter => value * factor,
+            Quantity::Conic | Quantity::IndexShift => *value,
+        };
+        let zoom = |zoom: &Zoom| Zoom {
+            mm: zoom_mm(zoom.mm),
+            nearness_per_mm: zoom.nearness_per_mm.iter().map(|nearness| nearness / factor).collect(),
+            focus_mm: zoom.focus_mm.iter().map(|mm| mm * factor).collect(),
+            values: zoom.values.iter().map(|values| self.parts.iter().zip(values).map(value).collect()).collect(),
+        };
+        Self {
+            parts: self.parts.clone(),
+            zooms_in: self.zooms_in,
+            first_zoom_mm: zoom_mm(self.first_zoom_mm),
+            zooms: self.zooms.iter().map(zoom).collect(),
+        }
+    }
+
     /// Nominal focal lengths of the shortest and the longest zoom, mm; `None` if the lens does not zoom.
     pub fn zoom_range_mm(&self) -> Option<[f64; 2]> {
         self.zooms_in.then(|| [self.zooms[0].mm, self.zooms[self.zooms.len() - 1].mm])

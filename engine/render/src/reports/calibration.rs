@@ -145,17 +145,12 @@ pub fn report(file: &CalibrationFile) -> CalibrationReport {
 
 fn of_camera(name: &str, calibration: &Calibration) -> CameraReport {
     let survey = calibration.survey();
-    let names = calibration.model().parameter_names();
     let [horizontal, vertical] = survey.field_rad.map(|field| field.map(f64::to_degrees));
     CameraReport {
         name: name.to_owned(),
         model: calibration.model().name(),
         size_px: calibration.size_px(),
-        parameters: names
-            .iter()
-            .zip(calibration.parameters())
-            .map(|(name, value)| ((*name).to_owned(), Value::from(*value)))
-            .collect(),
+        parameters: parameters(calibration),
         covered: survey.covered,
         reason: survey.reason.map(|reason| reason.to_string()),
         horizontal_field_deg: horizontal,
@@ -164,4 +159,10 @@ fn of_camera(name: &str, calibration: &Calibration) -> CameraReport {
         valid_to_deg: survey.fold_rad.map(f64::to_degrees),
         focal_px: calibration.focal_px(),
     }
+}
+
+/// The parameters by name.
+pub(super) fn parameters(calibration: &Calibration) -> Map<String, Value> {
+    let names = calibration.model().parameter_names().iter();
+    names.zip(calibration.parameters()).map(|(name, value)| ((*name).to_owned(), Value::from(*value))).collect()
 }

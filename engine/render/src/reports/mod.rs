@@ -7,6 +7,8 @@ pub mod calibration;
 mod distortion;
 pub mod drawing;
 mod fans;
+pub mod fitted_camera;
+pub mod fitted_lens;
 pub mod ghosts;
 mod illumination;
 pub mod info;

@@ -6,6 +6,7 @@ pub mod distortion_map;
 pub mod framing;
 pub mod imaging;
 pub(super) mod osl;
+pub mod picture_rays;
 pub mod shade;
 pub mod sharpness;
 pub mod straying;
