@@ -128,8 +128,34 @@ impl FilmSpectrum {
 
 /// The film's answer to even light, linear Rec.709 per nm.
 pub fn film(nm: f64) -> DVec3 {
+    rec_709_from_xyz() * observer(nm)
+}
+
+/// The CIE 1931 2-degree observer's x, y and z at a wavelength, nm.
+pub fn observer(nm: f64) -> DVec3 {
     let [x, y, z, ..] = row(nm);
-    DMat3::from_cols_array_2d(&REC_709_FROM_XYZ).transpose() * DVec3::new(x, y, z)
+    DVec3::new(x, y, z)
+}
+
+/// Linear Rec.709 from CIE XYZ.
+pub fn rec_709_from_xyz() -> DMat3 {
+    DMat3::from_cols_array_2d(&REC_709_FROM_XYZ).transpose()
+}
+
+/// The wavelengths of the tables, nm, in steps of `step_nm`, and the power there of the lights that a scene's red, green and blue stand for;
+/// all three together are D65, relative, as its table has it.
+pub fn scene_lights(step_nm: f64) -> impl Iterator<Item = (f64, DVec3)> {
+    let steps = ((ROWS.len() - 1) as f64 * STEP_NM / step_nm).round() as usize;
+    (0..=steps).map(move |i| {
+        let nm = FIRST_NM + step_nm * i as f64;
+        (nm, light(nm))
+    })
+}
+
+/// The power at `nm` of the lights that a scene's red, green and blue stand for.
+fn light(nm: f64) -> DVec3 {
+    let [.., white, red, green, blue] = row(nm);
+    DVec3::new(red, green, blue) * white
 }
 
 /// The tables' columns at a wavelength.
@@ -142,8 +168,7 @@ fn row(nm: f64) -> [f64; 7] {
 /// The film's answer, linear Rec.709 per nm, to the spectra at `nm` that a scene's red, green and blue stand for.
 fn response(nm: f64) -> DMat3 {
     let film = film(nm);
-    let [.., white, red, green, blue] = row(nm);
-    let light = DVec3::new(red, green, blue) * white;
+    let light = light(nm);
     DMat3::from_cols(film * light.x, film * light.y, film * light.z)
 }
 
