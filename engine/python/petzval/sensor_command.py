@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from . import argument_types as types
+from . import processes
 from .errors import CommandError
 from .scene_options import check_apart, check_writable
 from .sensor_options import RAW_ENDINGS, add_noise, check_raw, exposure_of, told
@@ -146,13 +147,16 @@ def _develop(arguments: argparse.Namespace) -> int:
             f"raw files are developed by rawpy, which cannot be loaded: {error}: pip install rawpy"
         ) from None
     try:
+        # LibRaw says on stderr itself what it finds.
+        processes.keep_own_voice()
         with rawpy.imread(str(raw)) as opened:
             pixels = opened.postprocess(
-                use_camera_wb=True, no_auto_bright=True, bright=2.0**arguments.stops, output_bps=16,
+                use_camera_wb=True, no_auto_bright=True, adjust_maximum_thr=0.0, bright=2.0**arguments.stops, output_bps=16,
                 gamma=(2.4, 12.92), output_color=rawpy.ColorSpace.sRGB,
             )  # fmt: skip
     except rawpy.LibRawError as error:
-        raise CommandError(f"{raw}: rawpy cannot read it: {error}: is it whole, is it a raw file") from None
+        reason = error.args[0].decode(errors="replace") if error.args and isinstance(error.args[0], bytes) else error
+        raise CommandError(f"{raw}: rawpy cannot read it: {reason}: is it whole, is it a raw file") from None
     _native.write_png(pixels, str(output))
     print(f"{output}: {pixels.shape[1]} x {pixels.shape[0]} pixels")
     return 0
