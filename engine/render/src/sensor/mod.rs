@@ -6,13 +6,14 @@
 //! them, and these are rounded to whole ones (σ_q² = 1/12 DN²): σ_y² = K² (σ_d² + μ_e) + σ_q² (equation 11). Photosites differ by a share of
 //! their response (PRNU) and by electrons in the dark (DSNU).
 //!
-//! Modules use only those before them: [`random`] → [`mosaic`] → [`file`] → [`exposure`] → [`response`] → [`expose`] → [`photograph`] → [`report`].
+//! Modules use only those before them: [`random`] → [`mosaic`] → [`file`] → [`exposure`] → [`response`] → [`film`] → [`expose`] → [`photograph`] → [`report`].
 
 use petzval_pictures::error::MergeError;
 
 pub mod expose;
 pub mod exposure;
 pub mod file;
+pub mod film;
 pub mod mosaic;
 pub mod photograph;
 pub mod random;

@@ -1,0 +1,46 @@
+//! A sensor as the film of a spectral picture: what it sees of single wavelengths, where a lens parts them.
+
+use super::file::SensorFile;
+use super::response::Response;
+use crate::spectrum::FilmSpectrum;
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Deserializer};
+use std::sync::Arc;
+
+/// A sensor's channels as the film of a camera. The picture's colours are linear Rec.709 which the inverse of the sensor's matrix makes of its
+/// channels ([`Response::channels_from_xyz`]): colours of the scene are as the observer sees them, and at the edges where a lens parts
+/// wavelengths they are those of the sensor, so that [`super::expose::expose`] finds the electrons of each channel exactly.
+#[derive(Clone, Debug)]
+pub struct FilmSensor {
+    response: Arc<Response>,
+    /// The picture's colours from electrons.
+    picture_from_channels: DMat3,
+}
+
+impl FilmSensor {
+    /// The film of a sensor; `None`: it has no colours, and sees what the observer does.
+    pub fn new(response: Response) -> Option<Self> {
+        let matrix = response.electrons_per_lx_s(response.sensor().pixel_pitch_um);
+        let is_coloured = response.sensor().monochrome.is_empty() && matrix.determinant() != 0.0;
+        is_coloured.then(|| Self { picture_from_channels: matrix.inverse(), response: Arc::new(response) })
+    }
+
+    /// The wavelengths of the film, in `count` bands: [`FilmSpectrum::seen_in`].
+    pub fn visible_in(&self, count: usize) -> FilmSpectrum {
+        FilmSpectrum::seen_in(count, &|nm| {
+            // Electrons are those of photons, of which a watt has the more the longer the wavelength.
+            let seen = [0, 1, 2].map(|channel| nm * self.response.quantum_efficiency(channel, nm));
+            self.picture_from_channels * DVec3::from_array(seen)
+        })
+    }
+}
+
+/// The film of the sensor of a file or of a shipped one, by its name; nothing for a sensor without colours.
+///
+/// # Errors
+/// There is none of that name, or its file is none.
+pub(crate) fn by_name<'de, D: Deserializer<'de>>(from: D) -> Result<Option<FilmSensor>, D::Error> {
+    let Some(name) = Option::<String>::deserialize(from)? else { return Ok(None) };
+    let file = SensorFile::find(&name).map_err(serde::de::Error::custom)?;
+    Ok(FilmSensor::new(Response::new(file)))
+}
