@@ -46,6 +46,7 @@ __all__ = [
     "autofocus_json",
     "camera_info_json",
     "check_exr",
+    "check_exposure",
     "check_replaceable",
     "checkpoint_problem",
     "calibration_complaint",
@@ -56,6 +57,8 @@ __all__ = [
     "effects_json",
     "evaluate_graph",
     "denoising_seconds",
+    "expose_pixels_json",
+    "expose_sensor_json",
     "film_bytes_a_pixel",
     "film_of_lens_mm",
     "framing_json",
@@ -72,11 +75,13 @@ __all__ = [
     "pointiness",
     "random_per_island",
     "read_bounded",
+    "sensor_json",
     "sharp_points_json",
     "sharpness_json",
     "trace_surfaces_json",
     "write_calibration_map",
     "write_distortion_map",
+    "write_png",
 ]
 
 _Matrix4 = tuple[tuple[float, float, float, float], ...]
@@ -278,6 +283,28 @@ def write_calibration_map(
 
 def calibration_complaint(camera: CameraDescription, width: int, height: int) -> str | None:
     """A sentence on what of a calibrated camera's picture shows nothing, and why; None: all of it shows something."""
+
+def sensor_json(sensor: str, iso: float | None) -> str:
+    """What is known of a sensor, by the name of a shipped one or a file, at a film speed (None: its own): name, source, licence, pixel_source,
+    assumed, pixel_pitch_um, mosaic, bits, black_level_dn, base_iso, saturation_iso, peak_quantum_efficiency, is_efficiency_found; at that speed
+    iso, gain_dn_per_e, saturation_e, read_noise_e, dynamic_range_stops, dark_current_e_per_s, dsnu_e, prnu_percent, white_e_per_lx_s (by
+    channel), channels_from_xyz (rows; null: no colours), visible_below_lx_s (where the noise of white is 1 % of it)."""
+
+def check_exposure(sensor: str, exposure: dict[str, Any]) -> None:
+    """Raises where a sensor or its exposure is none."""
+
+def expose_sensor_json(sensor: str, exposure: dict[str, Any], picture: str, output: str) -> str:
+    """Photographs an OpenEXR picture (R, G and B, scene-linear Rec.709) into a raw file: .dng, .png or .exr. `exposure` has fields of the engine's
+    `ExposureRequest`: iso, shutter_s, picture_iso, lux_seconds, nits, f_number, photons, wavelength_nm, temperature_c, exit_pupil_mm, pitch_um,
+    mosaic, seed, frame, noiseless. Gives size, iso, gain_dn_per_e, white_e, dark_e, saturated, below_zero, numbers."""
+
+def expose_pixels_json(
+    sensor: str, exposure: dict[str, Any], pixels: npt.NDArray[np.float32], output: str
+) -> str:
+    """As `expose_sensor_json`, for a picture in memory: (height, width, 4), rows from below."""
+
+def write_png(pixels: npt.NDArray[np.uint16], output: str) -> None:
+    """A picture of 16 bits as PNG: (height, width, 3), or 1 for grey, first row at the top."""
 
 def coverage_json(camera: CameraDescription, width: int, height: int) -> str:
     """The part of the picture that the lens lights, by exact rays: dark_part (0 to 1), lit_diameter_mm (of the circle on an upright film,

@@ -12,10 +12,8 @@ from . import argument_types as types
 from . import processes
 from .errors import CommandError
 from .scene_options import check_apart, check_writable
-from .sensor_options import RAW_ENDINGS, add_noise, check_raw, exposure_of, told
+from .sensor_options import RAW_ENDINGS, SENSORS, add_noise, check_raw, exposure_of, told
 
-#: The words of shipped sensors, as the engine has them.
-SENSORS = ("sony-a7r2", "nikon-d700")
 _SENSOR = f"a sensor's file, or a shipped sensor: {', '.join(SENSORS)}"
 
 

@@ -10,6 +10,8 @@ from typing import Any
 from . import argument_types as types
 from .errors import CommandError
 
+#: The words of shipped sensors, as the engine has them.
+SENSORS = ("sony-a7r2", "nikon-d700")
 #: Endings of raw files.
 RAW_ENDINGS = (".dng", ".png", ".exr")
 

@@ -72,6 +72,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(sensor::sensor_json, m)?)?;
     m.add_function(wrap_pyfunction!(sensor::check_exposure, m)?)?;
     m.add_function(wrap_pyfunction!(sensor::expose_sensor_json, m)?)?;
+    m.add_function(wrap_pyfunction!(sensor::expose_pixels_json, m)?)?;
     m.add_function(wrap_pyfunction!(sensor::write_png, m)?)?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
     m.add_function(wrap_pyfunction!(camera::coverage_json, m)?)?;

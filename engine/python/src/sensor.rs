@@ -1,14 +1,14 @@
 //! Sensors for `petzval sensor` and `petzval render --sensor`.
 
 use crate::described::Named;
-use crate::error::{Error, json};
+use crate::error::{Error, invalid, json};
 use crate::gil::without_gil;
 use numpy::{PyReadonlyArray3, PyUntypedArrayMethods};
 use petzval_pictures::dng::RawPicture;
 use petzval_pictures::png;
 use petzval_render::sensor::exposure::ExposureRequest;
 use petzval_render::sensor::file::SensorFile;
-use petzval_render::sensor::photograph::photograph;
+use petzval_render::sensor::photograph::{photograph, photograph_pixels};
 use petzval_render::sensor::report::report;
 use petzval_render::sensor::response::Response;
 use pyo3::prelude::*;
@@ -39,6 +39,22 @@ pub(crate) fn expose_sensor_json(
     let response = Response::new(SensorFile::find(sensor)?);
     let summary = without_gil(py, || photograph(&response, &picture, &exposure.0, &output))?;
     json(&summary?)
+}
+
+/// Photographs a rendered picture, height x width x 4, rows from below, into a raw file; what became of its light.
+#[pyfunction]
+pub(crate) fn expose_pixels_json(
+    py: Python<'_>,
+    sensor: &str,
+    exposure: Named<ExposureRequest>,
+    pixels: PyReadonlyArray3<'_, f32>,
+    output: PathBuf,
+) -> Result<String, Error> {
+    let response = Response::new(SensorFile::find(sensor)?);
+    let [height, width, 4] = *pixels.shape() else { return Err(invalid("a picture has four numbers for each pixel")) };
+    let values: Vec<f32> = pixels.as_array().iter().copied().collect();
+    let taken = without_gil(py, || photograph_pixels(&response, [width, height], &values, &exposure.0, &output))?;
+    json(&taken?)
 }
 
 /// Writes red, green and blue of 16 bits, first row at the top, as PNG.

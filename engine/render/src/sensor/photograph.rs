@@ -59,6 +59,28 @@ pub fn photograph(
     Ok(exposed.summary)
 }
 
+/// Photographs a rendered picture, red, green, blue and alpha of each pixel, rows from below, and writes what the sensor says.
+///
+/// # Errors
+/// The exposure is none, or the file cannot be written; a file that was there is whole then.
+pub fn photograph_pixels(
+    response: &Response,
+    size: [usize; 2],
+    pixels: &[f32],
+    request: &ExposureRequest,
+    output: &Path,
+) -> Result<Summary, SensorError> {
+    let format = RawFormat::of(output)?;
+    let row = 4 * size[0].max(1);
+    let channel = |i: usize| -> Vec<f32> {
+        pixels.chunks(row).rev().flat_map(|line| line.iter().skip(i).step_by(4)).copied().collect()
+    };
+    let [red, green, blue] = [0, 1, 2].map(channel);
+    let exposed = expose(response, Picture { size, channels: [&red, &green, &blue] }, request)?;
+    write(&exposed, format, output)?;
+    Ok(exposed.summary)
+}
+
 fn write(exposed: &Exposed, format: RawFormat, output: &Path) -> Result<(), SensorError> {
     let Exposed { raw, tags, .. } = exposed;
     match format {
