@@ -33,6 +33,8 @@ pub struct RawTags {
     pub channels_from_xyz: Option<[[f64; 3]; 3]>,
     /// The channels of white, the largest 1; `None`: a sensor without colours.
     pub neutral: Option<[f64; 3]>,
+    /// Stops by which a developer is to make the picture brighter, so that it is exposed as its film speed says.
+    pub baseline_stops: f64,
     /// Film speed, ISO.
     pub iso: f64,
     /// Exposure time, s.
@@ -134,6 +136,7 @@ fn fields(picture: &RawPicture, tags: &RawTags) -> Vec<Field> {
         shorts(50713, &[1, 1]),
         shorts(50714, &each(tags.black_level_dn)),
         shorts(50717, &each(tags.white_level_dn)),
+        signed_rationals(50730, [tags.baseline_stops].into_iter()),
     ];
     if let Some((repeat, pattern)) = &tags.mosaic {
         // Rows first.

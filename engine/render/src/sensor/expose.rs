@@ -1,7 +1,7 @@
 //! A picture's light on a sensor, counted.
 
 use super::SensorError;
-use super::exposure::{Exposure, ExposureRequest};
+use super::exposure::{Exposure, ExposureRequest, SATURATION_LX_S};
 use super::file::{ReadNoise, SensorFile};
 use super::random::Stream;
 use super::response::Response;
@@ -131,7 +131,12 @@ fn tags(response: &Response, sensor: &Sensor, iso: f64) -> RawTags {
         Mosaic::None | Mosaic::Monochrome => None,
         Mosaic::Pattern { width, filters } => Some(([*width as u16, (filters.len() / width) as u16], filters.clone())),
     };
+    // Saturation beside white of the exposure at which a film of that speed saturates.
+    let white_e =
+        (response.electrons_per_lx_s(sensor.exposure.pitch_um) * DVec3::ONE).max_element() * SATURATION_LX_S / iso;
+    let saturation_e = (sensor.white_dn - sensor.file.black_level_dn) / sensor.gain_dn_per_e;
     RawTags {
+        baseline_stops: libm::log2(saturation_e / white_e).clamp(-100.0, 100.0),
         model: sensor.file.name.clone(),
         mosaic,
         black_level_dn: sensor.file.black_level_dn.round() as u16,
