@@ -8,6 +8,9 @@ from typing import Any
 
 import bpy
 
+from petzval.description import CameraDescription
+from petzval.frame_names import numbered
+
 
 def name_of(settings: bpy.types.PropertyGroup) -> str | None:
     """The sensor's name or file; None where the camera has none."""
@@ -18,12 +21,12 @@ def name_of(settings: bpy.types.PropertyGroup) -> str | None:
     return path if named.startswith("//") or Path(path).is_file() else named
 
 
-def exposure_of(settings: bpy.types.PropertyGroup, f_number: float | None, frame: int) -> dict[str, Any]:
+def exposure_of(camera: CameraDescription, frame: int) -> dict[str, Any]:
     """The exposure of a picture of that frame: by the camera's own film speed and shutter where it exposes physically, else at the sensor's own
     speed. Frames have noise of their own."""
-    found: dict[str, Any] = {"frame": frame % 2**32, "f_number": f_number}
-    if settings.physical_exposure:
-        found |= {"iso": settings.iso, "shutter_s": settings.shutter}
+    found: dict[str, Any] = {"frame": frame % 2**32, "f_number": camera.lens.f_number}
+    if camera.exposure is not None:
+        found |= {"iso": camera.exposure.iso, "shutter_s": camera.exposure.shutter_s}
     return found
 
 
@@ -31,8 +34,6 @@ def raw_file_of(settings: bpy.types.PropertyGroup, frame: int, parts: list[str])
     """Where the picture of a frame goes, with the names of its view and layer where there are several; None: nowhere."""
     if not settings.use_sensor or not settings.raw_file.strip():
         return None
-    from petzval.render_command import numbered
-
     path = Path(bpy.path.abspath(settings.raw_file, library=settings.id_data.library))
     if "#" in path.stem:
         path = numbered(path, frame)

@@ -86,7 +86,7 @@ class Photograph:
         eye = self._eye()
         camera = staging.camera(self.scene, width, height, self.report, eye)
         staging.tell_of_lens(native, camera, width, height, self.report)
-        raw.check(self.depsgraph, self.view.name)
+        raw.check(self.depsgraph, self.view.name, camera)
         settings = render_settings.describe(self.scene, width, height, self.results.has_data)
         settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
         settings = render_settings.of_view(settings, self.view)

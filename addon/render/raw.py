@@ -20,7 +20,7 @@ from ..native import engine
 from . import loop
 
 
-def check(depsgraph: bpy.types.Depsgraph, view: str) -> None:
+def check(depsgraph: bpy.types.Depsgraph, view: str, camera: CameraDescription) -> None:
     """Raises `ExportError` where what the camera's sensor is to write cannot be written: before the render, not after it."""
     native, file, name = engine(), *_asked(depsgraph, view)
     if file is None or name is None:
@@ -28,7 +28,7 @@ def check(depsgraph: bpy.types.Depsgraph, view: str) -> None:
     scene = depsgraph.scene_eval
     try:
         check_raw(file)
-        native.check_exposure(name, sensor.exposure_of(scene.camera.data.petzval, None, scene.frame_current))
+        native.check_exposure(name, sensor.exposure_of(camera, scene.frame_current))
         native.check_replaceable(file)
     except (native.PetzvalError, CommandError) as refused:
         raise ExportError(f"Camera '{scene.camera.name}': {refused}") from None
@@ -58,8 +58,7 @@ def write(
     native, file, name = engine(), *_asked(depsgraph, view)
     if file is None or name is None:
         return
-    scene = depsgraph.scene_eval
-    exposure = sensor.exposure_of(scene.camera.data.petzval, camera.lens.f_number, scene.frame_current)
+    exposure = sensor.exposure_of(camera, depsgraph.scene_eval.frame_current)
     try:
         found = json.loads(native.expose_pixels_json(name, exposure, np.ascontiguousarray(pixels), str(file)))
     except native.PetzvalError as failed:

@@ -258,8 +258,9 @@ class PETZVAL_CAMERA_PT_exposure(AperturePart, bpy.types.Panel):
         layout.prop(settings, "lumens_per_watt", text="Lumens / Watt")
 
 
-class PETZVAL_CAMERA_PT_sensor(AperturePart, bpy.types.Panel):
+class PETZVAL_CAMERA_PT_sensor(CameraPanel, bpy.types.Panel):
     bl_label = "Sensor"
+    bl_parent_id = PETZVAL_CAMERA_PT_lens.__name__
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw_header(self, context):

@@ -80,8 +80,11 @@ def test_mosaics_stand_in_phase(rawpy, tmp_path, mosaic):
     picture = save_exr(tmp_path / "parts.exr", pixels)
     expose("nikon-d700", picture, tmp_path / "parts.dng", mosaic=mosaic, noiseless=True)
     with rawpy.imread(str(tmp_path / "parts.dng")) as raw:
-        counts, colours = raw.raw_image_visible.astype(float), raw.raw_colors_visible % 3 if mosaic == "x-trans" else np.where(
-            raw.raw_colors_visible == 3, 1, raw.raw_colors_visible
+        counts, colours = (
+            raw.raw_image_visible.astype(float),
+            raw.raw_colors_visible % 3
+            if mosaic == "x-trans"
+            else np.where(raw.raw_colors_visible == 3, 1, raw.raw_colors_visible),
         )
     for channel, part in ((0, np.s_[:, :18]), (2, np.s_[:18, 18:]), (1, np.s_[18:, 18:])):
         means = [counts[part][colours[part] == one].mean() for one in range(3)]
@@ -227,7 +230,9 @@ def test_command_line_complains(petzval_cli, tmp_path):
     complains("-o", picture, "it is the file of the picture, too")
     broken = tmp_path / "broken.exr"
     broken.write_bytes(picture.read_bytes()[:200])
-    assert_complains(petzval_cli("sensor", "expose", broken, "--sensor", "nikon-d700", "-o", old), "broken.exr: cannot be read")
+    assert_complains(
+        petzval_cli("sensor", "expose", broken, "--sensor", "nikon-d700", "-o", old), "broken.exr: cannot be read"
+    )
     assert old.read_text() == "kept"
 
 
@@ -257,7 +262,9 @@ def test_previews(petzval_cli, tmp_path, chart):
         assert_complains(petzval_cli("sensor", "develop", raw, "-o", out), "pip install rawpy")
         return
     assert petzval_cli("sensor", "develop", raw, "-o", out).returncode == 0
-    means = read_png(out).reshape(4, PATCH, 6, PATCH, 3)[:, 16:-16, :, 16:-16].mean(axis=(1, 3)).reshape(24, 3) / 65535.0
+    means = (
+        read_png(out).reshape(4, PATCH, 6, PATCH, 3)[:, 16:-16, :, 16:-16].mean(axis=(1, 3)).reshape(24, 3) / 65535.0
+    )
     encoded = np.where(colours > 0.0031308, 1.055 * colours ** (1 / 2.4) - 0.055, 12.92 * colours)
     # One part in 255.
     assert np.abs(means - encoded).max() < 0.004

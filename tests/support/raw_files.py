@@ -88,7 +88,9 @@ def read_png(path: Path) -> np.ndarray:
 
 def lab(linear: np.ndarray) -> np.ndarray:
     """CIE L*a*b* under D65 of linear Rec.709 (IEC 61966-2-1, CIE 015:2018)."""
-    matrix = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.072175], [0.0193339, 0.119192, 0.9503041]])
+    matrix = np.array(
+        [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.072175], [0.0193339, 0.119192, 0.9503041]]
+    )
     ratio = linear @ matrix.T / matrix.sum(axis=1)
     small = (6 / 29) ** 3
     f = np.where(ratio > small, np.cbrt(np.maximum(ratio, 0.0)), ratio / (3 * (6 / 29) ** 2) + 4 / 29)

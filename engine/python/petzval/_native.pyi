@@ -298,9 +298,7 @@ def expose_sensor_json(sensor: str, exposure: dict[str, Any], picture: str, outp
     `ExposureRequest`: iso, shutter_s, picture_iso, lux_seconds, nits, f_number, photons, wavelength_nm, temperature_c, exit_pupil_mm, pitch_um,
     mosaic, seed, frame, noiseless. Gives size, iso, gain_dn_per_e, white_e, dark_e, saturated, below_zero, numbers."""
 
-def expose_pixels_json(
-    sensor: str, exposure: dict[str, Any], pixels: npt.NDArray[np.float32], output: str
-) -> str:
+def expose_pixels_json(sensor: str, exposure: dict[str, Any], pixels: npt.NDArray[np.float32], output: str) -> str:
     """As `expose_sensor_json`, for a picture in memory: (height, width, 4), rows from below."""
 
 def write_png(pixels: npt.NDArray[np.uint16], output: str) -> None:

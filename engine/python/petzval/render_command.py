@@ -10,6 +10,7 @@ from typing import Any
 from . import argument_types as types
 from . import interrupts, scene_options
 from .errors import CommandError
+from .frame_names import numbered
 from .sensor_options import RAW_ENDINGS, check_raw
 
 _SUFFIXES = {".exr", ".png"}
@@ -172,15 +173,6 @@ def _take(a: argparse.Namespace, options: dict[str, Any], output: Path, frame: i
         "raw": str(raw.absolute()) if raw else None,
         "checkpoint": str(checkpoint.absolute()) if checkpoint else "",
     }
-
-
-def numbered(file: Path, frame: int) -> Path:
-    """A file's name with the number of a frame for the last #### in it, as many digits as there are; without any, at its end."""
-    stem = file.stem if "#" in file.stem else f"{file.stem}_####"
-    end = stem.rindex("#") + 1
-    begin = len(stem[:end].rstrip("#"))
-    digits = f"{'-' if frame < 0 else ''}{abs(frame):0{end - begin}d}"
-    return file.with_name(f"{stem[:begin]}{digits}{stem[end:]}{file.suffix}")
 
 
 def _checkpoint_problem(file: Path) -> str | None:

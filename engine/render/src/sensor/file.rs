@@ -171,15 +171,18 @@ impl SensorFile {
             within("upstream_e of read_noise, electrons", one.upstream_e, 0.0, 1e6)?;
             within("downstream_dn of read_noise, DN", one.downstream_dn, 0.0, 1e5)?;
         }
-        let angles = &self.micro_lens;
-        let falls = angles.windows(2).all(|two| two[0][0] < two[1][0]);
-        let sound = angles.iter().flatten().all(|value| value.is_finite() && *value >= 0.0);
-        if !angles.is_empty()
-            && !(falls && sound && angles[0] == [0.0, 1.0] && angles.iter().all(|one| one[0] < 90.0 && one[1] <= 1.0))
-        {
-            return Err("micro_lens: must be [degrees, response], from [0, 1] on in rising order of angles below 90, with responses from 0 to 1".to_owned());
+        self.check_micro_lens()
+    }
+
+    fn check_micro_lens(&self) -> Result<(), String> {
+        let Some(first) = self.micro_lens.first() else { return Ok(()) };
+        let rises = self.micro_lens.windows(2).all(|two| two[0][0] < two[1][0]);
+        let sound = |[angle, response]: &[f64; 2]| (0.0..90.0).contains(angle) && (0.0..=1.0).contains(response);
+        if *first == [0.0, 1.0] && rises && self.micro_lens.iter().all(sound) {
+            return Ok(());
         }
-        Ok(())
+        Err("micro_lens: must be [degrees, response], from [0, 1] on in rising order of angles below 90, with responses from 0 to 1"
+            .to_owned())
     }
 
     fn check_numbers(&self) -> Result<(), String> {
