@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -102,3 +104,29 @@ def test_a_full_disk_keeps_the_picture(blender, parts, tmp_path, monkeypatch):
     pixels = parts.render(tmp_path)
     assert pixels.shape[:2] == (16, 24)
     assert "no space left" in parts.part("render.loop").WATCH.raw_problem
+
+
+def test_the_plan_says_whether_noise_shows(cli_scenes, petzval_cli):
+    """The row's measure is the noise of a grey card, by the numbers of `petzval sensor info`; at a high speed it is above its tolerance, and no word
+    takes it out."""
+    scene = cli_scenes / "scene.blend"
+    lens = ("--lens", "tessar-brendel", "--resolution", "48x32", "--json")
+
+    def row(*more):
+        done = petzval_cli("plan", scene, *lens, *more)
+        assert done.returncode == 0, done.stderr
+        return next(one for one in json.loads(done.stdout)["effects"] if one["effect"] == "sensor")
+
+    off = row()
+    assert (off["measure"], off["decision"]) == (0.0, "off")
+    for iso, shows in ((100.0, False), (1600.0, True)):
+        found = row("--sensor", "sony-a7r2", "--iso", iso)
+        info = json.loads(petzval_cli("sensor", "info", "sony-a7r2", "--iso", iso, "--json").stdout)
+        white = np.array(info["white_e_per_lx_s"]) * 78.0 / iso
+        noise = (np.sqrt(0.18 * white + info["read_noise_e"] ** 2) / white).max()
+        assert found["measure"] == pytest.approx(noise, rel=1e-6)
+        assert found["decision"] == "on"
+        assert (found["measure"] > found["tolerance"]) == shows
+    done = petzval_cli("plan", scene, *lens, "--effect", "sensor=on")
+    assert done.returncode == 1
+    assert "sensor" in one_line(done)

@@ -70,9 +70,7 @@ pub fn report(response: &Response, iso: Option<f64>) -> Result<SensorReport, Sen
     ExposureRequest { iso, ..ExposureRequest::default() }.checked(sensor)?;
     let iso = iso.unwrap_or(response.base_iso);
     let gain = response.gain_dn_per_e(iso);
-    let noise = sensor.read_noise_at(iso);
-    // Variances add (EMVA 1288, equation 11); rounding has a twelfth of a DN squared.
-    let read_noise_e = (noise.upstream_e.powi(2) + (noise.downstream_dn.powi(2) + 1.0 / 12.0) / (gain * gain)).sqrt();
+    let read_noise_e = response.read_noise_e(iso);
     let saturation_e = sensor.full_well_e.min((sensor.largest_dn() - sensor.black_level_dn) / gain);
     let white = response.electrons_per_lx_s(sensor.pixel_pitch_um) * glam::DVec3::ONE;
     // (electrons + read noise²) / electrons² = tolerance².

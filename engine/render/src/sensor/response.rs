@@ -122,6 +122,13 @@ impl Response {
         self.sensor.gain_dn_per_e * iso / self.base_iso
     }
 
+    /// Read noise at a film speed with that of rounding, electrons: the temporal dark noise of EMVA 1288 (equation 11; rounding has a twelfth of
+    /// a DN squared).
+    pub fn read_noise_e(&self, iso: f64) -> f64 {
+        let (noise, gain) = (self.sensor.read_noise_at(iso), self.gain_dn_per_e(iso));
+        (noise.upstream_e.powi(2) + (noise.downstream_dn.powi(2) + 1.0 / 12.0) / (gain * gain)).sqrt()
+    }
+
     /// Electrons of each channel for a picture's red, green and blue of value 1.
     pub fn electrons(&self, exposure: &Exposure) -> DMat3 {
         let iso = exposure.iso.unwrap_or(self.base_iso);
