@@ -17,7 +17,7 @@ const DARK: f64 = 0.02;
 
 pub(super) fn decide(known: &Known<'_>, wishes: &PlanOptions) -> Result<(Vec<Decision>, CameraChoice, f64), PlanError> {
     if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
-        return Err(PlanError::unavailable(effect));
+        return Err(PlanError::NotYet(effect));
     }
     let (choice, price) = choose(known, wishes)?;
     let decisions = Effect::ALL.into_iter().map(|effect| decision(effect, known, wishes, &choice, price)).collect();

@@ -147,14 +147,9 @@ pub enum PlanError {
     /// The camera cannot photograph.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// An effect was asked for that cannot be simulated yet.
-    #[error("effect {}=on: it cannot be simulated yet; set it to auto or off", .0.name())]
+    /// An effect was asked for that cannot be simulated yet, or that a setting of the camera decides on.
+    #[error("effect {}=on: {}; set it to auto or off", .0.name(), .0.why_not())]
     NotYet(Effect),
-    /// The noise of a sensor was asked for, which the camera has by its own setting.
-    #[error(
-        "effect sensor=on: the camera has its sensor by its own setting: choose one there (--sensor NAME); set it to auto or off"
-    )]
-    Sensor,
     /// Two wishes are against each other.
     #[error("effects: {0}")]
     Conflict(String),
@@ -384,13 +379,6 @@ impl Plan {
     }
 }
 
-impl PlanError {
-    /// The error of asking for an effect on which no plan decides.
-    fn unavailable(effect: Effect) -> Self {
-        if effect == Effect::Sensor { Self::Sensor } else { Self::NotYet(effect) }
-    }
-}
-
 /// The effects of a camera without a lens, or of a simpler model of one: the model decides all but its colours and its transmission.
 struct ModelEffects {
     model: Model,
@@ -403,7 +391,7 @@ impl ModelEffects {
     /// Checks that the user asks for nothing else.
     fn new(model: Model, wishes: &PlanOptions) -> Result<Self, PlanError> {
         if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
-            return Err(PlanError::unavailable(effect));
+            return Err(PlanError::NotYet(effect));
         }
         let colours = [Effect::LateralColour, Effect::AxialColour].map(|effect| wishes.word(effect));
         let may_transmit = matches!(model, Model::Thick | Model::Paraxial | Model::ImageBased);

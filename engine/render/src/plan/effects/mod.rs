@@ -114,6 +114,15 @@ impl Effect {
         self.home().is_available()
     }
 
+    /// The reason why an effect that is not available cannot be asked for.
+    pub(super) fn why_not(self) -> &'static str {
+        if self == Self::Sensor {
+            "the camera has its sensor by its own setting: choose one there (--sensor NAME)"
+        } else {
+            "it cannot be simulated yet"
+        }
+    }
+
     /// True if a simpler model of a camera has the effect (docs/camera-models.md).
     pub(super) fn is_in(self, model: Model) -> bool {
         self.home().is_in(model)
