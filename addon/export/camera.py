@@ -29,7 +29,7 @@ from petzval.description import (
 
 from ..data import default_lens
 from ..data.lens_files import LensMissing, resolve
-from . import framing
+from . import framing, sensor
 from .errors import ExportError
 from .report import Report
 from .stereo import Eye, is_pair
@@ -93,6 +93,7 @@ def describe(
         scale_mm_per_unit=scale(settings, scene),
         wavelength_nm=settings.wavelength if settings.spectrum == "SINGLE" else None,
         spectrum="THREE" if settings.spectrum == "THREE" else "VISIBLE",
+        film_sensor=sensor.name_of(settings),
         scattering=Scattering(settings.glare_roughness, settings.glare_cleanliness, settings.glare_veil),
         exposure=_exposure(settings, model),
         clip=_clip(camera, holder.name, report),

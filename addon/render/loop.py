@@ -110,6 +110,8 @@ class Watch:
         #: Is handed each pass of a finished picture: the names of its view layer, of its view and of the pass, and its pixels (height,
         #: width, channels), first row at the bottom.
         self.taken: Callable[[str, str, str, Any], None] | None = None
+        #: The reason why a raw file could not be written; the picture is there all the same.
+        self.raw_problem = ""
 
 
 #: Read by every render of this process.

@@ -9,6 +9,7 @@ import json
 import time
 
 import bpy
+import numpy as np
 
 from petzval.description import (
     CameraDescription,
@@ -29,7 +30,7 @@ from ..export import world as world_export
 from ..export.motion import Frame, Motion
 from ..export.report import Report
 from ..native import engine
-from . import checkpoints, loop, messages, persistent, planning, progress, shares, staging, statistics
+from . import checkpoints, loop, messages, persistent, planning, progress, raw, shares, staging, statistics
 from .results import Results, deliver_black, region
 
 # Samples: with fewer, the time that a forecast takes would be seen.
@@ -93,6 +94,7 @@ class Photograph:
         eye = self._eye()
         camera = staging.camera(self.scene, width, height, self.report, eye)
         staging.tell_of_lens(native, camera, width, height, self.report)
+        raw.check(self.depsgraph, self.view.name, camera)
         settings = render_settings.describe(self.scene, width, height, self.results.has_data)
         settings = render_settings.of_layer(settings, self.scene, self.depsgraph.view_layer_eval)
         settings = render_settings.of_view(settings, self.view)
@@ -204,7 +206,9 @@ class Photograph:
         if catches and not stopped:
             jobs = [others(how, is_sky=is_sky) for is_sky in kinds]
             beside_it = (jobs[0], jobs[1] if needs_sky else None)
-        self._show_all(job, picture_of, beside_it)
+        combined = self._show_all(job, picture_of, beside_it)
+        if is_whole:
+            raw.write(self.depsgraph, self.view.name, camera, combined, self._warn)
         self._warn_late(scene)
         self._keep(json.loads(job.stats_json()), sync_seconds, stopped)
         if checkpoint:
@@ -254,8 +258,8 @@ class Photograph:
             self.said.add(warning)
             self.host.report({"WARNING"}, warning)
 
-    def _show_all(self, job, picture_of: dict[str, str], beside: tuple | None) -> None:
-        """Hands over the finished picture. `beside`: the renders of what catches shadows alone, and of the sky, where things catch shadows."""
+    def _show_all(self, job, picture_of: dict[str, str], beside: tuple | None) -> np.ndarray:
+        """Hands over the finished picture, and gives its colours. `beside`: the renders of what catches shadows alone, and of the sky, where things catch shadows."""
         pictures = {passes.COMBINED.name: job.image()}
         if self.results.is_denoised:
             pictures[passes.NOISY.name] = job.noisy_image()
@@ -269,6 +273,7 @@ class Photograph:
                 )
             pictures[passes.SHADOW.name] = job.shadow(alone)
         self.results.show_all(job, pictures, self.told, picture_of)
+        return pictures[passes.COMBINED.name]
 
     def _is_on(self, effect: str) -> bool:
         return any(row["effect"] == effect and row["decision"] == "on" for row in self.told["effects"])

@@ -17,6 +17,7 @@ from bpy.props import (
 )
 
 from petzval.description import OF_LENS_FILE
+from petzval.sensor_options import SENSORS
 
 from ..data.choices import (
     ANCHORS,
@@ -57,6 +58,10 @@ def _cameras_in_file(settings: PetzvalCamera, _context: bpy.types.Context, _type
 
 def _bodies_in_file(settings: PetzvalCamera, _context: bpy.types.Context, _typed: str) -> list[str]:
     return list(calibrations.of_camera(settings.id_data).get("bodies", ()))
+
+
+def _shipped_sensors(_settings: PetzvalCamera, _context: bpy.types.Context, _typed: str) -> list[str]:
+    return list(SENSORS)
 
 
 class PetzvalCamera(LensProperties, bpy.types.PropertyGroup):
@@ -281,6 +286,25 @@ class PetzvalCamera(LensProperties, bpy.types.PropertyGroup):
         max=1e6,
         soft_max=683.0,
         precision=0,
+    )
+    use_sensor: BoolProperty(
+        name="Sensor",
+        description="A sensor that counts photons sees the picture: its colours where the lens parts wavelengths, and a raw file with its noise. "
+        "Off: an ideal film",
+        default=False,
+    )
+    sensor: StringProperty(
+        name="Sensor File",
+        description="A sensor's file, or a shipped sensor: sony-a7r2, nikon-d700",
+        default="sony-a7r2",
+        search=_shipped_sensors,
+        search_options={"SUGGESTION"},
+    )
+    raw_file: StringProperty(
+        name="Raw File",
+        description="Where final renders write what the sensor says: .dng, .png or .exr, with the frame's number for ####. Empty: nowhere",
+        default="",
+        subtype="FILE_PATH",
     )
     match_viewport: BoolProperty(
         name="Viewport Follows",

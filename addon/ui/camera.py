@@ -280,6 +280,22 @@ class PETZVAL_CAMERA_PT_exposure(AperturePart, bpy.types.Panel):
         layout.prop(settings, "lumens_per_watt", text="Lumens / Watt")
 
 
+class PETZVAL_CAMERA_PT_sensor(CameraPanel, bpy.types.Panel):
+    bl_label = "Sensor"
+    bl_parent_id = PETZVAL_CAMERA_PT_lens.__name__
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header(self, context):
+        self.layout.prop(context.camera.petzval, "use_sensor", text="")
+
+    def draw(self, context):
+        layout = columns(self)
+        settings = context.camera.petzval
+        layout.active = settings.use_sensor
+        layout.prop(settings, "sensor")
+        layout.prop(settings, "raw_file")
+
+
 class PETZVAL_CAMERA_PT_film(LensPart, bpy.types.Panel):
     bl_label = "Film & Movements"
 
@@ -325,6 +341,7 @@ CLASSES = (
     PETZVAL_CAMERA_PT_info,
     PETZVAL_CAMERA_PT_aperture,
     PETZVAL_CAMERA_PT_exposure,
+    PETZVAL_CAMERA_PT_sensor,
     PETZVAL_CAMERA_PT_glare,
     PETZVAL_CAMERA_PT_focus,
     PETZVAL_CAMERA_PT_sharp,

@@ -48,7 +48,12 @@ def _row(context, column, effect, settings, row) -> None:
     icon = "BLANK1"
     if row is not None:
         icon = "CHECKMARK" if row["decision"] == "on" else "X"
-        if not effect.is_available and row["measure"] and row["measure"] > row["tolerance"]:
+        if (
+            row["decision"] == "off"
+            and not effect.is_available
+            and row["measure"]
+            and row["measure"] > row["tolerance"]
+        ):
             icon = "ERROR"
     line = column.split(factor=0.55 if is_narrow else 0.36, align=True)
     name = line.row()

@@ -34,6 +34,7 @@ def test_the_cameras_panels(blender, parts, layout, model, focus):
     now = layout.context(camera=scene.camera.data, object=scene.camera)
     drawn = layout.draw("data", now)
     assert ("Camera", "clip_start") in drawn.shown and ("PetzvalCamera", "through_lens") in drawn.shown
+    assert {("PetzvalCamera", name) for name in ("use_sensor", "sensor", "raw_file")} <= set(drawn.shown)
     assert (("PetzvalCamera", "lens_file") in drawn.shown) == (model not in ("THIN", "PINHOLE", "CALIBRATED"))
     # With all that opens further rows.
     own.film_mode, own.focal_mode, own.spectrum, own.wide_open, own.scale_locked = (

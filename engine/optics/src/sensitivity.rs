@@ -30,6 +30,11 @@ impl Sensitivities {
         FILES.map(|(word, _)| word)
     }
 
+    /// The text of a shipped camera's file by its word; `None`: there is none.
+    pub fn file(word: &str) -> Option<&'static str> {
+        FILES.into_iter().find(|(known, _)| *known == word).map(|(_, text)| text)
+    }
+
     /// A shipped camera by its word; `None`: there is none.
     pub fn shipped(word: &str) -> Option<&'static Self> {
         static READ: OnceLock<Vec<(&str, Sensitivities)>> = OnceLock::new();

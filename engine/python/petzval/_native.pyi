@@ -46,6 +46,7 @@ __all__ = [
     "autofocus_json",
     "camera_info_json",
     "check_exr",
+    "check_exposure",
     "check_replaceable",
     "checkpoint_problem",
     "calibration_json",
@@ -56,6 +57,8 @@ __all__ = [
     "effects_json",
     "evaluate_graph",
     "denoising_seconds",
+    "expose_pixels_json",
+    "expose_sensor_json",
     "film_bytes_a_pixel",
     "film_of_lens_mm",
     "fitted_camera_json",
@@ -75,12 +78,14 @@ __all__ = [
     "pointiness",
     "random_per_island",
     "read_bounded",
+    "sensor_json",
     "sharp_points_json",
     "sharpness_json",
     "trace_surfaces_json",
     "write_calibration_map",
     "write_photographic_map",
     "write_distortion_map",
+    "write_png",
 ]
 
 _Matrix4 = tuple[tuple[float, float, float, float], ...]
@@ -318,6 +323,26 @@ def fitted_lens_json(lens: Lens, settings: LensSettings, options: Mapping[str, A
     calibration, model, size_px, pixel_pitch_um, wavelength_nm, compared (part of the picture), points; before and after: rms_px, worst_px,
     worst_at_px, rms_um, worst_um, efl_mm, focus_distance_mm (null: infinity), film_distance_mm; scale; gaps: surface, before_mm, after_mm,
     tolerance_mm, is_at_end, effect_px (of all of the tolerance); alike (pairs that do the same to the picture), steps."""
+
+def sensor_json(sensor: str, iso: float | None) -> str:
+    """What is known of a sensor, by the name of a shipped one or a file, at a film speed (None: its own): name, source, licence, pixel_source,
+    assumed, pixel_pitch_um, mosaic, bits, black_level_dn, base_iso, saturation_iso, peak_quantum_efficiency, is_efficiency_found; at that speed
+    iso, gain_dn_per_e, saturation_e, read_noise_e, dynamic_range_stops, dark_current_e_per_s, dsnu_e, prnu_percent, white_e_per_lx_s (by
+    channel), channels_from_xyz (rows; null: no colours), visible_below_lx_s (where the noise of white is 1 % of it)."""
+
+def check_exposure(sensor: str, exposure: dict[str, Any]) -> None:
+    """Raises where a sensor or its exposure is none."""
+
+def expose_sensor_json(sensor: str, exposure: dict[str, Any], picture: str, output: str) -> str:
+    """Photographs an OpenEXR picture (R, G and B, scene-linear Rec.709) into a raw file: .dng, .png or .exr. `exposure` has fields of the engine's
+    `ExposureRequest`: iso, shutter_s, picture_iso, lux_seconds, nits, f_number, photons, wavelength_nm, temperature_c, exit_pupil_mm, pitch_um,
+    mosaic, seed, frame, noiseless. Gives size, iso, gain_dn_per_e, white_e, dark_e, saturated, below_zero, numbers."""
+
+def expose_pixels_json(sensor: str, exposure: dict[str, Any], pixels: npt.NDArray[np.float32], output: str) -> str:
+    """As `expose_sensor_json`, for a picture in memory: (height, width, 4), rows from below."""
+
+def write_png(pixels: npt.NDArray[np.uint16], output: str) -> None:
+    """A picture of 16 bits as PNG: (height, width, 3), or 1 for grey, first row at the top."""
 
 def coverage_json(camera: CameraDescription, width: int, height: int) -> str:
     """The part of the picture that the lens lights, by exact rays: dark_part (0 to 1), lit_diameter_mm (of the circle on an upright film,

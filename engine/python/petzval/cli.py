@@ -36,6 +36,7 @@ COMMANDS = {
     "plan": ("plan_command", "say what a render would simulate of the lens, and why"),
     "farm": ("farm_command", "one picture on many machines: plan it in parts, render a part, merge them"),
     "dataset": ("dataset_command", "pictures with ground truth: depth, normals, masks, flow, camera parameters"),
+    "sensor": ("sensor_command", "photograph a rendered picture with a sensor that counts photons, into a raw file"),
     "merge": ("merge_command", "join renders of one picture with other samples"),
     "cost": ("cost_command", "measure what accuracy costs: one picture by every camera, timed and compared"),
 }

@@ -184,6 +184,7 @@ class CameraDescription:
     scale_mm_per_unit: tuple[float, float, float] = (1000.0, 1000.0, 1000.0)
     wavelength_nm: float | None = None  # None: all that `spectrum` says
     spectrum: str = "VISIBLE"  # VISIBLE | THREE
+    film_sensor: str | None = None  # the sensor whose channels see the wavelengths; None: the observer sees them
     scattering: Scattering = Scattering()
     exposes_by_f_number: bool = False  # what the lens takes of the light makes the picture darker
     white_balance: bool = True  # white is white in the middle of the picture

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class Effect(NamedTuple):
-    """`name` is the engine's; those that are not available can be measured, but not simulated yet."""
+    """`name` is the engine's; those that are not available can be measured, but not simulated yet, or the camera has them by a setting of its own."""
 
     name: str
     label: str
@@ -40,6 +40,7 @@ EFFECTS = (
     Effect(
         "diffraction", "Diffraction", "Softness at small openings, and the spikes of bright points: light is a wave"
     ),
+    Effect("sensor", "Sensor Noise", "Noise of the camera's sensor in its raw file, where the camera has one", False),
     Effect("spectral_materials", "Spectral Materials", "Materials that are more than three colours", False),
 )
 #: What may be said of an effect.

@@ -12,9 +12,7 @@ from .argument_types import natural, number
 from .lens_loading import load, say
 from .lens_reports.page import DARK, PALE, field_colour
 from .lens_setting import add_focus, add_setting, setting_of
-
-#: The words of shipped sensors, as the engine has them.
-SENSORS = ("sony-a7r2", "nikon-d700")
+from .sensor_options import SENSORS
 
 
 def add_parser(actions: argparse._SubParsersAction[argparse.ArgumentParser], kinds: str) -> None:

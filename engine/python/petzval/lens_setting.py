@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
-import sys
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+from . import processes
 from .argument_types import number
 from .description import MOST_BLADES, LensReportSettings, LensSettings, focal_length
 from .errors import CommandError
@@ -83,7 +82,7 @@ def _mask(path: str) -> Any:
     """The picture of an opening, read by Blender as `petzval render` reads it."""
     if not Path(path).is_file():
         raise CommandError(f"no such picture: {path}: change --aperture-mask")
-    _keep_own_voice()
+    processes.keep_own_voice()
     try:
         import bpy  # noqa: F401
     except ImportError as error:
@@ -95,16 +94,6 @@ def _mask(path: str) -> Any:
         return export.aperture_mask.of_image(export.aperture_mask.load(str(Path(path).absolute())))
     except (RuntimeError, export.errors.ExportError) as error:
         raise CommandError(f"cannot read {path}: {' '.join(str(error).split())}: give a square picture") from None
-
-
-def _keep_own_voice() -> None:
-    """From here on stdout and stderr are Python's alone: what Blender's own code says must not stand in the answer."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    for name, descriptor in (("stdout", 1), ("stderr", 2)):
-        getattr(sys, name).flush()
-        setattr(sys, name, os.fdopen(os.dup(descriptor), "w", encoding="utf-8", errors="replace"))
-        os.dup2(nowhere, descriptor)
-    os.close(nowhere)
 
 
 def add_focus(parser: argparse.ArgumentParser) -> None:

@@ -103,3 +103,13 @@ def has_byte(pipe: int) -> bool:
     import select
 
     return bool(select.select([pipe], [], [], 0.0)[0])
+
+
+def keep_own_voice() -> None:
+    """From here on stdout and stderr are Python's alone: what other code of the process says, as Blender's, must not stand in the answer."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for name, descriptor in (("stdout", 1), ("stderr", 2)):
+        getattr(sys, name).flush()
+        setattr(sys, name, os.fdopen(os.dup(descriptor), "w", encoding="utf-8", errors="replace"))
+        os.dup2(nowhere, descriptor)
+    os.close(nowhere)

@@ -10,6 +10,8 @@ from typing import Any
 from . import argument_types as types
 from . import interrupts, scene_options
 from .errors import CommandError
+from .frame_names import numbered
+from .sensor_options import RAW_ENDINGS, check_raw
 
 _SUFFIXES = {".exr", ".png"}
 
@@ -33,6 +35,11 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     add_frames(p)
     p.add_argument("-o", "--output", metavar="OUT.exr|png", help="default: SCENE.png where you are")
+    p.add_argument(
+        "--raw",
+        metavar=f"RAW{'|'.join(RAW_ENDINGS)}",
+        help="what the --sensor says of the picture, at --iso and --shutter if they are given",
+    )
     p.add_argument("--stats", metavar="STATS.json", help="write what was done, and what it took")
 
 
@@ -109,6 +116,10 @@ def options_of(a: argparse.Namespace) -> dict[str, Any]:
     options = scene_options.checked(a)
     output = Path(a.output) if a.output else Path(f"{Path(a.scene).stem}.png")
     check_picture(a, output)
+    if a.raw:
+        if not a.sensor:
+            a.usage_error("--raw is what a sensor says: name one with --sensor")
+        check_raw(Path(a.raw))
     takes = [_take(a, options, output, frame) for frame in a.frames or [None]]
     return options | {"takes": takes}
 
@@ -137,7 +148,10 @@ def _take(a: argparse.Namespace, options: dict[str, Any], output: Path, frame: i
     stats = Path(a.stats) if a.stats else None
     if stats is not None and frame is not None:
         stats = numbered(stats, frame)
-    written = {"--output": output, "--stats": stats, "--checkpoint": checkpoint}
+    raw = Path(a.raw) if a.raw else None
+    if raw is not None and frame is not None:
+        raw = numbered(raw, frame)
+    written = {"--output": output, "--stats": stats, "--checkpoint": checkpoint, "--raw": raw}
     scene_options.check_apart(
         written,
         {
@@ -145,6 +159,7 @@ def _take(a: argparse.Namespace, options: dict[str, Any], output: Path, frame: i
             "--lens": options["lens"],
             "--aperture-mask": a.aperture_mask,
             "--calibration": a.calibration,
+            "--sensor": a.sensor if a.sensor and Path(a.sensor).is_file() else None,
         },
     )
     if checkpoint is not None and (problem := _checkpoint_problem(checkpoint)):
@@ -155,17 +170,9 @@ def _take(a: argparse.Namespace, options: dict[str, Any], output: Path, frame: i
         "frame": a.frame if frame is None else frame,
         "output": str(output.absolute()),
         "stats": str(stats.absolute()) if stats else None,
+        "raw": str(raw.absolute()) if raw else None,
         "checkpoint": str(checkpoint.absolute()) if checkpoint else "",
     }
-
-
-def numbered(file: Path, frame: int) -> Path:
-    """A file's name with the number of a frame for the last #### in it, as many digits as there are; without any, at its end."""
-    stem = file.stem if "#" in file.stem else f"{file.stem}_####"
-    end = stem.rindex("#") + 1
-    begin = len(stem[:end].rstrip("#"))
-    digits = f"{'-' if frame < 0 else ''}{abs(frame):0{end - begin}d}"
-    return file.with_name(f"{stem[:begin]}{digits}{stem[end:]}{file.suffix}")
 
 
 def _checkpoint_problem(file: Path) -> str | None:

@@ -169,6 +169,7 @@ def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> 
         return wrong, False
     watch.checkpoint = options["checkpoint"] or ""
     watch.written_checkpoints.clear()
+    watch.raw_problem = ""
     addon.render.statistics.forget()
     problem = render_into(options["output"], scene, addon, options, voice)
     last = addon.render.statistics.last(scene.name)
@@ -177,6 +178,7 @@ def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> 
             _write_stats(Path(options["stats"]), last, found)
         except OSError as failed:
             problem = f"cannot write {options['stats']}: {failed.strerror or failed}: name another file"
+    problem = problem or watch.raw_problem or None
     stopped = watch.stop.is_set()
     _end_checkpoints(watch.written_checkpoints, voice, is_done=problem is None and not stopped, stopped=stopped)
     return problem, stopped
@@ -498,6 +500,11 @@ def _apply_camera(scene: Any, camera: Any, o: dict[str, Any], addon: Any) -> Non
     if o["shutter"] or o["iso"]:
         own.physical_exposure = True
         own.shutter, own.iso = o["shutter"] or own.shutter, o["iso"] or own.iso
+    if o["sensor"]:
+        own.use_sensor, own.sensor = True, o["sensor"]
+    if o["raw"]:
+        # Its number, if it has one, is entered.
+        own.raw_file = o["raw"]
     if o["film_diagonal"] is not None:
         from petzval.film_formats import with_diagonal
 

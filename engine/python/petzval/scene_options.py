@@ -22,6 +22,7 @@ from .description import INSTALLED_LENSFUN, MOST_BLADES
 from .errors import AGAIN, CommandError
 from .interrupts import INTERRUPTED
 from .places import find_lens
+from .sensor_options import SENSORS
 
 #: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
 _OWN_STATUS = {70: 0, 71: 1, 72: 2, 73: AGAIN, INTERRUPTED: INTERRUPTED}
@@ -83,6 +84,9 @@ def add(p: argparse.ArgumentParser) -> None:
     p.set_defaults(opening=[one.dest for one in opening], properties=[one.dest for one in own])
     p.add_argument("--shutter", type=types.positive, metavar="S", help="expose physically, so many seconds")
     p.add_argument("--iso", type=types.positive, metavar="N", help="expose physically, with a film of that speed")
+    p.add_argument(
+        "--sensor", metavar="SENSOR", help=f"a sensor sees the picture: a sensor's file, or one of {', '.join(SENSORS)}"
+    )
     p.add_argument("--aperture-mask", metavar="FILE", help="a square picture of the opening, instead of blades")
     p.add_argument(
         "--coating", choices=("as-file", "none", "mgf2", "double", "triple"), help="wherever the lens's glass meets air"
@@ -202,10 +206,20 @@ def checked(a: argparse.Namespace) -> dict[str, Any]:
         "lens": str(find_lens(a.lens).absolute()) if a.lens else None,
         "aperture_mask": str(Path(a.aperture_mask).absolute()) if a.aperture_mask else None,
         "calibration": str(Path(a.calibration).absolute()) if a.calibration and not is_lensfun else a.calibration,
+        "sensor": _checked_sensor(a.sensor) if a.sensor else None,
         # JSON has no infinity.
         "focus_distance": "inf" if a.focus_distance == math.inf else a.focus_distance,
         "effects": dict(a.effect),
     }
+
+
+def _checked_sensor(name: str) -> str:
+    """A sensor as Blender's half takes it. Raises the engine's error where there is none."""
+    from . import _native
+
+    check_name(name)
+    _native.check_exposure(name, {})
+    return str(Path(name).absolute()) if Path(name).is_file() and name not in SENSORS else name
 
 
 def check_name(file: str | Path) -> None:

@@ -14,6 +14,7 @@ use petzval_render::job::request::RequestError;
 use petzval_render::plan::PlanError;
 use petzval_render::reports::ReportError;
 use petzval_render::scene::SceneError;
+use petzval_render::sensor::SensorError;
 use pyo3::create_exception;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
@@ -72,6 +73,7 @@ maps! {
     DenoiseError => PetzvalError,
     BakeError => PetzvalError,
     PlanError => PetzvalError,
+    SensorError => PetzvalError,
 }
 
 /// A report as JSON. What is not finite is null.

@@ -27,6 +27,7 @@ mod points;
 mod questions;
 mod reports;
 mod scene;
+mod sensor;
 mod surface;
 
 use pyo3::prelude::*;
@@ -71,6 +72,11 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(calibration::fitted_camera_json, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::write_calibration_map, m)?)?;
     m.add_function(wrap_pyfunction!(calibration::write_photographic_map, m)?)?;
+    m.add_function(wrap_pyfunction!(sensor::sensor_json, m)?)?;
+    m.add_function(wrap_pyfunction!(sensor::check_exposure, m)?)?;
+    m.add_function(wrap_pyfunction!(sensor::expose_sensor_json, m)?)?;
+    m.add_function(wrap_pyfunction!(sensor::expose_pixels_json, m)?)?;
+    m.add_function(wrap_pyfunction!(sensor::write_png, m)?)?;
     m.add_function(wrap_pyfunction!(camera::camera_info_json, m)?)?;
     m.add_function(wrap_pyfunction!(camera::coverage_json, m)?)?;
     m.add_function(wrap_pyfunction!(camera::film_of_lens_mm, m)?)?;

@@ -1,7 +1,7 @@
 //! Light transport through a scene into a camera: from a described scene to finished pixels.
 //!
 //! Data goes one way, and a module uses only those above it in this list:
-//! [`spectrum`] → [`sampler`] → [`projection`] → [`scene`] → [`accel`] → [`surface`] → [`nodes`] → [`shading`] → [`lights`] → [`camera`] →
+//! [`spectrum`] → [`sensor`] → [`sampler`] → [`projection`] → [`scene`] → [`accel`] → [`surface`] → [`nodes`] → [`shading`] → [`lights`] → [`camera`] →
 //! [`reports`] → [`integrator`] → [`film`] → [`pipeline`] → [`stray`] → [`plan`] → [`job`].
 //!
 //! # Spaces and units
@@ -25,6 +25,7 @@ pub mod projection;
 pub mod reports;
 pub mod sampler;
 pub mod scene;
+pub mod sensor;
 pub mod shading;
 pub mod spectrum;
 pub mod stray;

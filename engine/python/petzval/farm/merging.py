@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .. import atomic_files, render_command
+from .. import atomic_files, frame_names
 from ..errors import AGAIN, CommandError, complain
 from . import job as jobs
 from . import running
@@ -63,7 +63,7 @@ def _frame(job: jobs.Job, frame: int | None) -> dict[str, Any]:
     picture = (
         job.folder
         / jobs.PICTURES
-        / (name if frame is None or "#" not in name.stem else render_command.numbered(name, frame))
+        / (name if frame is None or "#" not in name.stem else frame_names.numbered(name, frame))
     )
     numbers = job.of_frame(frame)
     there = [number for number in numbers if job.is_done(number)]

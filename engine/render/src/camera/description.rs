@@ -6,7 +6,8 @@ use super::scattering::Scattering;
 use super::stereo::SphericalStereo;
 use super::{CameraError, LensFile};
 use crate::projection::Panorama;
-use crate::spectrum::SPECTRAL_COUNT;
+use crate::sensor::film::{self, FilmSensor};
+use crate::spectrum::{FilmSpectrum, SPECTRAL_COUNT};
 use glam::{DMat3, DMat4, DVec3};
 use petzval_optics::focus::Focusing;
 use petzval_optics::system::LensSettings;
@@ -210,6 +211,9 @@ pub struct CameraDescription {
     pub wavelength_nm: Option<f64>,
     /// The wavelengths of the film, for lenses that treat wavelengths differently.
     pub spectrum: Spectrum,
+    /// The sensor whose channels see the wavelengths, by its name; `None`: the observer sees them.
+    #[serde(deserialize_with = "film::by_name")]
+    pub film_sensor: Option<FilmSensor>,
     /// The effects of the real lens that are shown; a plan decides on them.
     #[serde(skip)]
     pub shown: EnabledEffects,
@@ -267,6 +271,7 @@ impl Default for CameraDescription {
             scale_mm_per_unit: DVec3::splat(1000.0),
             wavelength_nm: None,
             spectrum: Spectrum::default(),
+            film_sensor: None,
             shown: EnabledEffects::default(),
             scattering: Scattering::default(),
             transmission: false,
@@ -289,6 +294,14 @@ impl CameraDescription {
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self
+    }
+
+    /// All visible wavelengths in so many bands, as the camera's film sees them.
+    pub(crate) fn visible_in(&self, count: usize) -> FilmSpectrum {
+        match &self.film_sensor {
+            Some(sensor) => sensor.visible_in(count),
+            None => FilmSpectrum::visible_in(count),
+        }
     }
 
     pub(super) fn error(&self, what: impl Into<String>) -> CameraError {

@@ -148,8 +148,8 @@ pub enum PlanError {
     /// The camera cannot photograph.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// An effect was asked for that cannot be simulated yet.
-    #[error("effect {}=on: it cannot be simulated yet; set it to auto or off", .0.name())]
+    /// An effect was asked for that cannot be simulated yet, or that a setting of the camera decides on.
+    #[error("effect {}=on: {}; set it to auto or off", .0.name(), .0.why_not())]
     NotYet(Effect),
     /// Two wishes are against each other.
     #[error("effects: {0}")]

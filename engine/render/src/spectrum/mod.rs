@@ -69,11 +69,18 @@ impl FilmSpectrum {
     /// The visible spectrum in `count` bands of equal importance to the film, a multiple of [`SET_SIZE`]: fewer do where the lens disperses
     /// little.
     pub fn visible_in(count: usize) -> Self {
+        Self::seen_in(count, &film)
+    }
+
+    /// As [`Self::visible_in`], for a film whose answer to even light is `film`, linear Rec.709 per nm: in the mean over all wavelengths it sees
+    /// the scene's colours as they are.
+    pub fn seen_in(count: usize, film: &dyn Fn(f64) -> DVec3) -> Self {
         // The chance of a wavelength is the size of the film's answer to white: no sample outweighs the others.
         let fine = 20;
         let step_nm = STEP_NM / f64::from(fine);
         let steps = fine as usize * (ROWS.len() - 1);
         let at = |i: f64| FIRST_NM + i * step_nm;
+        let response = |nm: f64| answer(film(nm), nm);
         let importance = |nm: f64| (response(nm) * DVec3::ONE).length();
         let mut cumulative = vec![0.0];
         for i in 0..steps {
@@ -128,8 +135,34 @@ impl FilmSpectrum {
 
 /// The film's answer to even light, linear Rec.709 per nm.
 pub fn film(nm: f64) -> DVec3 {
+    rec_709_from_xyz() * observer(nm)
+}
+
+/// The CIE 1931 2-degree observer's x, y and z at a wavelength, nm.
+pub fn observer(nm: f64) -> DVec3 {
     let [x, y, z, ..] = row(nm);
-    DMat3::from_cols_array_2d(&REC_709_FROM_XYZ).transpose() * DVec3::new(x, y, z)
+    DVec3::new(x, y, z)
+}
+
+/// Linear Rec.709 from CIE XYZ.
+pub fn rec_709_from_xyz() -> DMat3 {
+    DMat3::from_cols_array_2d(&REC_709_FROM_XYZ).transpose()
+}
+
+/// The wavelengths of the tables, nm, in steps of `step_nm`, and the power there of the lights that a scene's red, green and blue stand for;
+/// all three together are D65, relative, as its table has it.
+pub fn scene_lights(step_nm: f64) -> impl Iterator<Item = (f64, DVec3)> {
+    let steps = ((ROWS.len() - 1) as f64 * STEP_NM / step_nm).round() as usize;
+    (0..=steps).map(move |i| {
+        let nm = FIRST_NM + step_nm * i as f64;
+        (nm, light(nm))
+    })
+}
+
+/// The power at `nm` of the lights that a scene's red, green and blue stand for.
+fn light(nm: f64) -> DVec3 {
+    let [.., white, red, green, blue] = row(nm);
+    DVec3::new(red, green, blue) * white
 }
 
 /// The tables' columns at a wavelength.
@@ -139,11 +172,9 @@ fn row(nm: f64) -> [f64; 7] {
     std::array::from_fn(|c| ROWS[i][c] + (ROWS[i + 1][c] - ROWS[i][c]) * (place - i as f64))
 }
 
-/// The film's answer, linear Rec.709 per nm, to the spectra at `nm` that a scene's red, green and blue stand for.
-fn response(nm: f64) -> DMat3 {
-    let film = film(nm);
-    let [.., white, red, green, blue] = row(nm);
-    let light = DVec3::new(red, green, blue) * white;
+/// The answer at `nm` of a film, which answers so to even light, to the spectra that a scene's red, green and blue stand for.
+fn answer(film: DVec3, nm: f64) -> DMat3 {
+    let light = light(nm);
     DMat3::from_cols(film * light.x, film * light.y, film * light.z)
 }
 
@@ -170,7 +201,8 @@ mod tests {
     fn the_basis_reproduces_the_primaries() {
         let sum = |f: &dyn Fn(&[f64; 7]) -> f64| ROWS.iter().map(f).sum::<f64>();
         let white = sum(&|row| row[1] * row[3]);
-        let all = (0..ROWS.len()).fold(DMat3::ZERO, |m, i| m + response(FIRST_NM + STEP_NM * i as f64));
+        let all = (0..ROWS.len())
+            .fold(DMat3::ZERO, |m, i| m + answer(film(FIRST_NM + STEP_NM * i as f64), FIRST_NM + STEP_NM * i as f64));
         assert!((all * white.recip()).abs_diff_eq(DMat3::IDENTITY, 2e-4), "{all:?}");
         assert!(ROWS.iter().all(|row| (row[4] + row[5] + row[6] - 1.0).abs() < 2e-5));
         // D65's chromaticity.

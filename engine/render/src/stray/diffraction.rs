@@ -15,7 +15,7 @@ use super::spread::{Spreading, Transfer, Zone, transform_growth};
 use crate::Rgb;
 use crate::camera::tools::survey::Survey;
 use crate::camera::{CameraDescription, CameraError};
-use crate::spectrum::FilmSpectrum;
+use crate::spectrum::{FilmSpectrum, SPECTRAL_COUNT};
 use glam::{Mat3, Vec2};
 use petzval_optics::diffraction::outline::Outline;
 use petzval_optics::diffraction::overlap::{Shifts, loss_per_shift};
@@ -47,7 +47,7 @@ impl Diffraction {
     /// As [`crate::camera::Camera::new`].
     pub fn new(d: &CameraDescription, [width, height]: [u32; 2]) -> Result<Self, CameraError> {
         let survey = Survey::new(d, width, height)?;
-        let spectrum = d.wavelength_nm.map_or_else(FilmSpectrum::visible, FilmSpectrum::single);
+        let spectrum = d.wavelength_nm.map_or_else(|| d.visible_in(SPECTRAL_COUNT), FilmSpectrum::single);
         let pixel = survey.pixel_mm();
         let diagonal_mm = (pixel[0] * f64::from(width)).hypot(pixel[1] * f64::from(height));
         // An eighth of a wavelength where the light is farthest aside.

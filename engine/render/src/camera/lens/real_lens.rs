@@ -16,7 +16,7 @@ use super::mount::Mount;
 use super::setup::{D_LINE_NM, LensInfo};
 use super::transmission::Transmission;
 use crate::camera::{CameraDescription, CameraError, CameraRay, Spectrum};
-use crate::spectrum::FilmSpectrum;
+use crate::spectrum::{FilmSpectrum, SPECTRAL_COUNT};
 use arrive::ShortFilm;
 use batch::Out;
 use glam::{DMat3, Mat3, Vec2};
@@ -36,8 +36,8 @@ pub(in crate::camera) fn film_spectrum(d: &CameraDescription, system: &System) -
         (Some(nm), _) => FilmSpectrum::single(nm),
         (None, _) if !system.is_dispersive() => FilmSpectrum::single(D_LINE_NM),
         (None, Spectrum::Three) => FilmSpectrum::three(),
-        (None, Spectrum::Visible) => FilmSpectrum::visible(),
-        (None, Spectrum::Bands(count)) => FilmSpectrum::visible_in(count),
+        (None, Spectrum::Visible) => d.visible_in(SPECTRAL_COUNT),
+        (None, Spectrum::Bands(count)) => d.visible_in(count),
     }
 }
 

@@ -55,7 +55,7 @@ impl Middle {
         let own = lines(spectrum);
         let parts = passages.in_the_middle(film_z_mm, &own)?;
         let colour = match own.len() {
-            1 => colour(&FilmSpectrum::visible_in(BANDS), |nms| passages.in_the_middle(film_z_mm, nms))?,
+            1 => colour(&d.visible_in(BANDS), |nms| passages.in_the_middle(film_z_mm, nms))?,
             _ => colour(spectrum, |_| Some(parts.clone()))?,
         };
         let passed = f64::from(luminance(colour * Rgb::ONE));

@@ -10,6 +10,7 @@ mod distortion;
 mod ghosts;
 mod glare;
 mod motion_blur;
+mod sensor;
 mod spectral_materials;
 mod transmission;
 mod vignetting;
@@ -49,13 +50,15 @@ pub enum Effect {
     Glare,
     /// The wave nature of light.
     Diffraction,
+    /// Noise of the sensor.
+    Sensor,
     /// Materials that are more than three colours.
     SpectralMaterials,
 }
 
 impl Effect {
     /// All effects, in the order of panels and reports.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Defocus,
         Self::Aberration,
         Self::Distortion,
@@ -68,6 +71,7 @@ impl Effect {
         Self::Ghosts,
         Self::Glare,
         Self::Diffraction,
+        Self::Sensor,
         Self::SpectralMaterials,
     ];
 
@@ -85,6 +89,7 @@ impl Effect {
             Self::Ghosts => &ghosts::GhostsEffect,
             Self::Glare => &glare::GlareEffect,
             Self::Diffraction => &diffraction::DiffractionEffect,
+            Self::Sensor => &sensor::SensorEffect,
             Self::SpectralMaterials => &spectral_materials::SpectralMaterials,
         }
     }
@@ -104,9 +109,18 @@ impl Effect {
         self.home().is_of_rays()
     }
 
-    /// False for those that this engine cannot simulate yet: they are measured and reported.
+    /// False for those that this engine cannot simulate yet, or that a setting of the camera decides on: they are measured and reported.
     pub fn is_available(self) -> bool {
         self.home().is_available()
+    }
+
+    /// The reason why an effect that is not available cannot be asked for.
+    pub(super) fn why_not(self) -> &'static str {
+        if self == Self::Sensor {
+            "the camera has its sensor by its own setting: choose one there (--sensor NAME)"
+        } else {
+            "it cannot be simulated yet"
+        }
     }
 
     /// True if a simpler model of a camera has the effect (docs/camera-models.md).
@@ -145,7 +159,7 @@ trait LensEffect: Sync {
         Unit::Pixels
     }
 
-    /// False for an effect that cannot be simulated yet.
+    /// False for an effect that cannot be simulated yet, or that a setting of the camera decides on.
     fn is_available(&self) -> bool {
         true
     }
