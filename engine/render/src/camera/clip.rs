@@ -67,11 +67,13 @@ impl Clip {
 mod tests {
     use super::*;
     use crate::camera::Model;
+    use crate::projection::{Panorama, Projection};
 
     /// Behind a panoramic camera as before it.
     #[test]
     fn distance_counts_of_a_panoramic_camera() {
-        let d = CameraDescription { model: Model::Panoramic, clip: [1.0, 10.0], ..Default::default() };
+        let panorama = Some(Panorama { projection: Projection::MirrorBall, shift: [0.0; 2] });
+        let d = CameraDescription { model: Model::Panoramic, panorama, clip: [1.0, 10.0], ..Default::default() };
         let camera = Camera::new(&d, 100, 50).unwrap();
         let clip = Clip::new(&d, &camera).unwrap();
         for direction in [Vec3A::NEG_Z, Vec3A::Z, Vec3A::X] {
