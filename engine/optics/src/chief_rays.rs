@@ -14,7 +14,7 @@ use crate::vector::Vector;
 
 /// Rays are aimed at the stop's middle to this part of its radius.
 const AIMED: f64 = 1e-10;
-/// What rounding leaves is good enough where no step brings the ray nearer.
+/// The residual that rounding leaves is good enough where no step brings the ray nearer.
 const GOOD: f64 = 1e-7;
 /// Newton's method is done or lost after so many steps, each halved so often before it is given up.
 const MOST_STEPS: u32 = 30;

@@ -44,7 +44,7 @@ pub enum Adjusted {
     FilmDistance,
 }
 
-/// How far a gap may change.
+/// The tolerance of a gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
     /// Millimetres of the published lens.
@@ -56,7 +56,7 @@ pub enum Tolerance {
 /// Gaps that are adjusted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GapsToFit {
-    /// How far each may change.
+    /// The tolerance of each.
     pub tolerance: Tolerance,
     /// The surfaces before the gaps; `None`: all gaps in air inside of the lens that do not move.
     pub surfaces: Option<Vec<usize>>,
@@ -78,13 +78,13 @@ pub struct LensToFit<'a> {
     /// The distance from the entrance pupil at which the camera was focused when it was calibrated, and at which its scene stood; `None`:
     /// infinity.
     pub focus_distance_mm: Option<f64>,
-    /// What is adjusted besides gaps.
+    /// The adjustments besides gaps.
     pub adjusted: &'a [Adjusted],
     /// Gaps that are adjusted; `None`: they stay.
     pub gaps: Option<GapsToFit>,
 }
 
-/// How far a lens is from a calibration.
+/// The difference of a lens from a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LensMisfit {
     /// Root of the mean square over the picture, pixels and mm on the sensor.
@@ -95,7 +95,7 @@ pub struct LensMisfit {
     pub worst_px: f64,
     /// The largest, on the sensor.
     pub worst_mm: f64,
-    /// Where the largest is, pixels from the picture's upper left corner.
+    /// The point of the largest residual, pixels from the picture's upper left corner.
     pub worst_at_px: DVec2,
 }
 
@@ -106,7 +106,7 @@ pub struct FittedGap {
     pub surface: usize,
     /// The gap before and after, mm; after without the change of the whole lens's size.
     pub gap_mm: [f64; 2],
-    /// How far it might have changed, mm.
+    /// The tolerance, mm.
     pub tolerance_mm: f64,
     /// Root of the mean square of what a change by all of its tolerance does to the picture, pixels.
     pub effect_px: f64,
@@ -294,7 +294,7 @@ impl<'a> Search<'a> {
         DVec2::new(-from_axis.x, from_axis.y)
     }
 
-    /// How far the calibration's sight is from each point, pixels; `None`: somewhere there is none.
+    /// The residual at each point, pixels; `None`: somewhere the calibration sees nothing.
     fn off(&self, values: &[f64]) -> Option<Vec<DVec2>> {
         let set = self.set(values).ok()?;
         self.points.iter().map(|&point| set.off(self, point)).collect()
@@ -327,7 +327,7 @@ impl<'a> Search<'a> {
         self.column(found, parameter).map(|slope| slope * slope).sum::<f64>().sqrt()
     }
 
-    /// What a parameter does to the picture, without what its change costs.
+    /// The change of the picture by a parameter, without the cost of that change.
     fn column<'b>(&self, found: &'b Minimum, parameter: usize) -> impl Iterator<Item = f64> + use<'b> {
         found.slopes[parameter].iter().take(2 * self.points.len()).copied()
     }

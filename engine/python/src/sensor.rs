@@ -14,7 +14,7 @@ use petzval_render::sensor::response::Response;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// What is known of a sensor at a film speed.
+/// The properties of a sensor at a film speed.
 #[pyfunction]
 pub(crate) fn sensor_json(sensor: &str, iso: Option<f64>) -> Result<String, Error> {
     json(&report(&Response::new(SensorFile::find(sensor)?), iso)?)

@@ -27,7 +27,7 @@ pub struct SeenDirection {
     pub weight: f64,
 }
 
-/// What is known of a camera before its model is fitted, and which parameters are to be found.
+/// The knowledge of a camera before its model is fitted, and the parameters that are to be found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraToFit {
     /// The model.
@@ -36,7 +36,7 @@ pub struct CameraToFit {
     pub size_px: [u32; 2],
     /// Pixels for a radian about the axis, across and down: where the search starts.
     pub focal_px: [f64; 2],
-    /// Where the axis meets the picture, pixels from its upper left corner.
+    /// The point at which the axis meets the picture, pixels from its upper left corner.
     pub centre_px: [f64; 2],
     /// True if nothing but the distance from the axis counts, and pixels are square: then one focal length serves for both directions, and the
     /// principal point stays on the axis.
@@ -250,12 +250,12 @@ impl Search<'_> {
     }
 }
 
-/// What keeps a search from formulas that fold.
+/// The cost that keeps a search from formulas that fold.
 #[derive(Clone, Copy, PartialEq)]
 enum Bound {
     /// Nothing.
     None,
-    /// What slopes cost that are flat or turned over, pixels.
+    /// The cost of slopes that are flat or turned over, pixels.
     Slope(f64),
     /// There is nothing beyond a fold.
     Fold,

@@ -78,7 +78,7 @@ pub struct PhotographicLens {
     pub name: String,
     /// The focal length that the lens is marked with at this setting, mm.
     pub marked_mm: f64,
-    /// What was not measured for this setting, a line each.
+    /// A line for each effect that was not measured for this setting.
     pub remarks: Vec<String>,
     vignetting: Option<Vignetting>,
     lateral_colour: Option<LateralColour>,

@@ -32,7 +32,7 @@ impl SetLens {
         both.filter(|point| self.off(search, **point).is_some()).copied().collect()
     }
 
-    /// Where the calibration sees what the lens shows at a point, from there, pixels.
+    /// The residual at a point: from it to the point at which the calibration sees the same direction, pixels.
     pub(super) fn off(&self, search: &Search<'_>, point: DVec2) -> Option<DVec2> {
         let calibration = search.task.calibration;
         let chief = self.rays.at(search.film_mm(point), None)?;

@@ -45,7 +45,7 @@ pub struct PhotographicReport {
     film_width_mm: f64,
     /// The illumination of the corner over that of the middle, stops; null: not measured, or dark.
     corner_stops: Option<f64>,
-    /// How far red and blue lie outside of green in the corner, pixels; null: not measured.
+    /// The distances of red and blue from green in the corner, outwards, pixels; null: not measured.
     corner_lateral_px: Option<[f64; 2]>,
     remarks: Vec<String>,
 }

@@ -53,7 +53,7 @@ pub struct FittedCamera {
     pub rays: PictureRays,
     /// The model.
     pub calibration: Calibration,
-    /// What there is to say of it.
+    /// The report.
     pub report: FittedCameraReport,
 }
 

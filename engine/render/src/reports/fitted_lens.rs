@@ -42,11 +42,11 @@ pub struct FittedLensOptions {
     pub film_mm: Option<[f64; 2]>,
     /// Vacuum wavelength of the rays.
     pub wavelength_nm: f64,
-    /// Where the camera was focused, from the entrance pupil; `None`: at infinity.
+    /// The distance of focus from the entrance pupil; `None`: infinity.
     pub focus_distance_mm: Option<f64>,
-    /// What is adjusted, by name.
+    /// The names of the adjustments.
     pub adjust: Vec<String>,
-    /// How far gaps may change; `None`: they stay.
+    /// The tolerance of gaps; `None`: they stay.
     pub gaps: Option<GapTolerance>,
     /// The surfaces before gaps; `None`: all.
     pub surfaces: Option<Vec<usize>>,
@@ -73,11 +73,11 @@ pub enum FittedLensError {
 
 /// An adjusted lens.
 pub struct FittedLens {
-    /// What there is to say of it.
+    /// The report.
     pub report: FittedLensReport,
     /// Its file.
     pub text: String,
-    /// What of it cannot stand in a lens file.
+    /// The parts of the lens that a lens file cannot hold.
     pub lost: Vec<String>,
 }
 
@@ -138,11 +138,11 @@ struct Gap {
     surface: usize,
     before_mm: f64,
     after_mm: f64,
-    /// How far it might have changed.
+    /// The tolerance.
     tolerance_mm: f64,
     /// True if it stopped at the end of its tolerance.
     is_at_end: bool,
-    /// What a change by all of its tolerance does to the picture, root of the mean square.
+    /// The change of the picture by all of the tolerance, root of the mean square.
     effect_px: f64,
 }
 

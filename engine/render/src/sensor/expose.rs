@@ -19,7 +19,7 @@ pub struct Picture<'a> {
     pub channels: [&'a [f32]; 3],
 }
 
-/// What became of a picture's light.
+/// The outcome of an exposure.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Width and height, photosites.
@@ -45,9 +45,9 @@ pub struct Summary {
 pub struct Exposed {
     /// The numbers.
     pub raw: RawPicture,
-    /// What a developing program needs to know.
+    /// The data for a developing program.
     pub tags: RawTags,
-    /// What became of the light.
+    /// The outcome of the exposure.
     pub summary: Summary,
 }
 

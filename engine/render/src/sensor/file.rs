@@ -38,12 +38,12 @@ pub struct ReadNoise {
 pub struct SensorFile {
     /// The camera.
     pub name: String,
-    /// Where the curves are from.
+    /// The source of the curves.
     pub source: String,
     /// The licence of the curves.
     #[serde(default)]
     pub licence: String,
-    /// Where the other numbers are from.
+    /// The source of the other numbers.
     #[serde(default)]
     pub pixel_source: String,
     /// The numbers that no source states.

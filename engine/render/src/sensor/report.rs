@@ -1,4 +1,4 @@
-//! What is known of a sensor, for a table.
+//! The properties of a sensor, for a table.
 
 use super::SensorError;
 use super::exposure::ExposureRequest;
@@ -10,11 +10,11 @@ use serde::Serialize;
 pub struct SensorReport {
     /// The camera.
     pub name: String,
-    /// Where the curves are from.
+    /// The source of the curves.
     pub source: String,
     /// The licence of the curves.
     pub licence: String,
-    /// Where the other numbers are from.
+    /// The source of the other numbers.
     pub pixel_source: String,
     /// The numbers that no source states.
     pub assumed: Vec<String>,
