@@ -170,14 +170,15 @@ def _calibrated(description: CameraDescription, camera: bpy.types.Camera, report
         report.warn(
             f"Camera '{description.object_name}': a calibration does not turn with each of its rays: spherical stereo is left out"
         )
-    lens = _lens(camera, False) if camera.dof.use_dof else LensSettings(f_number=None)
+    blurred = _lens(camera, False)
+    lens = blurred if camera.dof.use_dof else LensSettings(f_number=None)
     described = replace(
         description,
         calibration=CalibrationSettings(
             path,
             settings.calibration_camera.strip() or None,
             settings.calibration_body.strip() or None,
-            camera.dof.aperture_fstop,
+            blurred.f_number or camera.dof.aperture_fstop,
         ),
         exposure=None,
         lens=lens,

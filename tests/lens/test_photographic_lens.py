@@ -121,3 +121,22 @@ def test_a_white_world_darkens_as_measured(camera, parts, tmp_path):
     # With red, green and blue apart it is as bright, and white.
     scene.petzval.effects.lateral_colour = "ON"
     assert parts.render(tmp_path)[..., :3].mean((0, 1)) == pytest.approx(1.0, abs=2e-3)
+
+
+def test_the_f_number_is_that_of_the_blur(camera, parts):
+    """Petzval's own where there is one, as `--f-number` sets it, else Blender's; with depth of field and without."""
+    from petzval_addon.export import camera as camera_export
+    from petzval_addon.export.report import Report
+
+    scene, _ = camera(setting_of("Nikkor Z 24-70mm f/4 S", 24), 1)
+    data = scene.camera.data
+
+    def found():
+        told = camera_export.describe(scene.camera, scene, WIDTH, HEIGHT, Report())
+        return told.calibration.f_number, told.lens.f_number
+
+    assert found() == (4.0, None)
+    data.petzval.wide_open, data.petzval.f_number = False, 8.0
+    assert found() == (8.0, None)
+    data.dof.use_dof = True
+    assert found() == (8.0, 8.0)
