@@ -145,12 +145,7 @@ def _calibration(context, layout) -> None:
         width, height = chosen["size_px"]
         fact(layout, "Model", chosen["model"])
         fact(layout, "Calibrated At", f"{width} x {height}")
-        if chosen["covered"] < 1.0:
-            complain(
-                context,
-                layout,
-                f"{100.0 * (1.0 - chosen['covered']):.1f} % of the picture is black: {chosen['reason']}",
-            )
+        _black_part(context, layout, chosen)
     if is_map or is_lensfun:
         layout.prop(camera, "lens")
     layout.prop(camera.dof, "use_dof", text="Depth of Field")
@@ -174,6 +169,11 @@ def _photographic(context, layout, chosen: dict) -> None:
         fact(layout, "Red, Blue in the Corner", f"{lateral[0]:+.2f}, {lateral[1]:+.2f} px")
     for remark in chosen["remarks"]:
         complain(context, layout, remark)
+    _black_part(context, layout, chosen)
+
+
+def _black_part(context, layout, chosen: dict) -> None:
+    """The part of the picture in which a calibration sees nothing, and the reason, if there is one."""
     if chosen["covered"] < 1.0:
         dark = 100.0 * (1.0 - chosen["covered"])
         complain(context, layout, f"{dark:.1f} % of the picture is black: {chosen['reason']}")

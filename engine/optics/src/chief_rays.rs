@@ -129,7 +129,7 @@ impl FilmChiefRays {
         Some((scene, self.stop_surface.pose.point_in(from_vertex).of(0).truncate() / self.stop_radius_mm))
     }
 
-    /// By steps with the slopes of a neighbour, which hardly change.
+    /// The chief ray of a point beside another one, found by steps with the slopes of that, which hardly change; `None` where they do.
     fn beside(&self, point: DVec2, near: &FilmChiefRay) -> Option<FilmChiefRay> {
         let back = near.stop_by_slope.inverse();
         let mut slope = near.slope;
@@ -148,7 +148,7 @@ impl FilmChiefRays {
         None
     }
 
-    /// By Newton's method with steps that are halved until they bring the ray nearer.
+    /// The chief ray of a point, found by Newton's method with steps that are halved until they bring the ray nearer; `None`: there is none.
     fn search(&self, point: DVec2, start: DVec2) -> Option<FilmChiefRay> {
         let mut slope = start;
         let (mut scene, mut off) = self.pass(point, slope)?;

@@ -226,7 +226,7 @@ mod tests {
         assert!(found[0] == 0.5 && (found[1] - 0.25).abs() < 1e-6, "{found:?}");
     }
 
-    /// Where there are no residuals the search does not go: it ends before.
+    /// A search ends before places without residuals.
     #[test]
     fn places_without_residuals_are_left_alone() {
         let residuals = |v: &[f64]| (v[0] < 2.0).then(|| vec![v[0] - 3.0]);

@@ -12,7 +12,7 @@ from typing import Any
 
 from . import argument_types as types
 from .description import IDENTITY, INSTALLED_LENSFUN, CalibrationSettings, CameraDescription, FocusSettings, Perspective
-from .errors import CommandError, complain
+from .errors import CommandError, complain, writing
 from .scene_options import check_writable
 
 #: What is read beside lensfun databases.
@@ -222,10 +222,8 @@ def _convert(arguments: argparse.Namespace) -> int:
     found = _read(arguments.file)
     text = _native.calibration_text(arguments.file, arguments.camera, form)
     _say(arguments.file, found["remarks"])
-    try:
+    with writing(out):
         atomic_files.write_text(out, text)
-    except OSError as error:
-        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
     print(f"{out}: {found['format']} as {kind}")
     return 0
 

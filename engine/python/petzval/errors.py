@@ -2,6 +2,9 @@
 """What a command says when it cannot go on."""
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 #: Characters of a word, as of a name or of a word from a file, and of a whole message.
 _LONGEST_WORD, _LONGEST_MESSAGE = 200, 2000
@@ -21,6 +24,15 @@ class CommandError(Exception):
     def __init__(self, message: str, status: int = 1) -> None:
         super().__init__(message)
         self.status = status
+
+
+@contextmanager
+def writing(file: Path) -> Iterator[None]:
+    """A block that writes a file: its `OSError` becomes a `CommandError` that names the file."""
+    try:
+        yield
+    except OSError as error:
+        raise CommandError(f"cannot write {file}: {error.strerror or error}: choose another place") from None
 
 
 def complain(message: str) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 from . import argument_types as types
 from .calibration_command import form_of
-from .errors import CommandError
+from .errors import CommandError, writing
 from .lens_camera import add_pose, camera_of
 from .lens_loading import load, say
 from .lens_setting import add_focus, add_setting
@@ -129,10 +129,8 @@ def _calibrate(arguments: argparse.Namespace) -> int:
         camera, size, options, lens.name, form, asked["--map"], asked["--residual"]
     )
     if out is not None and text is not None:
-        try:
+        with writing(out):
             atomic_files.write_text(out, text)
-        except OSError as error:
-            raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
     found = json.loads(answer)
     notes = [*lens.remarks, *lens.range_notes([found["wavelength_nm"]]), *_notes(found, camera)]
     if arguments.json:

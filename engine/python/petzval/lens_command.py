@@ -20,7 +20,7 @@ from . import (
     lens_report_command,
 )
 from .argument_types import natural, number
-from .errors import CommandError, complain
+from .errors import CommandError, complain, writing
 from .lens_loading import load, say
 from .lens_setting import add_focus, add_setting, setting_of
 from .places import find_lens
@@ -133,10 +133,8 @@ def _convert(arguments: argparse.Namespace) -> int:
         )
     text, lost = lens.written(out.suffix.lower().removeprefix("."))
     say([*lens.remarks, *(f"{out}: {what}" for what in lost)])
-    try:
+    with writing(out):
         atomic_files.write_text(out, text)
-    except OSError as error:
-        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
     print(f"{out}: {lens.name}, {lens.surface_count} surfaces")
     return 0
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from . import argument_types as types
 from .distortion_maps import COLOURS_NM, note
-from .errors import CommandError
+from .errors import CommandError, writing
 from .lens_camera import add_camera, camera_of
 from .lens_loading import load, say
 from .scene_options import check_writable
@@ -76,10 +76,8 @@ def _osl(arguments: argparse.Namespace) -> int:
     is_one = not isinstance(arguments.spectrum, str)
     camera = camera_of(arguments, wavelength_nm=arguments.spectrum if is_one else None, spectrum="THREE")
     text = _native.osl_camera(camera, *arguments.pixels)
-    try:
+    with writing(out):
         atomic_files.write_text(out, text)
-    except OSError as error:
-        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
     say(lens.remarks)
     print(f"{out}: {lens.name}, {lens.surface_count} surfaces")
     return 0

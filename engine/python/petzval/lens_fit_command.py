@@ -11,7 +11,7 @@ from typing import Any
 
 from . import argument_types as types
 from .calibration_command import KINDS as CALIBRATIONS
-from .errors import CommandError
+from .errors import CommandError, writing
 from .lens_loading import load, say
 from .lens_setting import add_focus, add_setting, setting_of
 from .scene_options import check_apart, check_writable
@@ -92,10 +92,8 @@ def _fit(arguments: argparse.Namespace) -> int:
     answer, text, lost = _native.fitted_lens_json(lens, setting_of(arguments), options)
     found = json.loads(answer)
     if out is not None:
-        try:
+        with writing(out):
             atomic_files.write_text(out, text)
-        except OSError as error:
-            raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
     notes = [*lens.remarks, *lens.range_notes([arguments.wavelength]), *(f"{out}: {what}" for what in lost if out)]
     notes += _notes(found)
     if arguments.json:

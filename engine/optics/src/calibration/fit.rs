@@ -1,7 +1,7 @@
 //! The parameters of a model that fit directions seen at points of a picture: least squares of the distances, pixels, between the points and
 //! those at which the model sees the directions.
 //!
-//! Where the best parameters of a formula fold within the picture, the search is made again within what the model can turn round: a step
+//! The search is made again where the best parameters of a formula fold within the picture, within what the model can turn round: a step
 //! after which a direction of the picture lies beyond a fold is not taken. A model that was found does not fold where it was asked for.
 
 use super::setup::Formula;
@@ -34,7 +34,7 @@ pub struct CameraToFit {
     pub model: Model,
     /// Width and height of the picture, pixels.
     pub size_px: [u32; 2],
-    /// Pixels for a radian about the axis, across and down: where the search starts.
+    /// Focal lengths across and down, pixels, at which the search starts.
     pub focal_px: [f64; 2],
     /// The point at which the axis meets the picture, pixels from its upper left corner.
     pub centre_px: [f64; 2],

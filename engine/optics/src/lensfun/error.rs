@@ -44,7 +44,7 @@ pub enum LensfunError {
     /// No lens is named, and there are several.
     #[error("there are {count} lenses in the lensfun database; name one")]
     NotChosen {
-        /// How many there are.
+        /// The number of lenses.
         count: usize,
     },
     /// No lens or camera body has this name.

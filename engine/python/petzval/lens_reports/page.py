@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..errors import CommandError
+from ..errors import CommandError, writing
 
 #: By ending, what is written.
 PICTURES = (".svg", ".png", ".pdf")
@@ -47,7 +47,7 @@ def save(found: Any, out: Path, style: dict[str, Any], make: Callable[[Any], Any
     from .. import atomic_files
 
     kind = out.suffix.lower()
-    try:
+    with writing(out):
         if kind == ".json":
             atomic_files.write_json(out, found)
             return
@@ -67,8 +67,6 @@ def save(found: Any, out: Path, style: dict[str, Any], make: Callable[[Any], Any
         if kind == ".svg":
             data = _with_steady_names(data.decode("utf-8")).encode("utf-8")
         atomic_files.write_bytes(out, data)
-    except OSError as error:
-        raise CommandError(f"cannot write {out}: {error.strerror or error}: choose another place") from None
 
 
 def _with_steady_names(svg: str) -> str:
