@@ -12,32 +12,25 @@ import bpy
 import numpy as np
 
 from petzval.description import (
-    CameraDescription,
     DenoisingDescription,
-    Matrix4,
     SettingsDescription,
-    ShutterDescription,
-    changed,
     focused,
 )
 
 from ..data import denoiser, effects, passes, process_memory, settings_version
 from ..export import camera as camera_export
-from ..export import denoising, sampling, stereo, velocity
+from ..export import denoising, sampling, stereo
 from ..export import settings as render_settings
 from ..export import shutter as shutters
 from ..export import world as world_export
-from ..export.motion import Frame, Motion
 from ..export.report import Report
 from ..native import engine
 from . import checkpoints, loop, messages, persistent, planning, progress, raw, shares, staging, statistics
+from .moments import Moments
 from .results import Results, deliver_black, region
 
 # Samples: with fewer, the time that a forecast takes would be seen.
 _WORTH_A_FORECAST = 1 << 21
-# Pictures of a lens that changes while the shutter is open: enough for changes of a few f-stops, or of a focus pull
-# across a scene, to look smooth.
-_SHUTTER_STEPS = 16
 # The part of the light that strays before which a guess of the rest of the time is worth nothing.
 _LEAST_PART = 0.02
 
@@ -57,8 +50,8 @@ class Photograph:
         self.said = set() if said is None else said
         self.depsgraph = depsgraph
         self.view = view
-        self.scene = depsgraph.scene_eval
         self.report = Report()
+        self.moments = Moments(host, depsgraph, view, self.report, self._check_stop)
         self.results = Results(host, depsgraph, view)
         self.focus: dict | None = None
         # What takes the picture, in a line.
@@ -71,6 +64,11 @@ class Photograph:
         # The part of the time that denoising is to take.
         self.denoise_share = 0.0
 
+    @property
+    def scene(self) -> bpy.types.Scene:
+        """The scene at the graph's frame."""
+        return self.depsgraph.scene_eval
+
     def take(self) -> None:
         """Takes it; `loop.Stopped` if the user stops it first."""
         shutter = shutters.of(self.scene, self.depsgraph.view_layer_eval)
@@ -79,10 +77,10 @@ class Photograph:
             return self._take(shutter)
         # As in Cycles, everything is taken as it is in the middle of the exposure.
         try:
-            self._frame_set(*shutters.split(shutter.middle))
+            self.moments.frame_set(*shutters.split(shutter.middle))
             self._take(shutter)
         finally:
-            self._frame_set(*shutters.split(now))
+            self.moments.frame_set(*shutters.split(now))
 
     def _take(self, shutter: shutters.Shutter | None) -> None:
         native = engine()
@@ -91,7 +89,7 @@ class Photograph:
             self._warn(warning)
         began = time.perf_counter()
         width, height = camera_export.resolution(self.scene.render)
-        eye = self._eye()
+        eye = self.moments.eye()
         camera = staging.camera(self.scene, width, height, self.report, eye)
         staging.tell_of_lens(native, camera, width, height, self.report)
         raw.check(self.depsgraph, self.view.name, camera)
@@ -107,8 +105,8 @@ class Photograph:
         if settings.noise_threshold > 0.0 and wanted.is_after_denoising:
             settings = dataclasses.replace(settings, denoising=how)
         self.results.check_memory(width, height, halves=settings.noise_threshold > 0.0, is_kept=is_kept)
-        blur, opened, moving = self._over_the_shutter(shutter, camera, width, height)
-        neighbours, motion = self._beside(camera, width, height)
+        blur, opened, moving = self.moments.over_the_shutter(shutter, camera, width, height)
+        neighbours, motion = self.moments.beside(camera, width, height, is_asked=self.results.has_vectors)
         is_still, size = motion is None and blur is None, (width, height)
         now = persistent.begin(self.depsgraph, native, self.view, is_still=is_still, is_watched=checkpoint is not None)
         told = checkpoint.watched(now) if checkpoint else now.builder
@@ -344,7 +342,7 @@ class Photograph:
                 self._check_stop,
                 blur=blur,
                 only_catchers=True,
-                eye=self._eye(),
+                eye=self.moments.eye(),
             )
         # A sky that the camera sees is none of the light on what catches shadows.
         settings = dataclasses.replace(settings, transparent_film=not is_sky)
@@ -392,96 +390,6 @@ class Photograph:
             self.host.report({"INFO"}, faces["text"])
         self.told, self.planned = planned, effects.summary(planned)
         return settings
-
-    def _over_the_shutter(
-        self, shutter: shutters.Shutter | None, camera: CameraDescription, width: int, height: int
-    ) -> tuple[shutters.Blur | None, ShutterDescription | None, list[CameraDescription]]:
-        """Everything at its keys, how the shutter opens, and the camera at even times while it is open: none of these where the
-        lens does not change meanwhile."""
-        if shutter is None:
-            return None, None, []
-        eye = self._eye()
-        count = max(shutters.most_keys(self.depsgraph, eye and eye.holder), 3)
-        blur, keys = shutters.Blur(self.report, shutter.length * velocity.frame_s(self.scene)), []
-
-        mask = {"lens.aperture_mask": camera.lens.aperture_mask}
-
-        def describe() -> CameraDescription:
-            return changed(self._described(width, height), mask)
-
-        def look(_: int) -> None:
-            self._check_stop()
-            keys.append(describe())
-            blur.read(self.depsgraph)
-
-        def look_at_lens(_: int) -> None:
-            moving.append(dataclasses.replace(describe(), matrix_world=camera.matrix_world))
-
-        moving: list[CameraDescription] = []
-        try:
-            shutters.sweep(shutter, count, self._frame_set, look)
-            if any(dataclasses.replace(key, matrix_world=camera.matrix_world) != camera for key in keys):
-                half = 0.5 * shutter.length / _SHUTTER_STEPS
-                between = shutters.Shutter(shutter.begin + half, shutter.length - 2.0 * half)
-                shutters.sweep(between, _SHUTTER_STEPS, self._frame_set, look_at_lens)
-        finally:
-            self._frame_set(*shutters.split(shutter.middle))
-        return blur, self._opened(keys), moving
-
-    def _opened(self, keys: list[CameraDescription]) -> ShutterDescription:
-        """How the shutter opens, and where the camera is at its keys."""
-        eye = self._eye()
-        own = 0 if eye is None else shutters.key_count(eye.holder)
-        matrices = [key.matrix_world for key in keys[:: (len(keys) - 1) // (own - 1)]] if own else []
-        if matrices.count(matrices[0] if matrices else None) == len(matrices):
-            matrices = []
-        rolling = shutters.rolling(self.scene)
-        if rolling is not None and self.scene.petzval.integrator == "BIDIRECTIONAL":
-            self.report.warn(
-                f"Scene '{self.scene.name}': bidirectional paths know of no rolling shutter, all rows are open at once"
-            )
-            rolling = None
-        return ShutterDescription(shutters.openness(self.scene.render), rolling, matrices)
-
-    def _beside(
-        self, camera: CameraDescription, width: int, height: int
-    ) -> tuple[tuple[CameraDescription, CameraDescription] | None, Motion | None]:
-        """The camera and everything else a frame before and a frame after, where the Vector pass asks for it."""
-        # Blender's rule: with motion blur the pass is all zero.
-        if self.scene.render.use_motion_blur or not self.results.has_vectors:
-            return None, None
-        now, subframe = self.scene.frame_current, self.scene.frame_subframe
-        asked = loop.WATCH.beside
-
-        def at(frame: float, matrix: Matrix4 | None) -> tuple[CameraDescription, Frame]:
-            self._check_stop()
-            self._frame_set(*shutters.split(frame))
-            then = self._described(width, height)
-            moved = {} if matrix is None else {"matrix_world": matrix}
-            return changed(then, {"lens.aperture_mask": camera.lens.aperture_mask, **moved}), Frame.read(self.depsgraph)
-
-        both = [(now + subframe + step, None) for step in (-1, 1)]
-        if asked is not None:
-            both = [(one.frame, one.camera_matrix) for one in asked]
-        try:
-            (first, before), (last, after) = (at(*one) for one in both)
-        finally:
-            self._frame_set(now, subframe)
-        return (first, last), Motion(before, after, velocity.frame_s(self.scene), self.report)
-
-    def _eye(self) -> stereo.Eye | None:
-        """The camera that sees the view in the graph's frame."""
-        return stereo.eye_of_render(self.host, self.scene, self.view)
-
-    def _described(self, width: int, height: int) -> CameraDescription:
-        """The same as the engine takes it, without a mask."""
-        eye = self._eye()
-        holder = self.scene.camera if eye is None else eye.holder
-        return camera_export.describe(holder, self.scene, width, height, self.report, eye=eye)
-
-    def _frame_set(self, frame: int, subframe: float) -> None:
-        self.host.frame_set(frame, subframe)
-        self.scene = self.depsgraph.scene_eval
 
     def _progress(self, part: float, samples: int) -> None:
         left, speed = self.progress.remaining(part), self.progress.speed()

@@ -32,6 +32,7 @@ pub fn write(
 const MOST_PIXELS: usize = 1 << 28;
 
 /// Channels of a picture, each first row at the top.
+#[derive(Debug)]
 pub struct Channels {
     /// Width and height, pixels.
     pub size: [usize; 2],

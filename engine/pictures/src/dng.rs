@@ -197,15 +197,15 @@ pub fn write(path: &Path, picture: &RawPicture, tags: &RawTags) -> Result<(), Me
     head.resize(pixels_at, 0);
     petzval_files::write(path, |file| -> io::Result<()> {
         file.write_all(&head)?;
-        write_counts(file, &picture.counts, u16::to_le_bytes)
+        write_counts(file, &picture.counts)
     })
     .map_err(|error| wrong(error.to_string()))
 }
 
-/// Writes numbers in an order of bytes.
-pub(crate) fn write_counts(file: &mut impl Write, counts: &[u16], order: impl Fn(u16) -> [u8; 2]) -> io::Result<()> {
+/// Writes numbers, the low byte first.
+fn write_counts(file: &mut impl Write, counts: &[u16]) -> io::Result<()> {
     for part in counts.chunks(1 << 15) {
-        let data: Vec<u8> = part.iter().flat_map(|value| order(*value)).collect();
+        let data: Vec<u8> = part.iter().flat_map(|value| value.to_le_bytes()).collect();
         file.write_all(&data)?;
     }
     Ok(())

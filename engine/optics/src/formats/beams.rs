@@ -65,6 +65,30 @@ pub(super) fn heights(rows: &[DraftRow], stop: usize, wavelength_nm: f64, sheaf:
     any.then_some(largest)
 }
 
+/// The height on the stop, mm, of the widest ray from the middle of an object at `object_mm` before the first vertex that passes all other rims
+/// that are known; `None` if no rim is known or none limits the beam.
+pub(super) fn widest_through_rims(rows: &[DraftRow], stop: usize, wavelength_nm: f64, object_mm: f64) -> Option<f64> {
+    /// Steps of the search from the axis outwards, and halvings of the last one.
+    const STEPS: [usize; 2] = [300, 40];
+    let known = |i: usize| rows[i].semi_diameter_mm.filter(|semi| i != stop && semi.is_finite() && *semi > 0.0);
+    let rims: Vec<Option<f64>> = (0..rows.len()).map(known).collect();
+    let largest = rims.iter().flatten().copied().fold(0.0, f64::max);
+    let on_stop = |y: f64| {
+        let towards = if object_mm.is_finite() { DVec3::new(0.0, y, object_mm) } else { DVec3::Z };
+        let hits = follow(rows, wavelength_nm, DVec3::new(0.0, y, 0.0), towards.try_normalize()?)?;
+        let passes = hits.iter().zip(&rims).all(|(hit, rim)| rim.is_none_or(|rim| hit.abs() <= rim));
+        passes.then(|| hits[stop].abs())
+    };
+    let step = REACH * largest / STEPS[0] as f64;
+    let blocked = (1..=STEPS[0]).find(|i| on_stop(*i as f64 * step).is_none())?;
+    let [mut low, mut high] = [blocked - 1, blocked].map(|i| i as f64 * step);
+    for _ in 0..STEPS[1] {
+        let middle = 0.5 * (low + high);
+        *(if on_stop(middle).is_some() { &mut low } else { &mut high }) = middle;
+    }
+    on_stop(low).filter(|semi| *semi > 0.0)
+}
+
 /// Heights at the surfaces of a ray that is stopped by no rim; `None` if it misses one or is reflected totally.
 fn follow(rows: &[DraftRow], wavelength_nm: f64, start: DVec3, direction: DVec3) -> Option<Vec<f64>> {
     let (mut origin, mut direction) = (Vector::from_f64(start), Vector::from_f64(direction));

@@ -312,6 +312,13 @@ impl<'a> Draft<'a> {
     fn open_rims(&mut self, stop: usize, widest_mm: &[f64]) {
         let good = |x: f64| x.is_finite() && x > 0.0;
         let given = |row: &DraftRow| row.semi_diameter_mm.filter(|x| good(*x));
+        if given(&self.rows[stop]).is_none()
+            && let Some(semi) = beams::widest_through_rims(&self.rows, stop, self.wavelength_nm, self.object_mm)
+        {
+            self.rows[stop].semi_diameter_mm = Some(semi);
+            let text = "the stop has no clear aperture in the file; it is opened as far as the other surfaces let light from the axis through";
+            self.remarks.say(self.rows[stop].place, text.to_owned());
+        }
         let guessed = self.rows.iter().filter(|row| given(row).is_none()).count();
         let mut computed = if guessed > 0 { self.beams(stop) } else { vec![0.0; self.rows.len()] };
         computed.iter_mut().zip(widest_mm).for_each(|(computed, widest)| *computed = computed.max(*widest));

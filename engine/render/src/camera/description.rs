@@ -4,7 +4,7 @@ use super::exposure::PhysicalExposure;
 use super::lens::real_lens::precision::Precision;
 use super::scattering::Scattering;
 use super::stereo::SphericalStereo;
-use super::{CameraError, LensFile};
+use super::{CameraError, ReadFiles};
 use crate::projection::Panorama;
 use crate::sensor::film::{self, FilmSensor};
 use crate::spectrum::{FilmSpectrum, SPECTRAL_COUNT};
@@ -196,9 +196,9 @@ pub struct CameraDescription {
     pub pixel_aspect: f64,
     /// Path of the lens file; a pinhole, a thin lens, an orthographic and a panoramic camera need none.
     pub lens_path: PathBuf,
-    /// The lens file as it was read first.
+    /// The files of the camera as they were read first.
     #[serde(skip)]
-    pub read_lens: LensFile,
+    pub read_files: ReadFiles,
     /// The settings of the lens. A thin lens takes f-number and diaphragm.
     pub lens: LensSettings,
     /// The settings of the focus.
@@ -264,7 +264,7 @@ impl Default for CameraDescription {
             },
             pixel_aspect: 1.0,
             lens_path: PathBuf::new(),
-            read_lens: LensFile::default(),
+            read_files: ReadFiles::default(),
             lens: LensSettings::default(),
             focus: FocusSettings::default(),
             film: FilmSettings { width_mm: 36.0, height_mm: 24.0, tilt_rad: 0.0, swing_rad: 0.0, shift_mm: [0.0; 2] },

@@ -7,16 +7,16 @@ pub mod clip;
 mod description;
 pub mod exposure;
 pub mod lens;
-mod lens_file;
 pub mod models;
+mod read_files;
 pub mod scattering;
 pub mod shutter;
 pub mod stereo;
 pub mod tools;
 
 pub use description::{CalibrationSettings, CameraDescription, EnabledEffects, Model, Spectrum};
-pub use lens_file::LensFile;
 pub use models::calibrated::calibration_of;
+pub use read_files::ReadFiles;
 
 use crate::Rgb;
 use crate::accel::Ray;

@@ -13,6 +13,7 @@ mod effects;
 mod light;
 mod look;
 mod measured;
+mod model_effects;
 mod motion;
 mod price;
 pub mod report;
@@ -38,6 +39,7 @@ pub use effects::Effect;
 pub use light::Brightest;
 pub use look::SceneProbe;
 use measured::Known;
+use model_effects::ModelEffects;
 use motion::scene_motion;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -403,54 +405,5 @@ impl Plan {
     /// The way that light is followed.
     pub fn pipeline(&self) -> Pipeline {
         self.camera.pipeline
-    }
-}
-
-/// The effects of a camera without a lens, or of a simpler model of one: the model decides all but its colours and its transmission.
-struct ModelEffects {
-    model: Model,
-    colours: bool,
-    /// The colour that the model has on the axis.
-    transmission: bool,
-}
-
-impl ModelEffects {
-    /// Checks that the user asks for nothing else, but for what is decided already.
-    fn new(model: Model, decided: &[Decision], wishes: &PlanOptions) -> Result<Self, PlanError> {
-        if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
-            return Err(PlanError::NotYet(effect));
-        }
-        let colours = [Effect::LateralColour, Effect::AxialColour].map(|effect| wishes.word(effect));
-        let may_transmit = matches!(model, Model::Thick | Model::Paraxial | Model::ImageBased);
-        let effects = Self {
-            model,
-            colours: Effect::LateralColour.is_in(model) && colours != [EffectMode::Off; 2],
-            transmission: may_transmit && wishes.word(Effect::Transmission) != EffectMode::Off,
-        };
-        let is_against = |effect: &Effect| {
-            *effect != Effect::MotionBlur
-                && !decided.iter().any(|one| one.effect == *effect)
-                && match wishes.word(*effect) {
-                    EffectMode::Auto => false,
-                    EffectMode::On => !effects.has(*effect),
-                    EffectMode::Off => effects.has(*effect),
-                }
-        };
-        match Effect::ALL.into_iter().find(is_against) {
-            None => Ok(effects),
-            Some(effect) => Err(PlanError::Conflict(format!(
-                "{}={}: the camera's model decides this one; set it to auto, or choose the lens as model",
-                effect.name(),
-                wishes.word(effect).name()
-            ))),
-        }
-    }
-
-    fn has(&self, effect: Effect) -> bool {
-        match effect {
-            Effect::LateralColour | Effect::AxialColour => self.colours,
-            Effect::Transmission => self.transmission,
-            _ => effect.is_in(self.model),
-        }
     }
 }

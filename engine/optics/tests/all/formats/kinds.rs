@@ -239,3 +239,30 @@ fn tables_of_renderers() {
         assert!(error.starts_with(wanted), "{error}");
     }
 }
+
+/// A stop without a width, of a file that states no beam either, lets through what the other rims do: between two plates, of light from a point
+/// 100 mm before the first, whose rim has 10 mm, it is passed at 15 mm.
+#[test]
+fn a_stop_without_a_width_is_as_wide_as_the_other_rims_let_light_through() {
+    let text = |object: &str, last_mm: f64| {
+        format!(
+            "VERS 1\nUNIT MM\nFLOA\nGCAT SCHOTT\nWAVM 1 0.5875618 1\nSURF 0\n  DISZ {object}\nSURF 1\n  CURV 0\n  DISZ 50\n  DIAM 10\n\
+            SURF 2\n  STOP\n  CURV 0\n  DISZ 50\nSURF 3\n  CURV -0.02\n  DISZ 1e-9\n  GLAS N-BK7\n  DIAM {last_mm}\n\
+            SURF 4\n  CURV 0\n  DISZ 10\n  DIAM 40\nSURF 5\n  DISZ 0\n"
+        )
+    };
+    let stop_mm = |text: &str| {
+        let read = parse("bare.zmx", text).unwrap();
+        assert!(remarks(&read).contains("the stop has no clear aperture in the file"), "{}", remarks(&read));
+        let lens = read.prescription;
+        lens.surfaces[lens.stop].semi_diameter_mm
+    };
+    // From a point, from far away, and where the surface behind limits the beam: at 8 mm, to which it bulges by 0.645 mm.
+    let sag_mm = 50.0 - (50.0f64 * 50.0 - 64.0).sqrt();
+    for (object, last_mm, expected_mm) in
+        [("100", 30.0, 15.0), ("INFINITY", 30.0, 10.0), ("100", 8.0, 8.0 * 150.0 / (200.0 - sag_mm))]
+    {
+        let found_mm = stop_mm(&text(object, last_mm));
+        assert!((found_mm - expected_mm).abs() < 1e-9, "{object}, {last_mm}: {found_mm} is not {expected_mm}");
+    }
+}

@@ -82,7 +82,8 @@ fn st_map(
     height: u32,
 ) -> Result<Calibration, CameraError> {
     let file = settings.path.display();
-    let picture = channels::read(&settings.path, &["R", "G"], "A").map_err(|error| d.error(error.to_string()))?;
+    let picture = d.read_files.map.get(&settings.path, || channels::read(&settings.path, &["R", "G"], "A"));
+    let picture = picture.map_err(|error| d.error(error.to_string()))?;
     let pixel = |i: usize| {
         let is_there = picture.optional.as_ref().is_none_or(|alpha| alpha[i] > 0.0);
         is_there.then(|| [picture.needed[0][i], picture.needed[1][i]])

@@ -43,7 +43,11 @@ pub(super) fn lens_of(
     width: u32,
     height: u32,
 ) -> Result<PhotographicLens, CameraError> {
-    let database = settings.database().map_err(|error| d.error(error.to_string()))?;
+    let database = d
+        .read_files
+        .database
+        .get(&settings.path, || settings.database())
+        .map_err(|error| d.error(error.to_string()))?;
     let lens = settings.lens(&database).map_err(|error| d.error(error.to_string()))?;
     let body = settings.body.as_deref().map(|name| database.body(name)).transpose();
     let body = body.map_err(|error| d.error(error.to_string()))?;

@@ -170,5 +170,7 @@ fn an_st_map_in_a_file_is_a_camera() {
         assert!((a - b).length() < 1e-5, "{p}: {a} is not {b}");
     }
     std::fs::remove_dir_all(&folder).unwrap();
-    assert!(Calibrated::new(&by_map, by_map.axes().unwrap(), 96, 64).is_err(), "the file is gone");
+    let made = |d: &CameraDescription| Calibrated::new(d, d.axes().unwrap(), 96, 64).is_ok();
+    assert!(made(&by_map), "a job reads its map once");
+    assert!(!made(&by_map.with(|d| d.read_files = ReadFiles::default())), "the file is gone");
 }
