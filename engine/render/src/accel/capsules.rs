@@ -1,14 +1,14 @@
 //! Bounding capsules of curve segments, eight at a time: a ray must hit one before the keys of its segment are read.
 //!
 //! A box along the axes is mostly empty where a strand runs across them, and eight such boxes overlap; a capsule about the chord fits a
-//! strand whichever way it runs. Its radius changes evenly along its axis, as hair grows thinner towards its tip. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
+//! strand whichever way it runs. Oriented boxes serve the same purpose in the BVH of Woop, Benthin, Wald, Johnson and Tabellion (2014,
 //! "Exploiting Local Orientation Similarity for Efficient Ray Traversal of Hair and Fur"); here the leaves alone are oriented.
 
 use super::block::LANES;
 use super::bounds::Bounds;
 use super::segment::RayFrame;
-use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, SimdMask, f32x8, u32x8};
-use glam::{Vec2, Vec3A, Vec4};
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x8};
+use glam::{Vec3A, Vec4};
 
 /// Rounding of an end of an axis as it is seen along a ray, and of its distance, as a share of the coordinates of both.
 const ROUNDING: f32 = 4.0 * Bounds::SLACK;
@@ -19,37 +19,10 @@ const ROUNDING: f32 = 4.0 * Bounds::SLACK;
 pub(super) struct Capsules {
     /// Ends of the axes, then coordinates.
     ends: [[[f32; LANES]; 3]; 2],
-    /// Radii at both ends, the first in the upper half of the bits: the upper halves of single-precision numbers. NaN in lanes without a
-    /// capsule.
-    radii: [u32; LANES],
+    /// NaN in lanes without a capsule.
+    radius: [f32; LANES],
     /// The first of the four keys of each lane's segment.
     pub(super) controls: [u32; LANES],
-}
-
-/// The bits of the first of two packed radii.
-const UPPER: u32 = 0xffff_0000;
-/// Number of bits of a packed radius.
-const HALF: u32 = 16;
-
-/// Two radii in the bits of one number, each rounded upwards.
-const fn packed([first, second]: [f32; 2]) -> u32 {
-    let upper = [first.to_bits(), second.to_bits()];
-    // NaN stays NaN: its lower half is zero.
-    (upper[0].wrapping_add(!UPPER) & UPPER) | (upper[1].wrapping_add(!UPPER) >> HALF)
-}
-
-/// The values at 0 and 1 of a line above some points whose first coordinate is from 0 to 1, the lowest at one half; `most` is no lower than any.
-fn least_above(points: impl Iterator<Item = Vec2> + Clone, most: f32) -> [f32; 2] {
-    let line = |a: Vec2, b: Vec2| {
-        let slope = (b.y - a.y) / (b.x - a.x).max(f32::MIN_POSITIVE);
-        let at = |x: f32| a.y + (x - a.x) * slope;
-        [at(0.0), at(1.0)]
-    };
-    let before = points.clone().filter(|point| point.x <= 0.5);
-    let lines = before.flat_map(|a| points.clone().filter(|point| point.x > 0.5).map(move |b| line(a, b)));
-    // An edge of the convex hull, seen from above: over the middle it is the highest of all lines between two points.
-    let highest = lines.max_by(|one, other| (one[0] + one[1]).total_cmp(&(other[0] + other[1])));
-    highest.filter(|ends| ends.iter().all(|end| end.is_finite())).unwrap_or([most; 2])
 }
 
 /// The capsules of a leaf that a ray hits.
@@ -63,7 +36,7 @@ pub(super) struct Candidates {
 impl Capsules {
     /// A leaf without capsules.
     pub(super) const NONE: Self =
-        Self { ends: [[[0.0; LANES]; 3]; 2], radii: [packed([f32::NAN; 2]); LANES], controls: [0; LANES] };
+        Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], controls: [0; LANES] };
 
     /// Puts a capsule into a lane, for the segment of the keys from `controls` on, around all that is between each two neighbours of some
     /// balls. Its axis has the direction of the line from the first to the last, and lies beside that line where the balls do.
@@ -92,11 +65,8 @@ impl Capsules {
             }
             shift += (farthest - shift) / (step + 2) as f32;
         }
-        let along = |ball: &Vec4| from(ball).dot(direction);
-        let [low, high] = balls.iter().map(along).fold([0.0f32; 2], |[low, high], to| [low.min(to), high.max(to)]);
-        let length = (high - low).max(f32::MIN_POSITIVE);
-        let reach = |ball: &Vec4| Vec2::new((along(ball) - low) / length, (aside(ball) - best).length() + ball.w);
-        let radii = least_above(balls.iter().map(reach), thinnest);
+        let along = balls.iter().map(|ball| from(ball).dot(direction));
+        let [low, high] = along.fold([0.0f32; 2], |[low, high], along| [low.min(along), high.max(along)]);
         let ends = [low, high].map(|along| start + best + along * direction);
         for (columns, end) in self.ends.iter_mut().zip(ends) {
             for (column, coordinate) in columns.iter_mut().zip(end.to_array()) {
@@ -104,7 +74,7 @@ impl Capsules {
             }
         }
         let rounding = ROUNDING * start.abs().max(end.abs()).max_element();
-        self.radii[lane] = packed(radii.map(|radius| radius * (1.0 + ROUNDING) + rounding));
+        self.radius[lane] = thinnest * (1.0 + ROUNDING) + rounding;
         self.controls[lane] = controls;
     }
 
@@ -113,22 +83,15 @@ impl Capsules {
     pub(super) fn meet<S: Simd>(&self, simd: S, gaze: &RayFrame, t_max: f32) -> Option<Candidates> {
         let [ax, ay, az] = self.seen(simd, gaze, 0);
         let [bx, by, bz] = self.seen(simd, gaze, 1);
-        let radii = u32x8::load_array_ref(simd, &self.radii);
-        let rounding = ROUNDING * gaze.reach();
-        let ra = (radii & UPPER).bitcast::<f32x8<S>>() + rounding;
-        let rb = (radii << HALF).bitcast::<f32x8<S>>() + rounding;
-        let (ex, ey, grows) = (bx - ax, by - ay, rb - ra);
-        // Where along the axis the ray is deepest within, of a parabola that opens upwards. If it does not, that is at an end.
-        let opens = (ex * ex + ey * ey - grows * grows).max(f32::MIN_POSITIVE);
-        let deepest = (ra * grows - (ax * ex + ay * ey)) / opens;
-        let deepest = deepest.max(0.0).min(1.0);
-        let (x, y, room) = (deepest.mul_add(ex, ax), deepest.mul_add(ey, ay), deepest.mul_add(grows, ra));
-        // Also refuses NaN.
-        let is_near = (x * x + y * y).simd_le(room * room)
-            | (ax * ax + ay * ay).simd_le(ra * ra)
-            | (bx * bx + by * by).simd_le(rb * rb);
-        let room = ra.max(rb);
+        let room = f32x8::load_array_ref(simd, &self.radius) + ROUNDING * gaze.reach();
+        let (ex, ey) = (bx - ax, by - ay);
+        let length2 = (ex * ex + ey * ey).max(f32::MIN_POSITIVE);
+        let nearest = (f32x8::splat(simd, 0.0) - (ax * ex + ay * ey)) / length2;
+        let nearest = nearest.max(0.0).min(1.0);
+        let (x, y) = (nearest.mul_add(ex, ax), nearest.mul_add(ey, ay));
         let near = az.min(bz) - room;
+        // Also refuses NaN.
+        let is_near = (x * x + y * y).simd_le(room * room);
         let lanes = is_near & near.simd_lt(t_max) & (az.max(bz) + room).simd_gt(0.0);
         let lanes = lanes.to_bitmask() as u32;
         (lanes != 0).then(|| Candidates { lanes, near: near.to_array() })
