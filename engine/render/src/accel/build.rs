@@ -14,6 +14,8 @@ const BINS: usize = 16;
 const DEEP: usize = super::traverse::DEEPEST - 32;
 /// Fewer boxes are not worth another thread.
 const PARALLEL: usize = 4096;
+/// Number of boxes that a thread sorts into bins at a time, where a span is so long that threads share it.
+const STRETCH: usize = 1 << 14;
 
 /// The contents of one leaf are parted into two if the areas of these come to less than this share of the leaf's: one
 /// large triangle apart from small ones. Above 0.9 leaves are half empty and take more memory than rays save.
@@ -214,10 +216,21 @@ struct SplitPlane {
 }
 
 impl Bins {
+    const EMPTY: Self = Self { bounds: [[Bounds::EMPTY; BINS]; 3], count: [[0; BINS]; 3] };
+
     fn new(span: &Span) -> Self {
         let grid = BinGrid::new(&span.middles);
-        let mut out = Self { bounds: [[Bounds::EMPTY; BINS]; 3], count: [[0; BINS]; 3] };
-        for item in span.items.iter() {
+        if span.items.len() <= 2 * STRETCH {
+            return Self::of(&grid, span.items);
+        }
+        // The first cuts of a large tree, of which there are too few for the threads.
+        let stretches = span.items.par_chunks(STRETCH).map(|items| Self::of(&grid, items));
+        stretches.reduce(|| Self::EMPTY, Self::with)
+    }
+
+    fn of(grid: &BinGrid, items: &[Bounds]) -> Self {
+        let mut out = Self::EMPTY;
+        for item in items {
             let bins = grid.bins(item.middle());
             for (axis, &bin) in bins[..3].iter().enumerate() {
                 out.bounds[axis][bin] = out.bounds[axis][bin].union(item);
@@ -225,6 +238,17 @@ impl Bins {
             }
         }
         out
+    }
+
+    /// These bins with the boxes of others: the same in whatever order.
+    fn with(mut self, other: Self) -> Self {
+        for axis in 0..3 {
+            for bin in 0..BINS {
+                self.bounds[axis][bin] = self.bounds[axis][bin].union(&other.bounds[axis][bin]);
+                self.count[axis][bin] += other.count[axis][bin];
+            }
+        }
+        self
     }
 
     /// The cheapest cut with something on either side.

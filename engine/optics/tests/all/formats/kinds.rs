@@ -246,7 +246,7 @@ fn tables_of_renderers() {
 fn a_stop_without_a_width_is_as_wide_as_the_other_rims_let_light_through() {
     let text = |object: &str, last_mm: f64| {
         format!(
-            "VERS 1\nUNIT MM\nFLOA\nGCAT SCHOTT\nWAVM 1 0.5875618 1\nSURF 0\n  DISZ {object}\nSURF 1\n  CURV 0\n  DISZ 50\n  DIAM 10\n\
+            "VERS 1\nUNIT MM\nFLOA\nGCAT SCHOTT\nWAVM 1 0.5875618 1\nSURF 0\n  DISZ {object}\nSURF 1\n  CURV 0\n  DISZ 50\n  CLAP 0 10 0\n\
             SURF 2\n  STOP\n  CURV 0\n  DISZ 50\nSURF 3\n  CURV -0.02\n  DISZ 1e-9\n  GLAS N-BK7\n  DIAM {last_mm}\n\
             SURF 4\n  CURV 0\n  DISZ 10\n  DIAM 40\nSURF 5\n  DISZ 0\n"
         )

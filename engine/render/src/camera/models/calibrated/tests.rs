@@ -1,7 +1,7 @@
 use super::*;
 use crate::camera::models::pinhole::Pinhole;
 use crate::camera::tools::imaging::{Imaging, SeenPlace};
-use crate::camera::{Camera, Model};
+use crate::camera::{Camera, Model, ReadFiles};
 
 fn description(camera: &str) -> CameraDescription {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/calibrations/cameras.txt");
