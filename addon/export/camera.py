@@ -78,6 +78,10 @@ def describe(
     model = settings.model if model is None else model
     of_lens = model in OF_LENS_FILE
     eye = Eye(holder, holder.matrix_world, camera.shift_x) if eye is None else eye
+    if any(axis.length == 0.0 for axis in eye.matrix.to_3x3().col):
+        report.warn(
+            f"Camera '{holder.name}': its scale is 0 along an axis, where Cycles' picture is black; it counts as 1: reset the scale"
+        )
     alike = CameraDescription(holder.name, rows(eye.matrix), **_alike(CameraDescription, settings))
     description = replace(
         alike,

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3A};
 #[derive(Clone, Copy, Debug)]
 pub struct Clip {
     is_by_distance: bool,
-    /// Direction along the axis, render space, unit.
+    /// Direction along the axis, render space: depth is its product with a place.
     forward: Vec3A,
     near: f32,
     far: f32,
@@ -17,7 +17,7 @@ pub struct Clip {
 impl Clip {
     /// The clip planes of a camera whose place is render space's origin; `None` if they leave nothing out.
     pub fn new(d: &CameraDescription, camera: &Camera) -> Option<Self> {
-        let planes = Self::along(d, camera.axes().z_axis)?;
+        let planes = Self::along(d, camera.backwards())?;
         Some(Self { is_by_distance: camera.depth_is_distance(), ..planes })
     }
 

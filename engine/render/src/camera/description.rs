@@ -47,6 +47,11 @@ impl Model {
             Self::Pinhole | Self::Thin | Self::Orthographic | Self::Panoramic | Self::Calibrated => false,
         }
     }
+
+    /// True if the camera stands for a thing that is made of glass and metal, which a matrix cannot shear.
+    fn is_rigid(self) -> bool {
+        self.is_of_lens() || self == Self::Calibrated
+    }
 }
 
 /// The wavelengths into which the film divides the light.
@@ -313,18 +318,19 @@ impl CameraDescription {
         self.matrix_world.w_axis.truncate()
     }
 
-    /// Camera axes in world space, unit and perpendicular.
-    pub(super) fn axes(&self) -> Result<DMat3, CameraError> {
-        let m = DMat3::from_mat4(self.matrix_world);
-        let bad = || self.error("its matrix is not finite or has no scale; reset the camera object's scale");
-        if !self.matrix_world.is_finite() {
-            return Err(bad());
+    /// Camera axes in world space, of length one. A mirrored camera object mirrors its picture, as in Cycles. A sheared one shears the
+    /// picture of a camera without a lens file, as in Cycles; a lens and a calibration are rigid, so that their axes are perpendicular.
+    pub(crate) fn axes(&self) -> Result<DMat3, CameraError> {
+        let axes = unit_axes(&self.matrix_world).ok_or_else(|| {
+            self.error("its matrix is not finite or has no scale along two axes; reset the camera object's scale")
+        })?;
+        if !self.model.is_rigid() {
+            return Ok(axes);
         }
-        let z = m.z_axis.try_normalize().ok_or_else(bad)?;
-        let x = (m.x_axis - z * m.x_axis.dot(z)).try_normalize().ok_or_else(bad)?;
-        // A mirrored camera object still takes an unmirrored picture, as in Cycles.
-        let y = z.cross(x);
-        Ok(DMat3::from_cols(x, y, z))
+        let z = axes.z_axis;
+        // Axes that lie in one plane have none.
+        let x = (axes.x_axis - z * axes.x_axis.dot(z)).normalize();
+        Ok(DMat3::from_cols(x, z.cross(x) * axes.determinant().signum(), z))
     }
 
     /// Distance of the plane to be sharp along the axis, Blender units; `None` is infinity.
@@ -411,4 +417,21 @@ impl CameraDescription {
             }
         }
     }
+}
+
+/// The determinant of axes of length one at which they count as lying in one plane.
+const FLAT: f64 = 1e-6;
+
+/// The axes of a matrix, of length one: what is left of it without its scale. One axis without length is perpendicular to the other two, as
+/// if nothing were mirrored. `None` for axes in one plane, and where they are not finite.
+pub(crate) fn unit_axes(matrix: &DMat4) -> Option<DMat3> {
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.truncate().try_normalize());
+    let [x, y, z] = match [x, y, z] {
+        [None, Some(y), Some(z)] => [y.cross(z).try_normalize()?, y, z],
+        [Some(x), None, Some(z)] => [x, z.cross(x).try_normalize()?, z],
+        [Some(x), Some(y), None] => [x, y, x.cross(y).try_normalize()?],
+        [x, y, z] => [x?, y?, z?],
+    };
+    let axes = DMat3::from_cols(x, y, z);
+    (matrix.is_finite() && axes.determinant().abs() > FLAT).then_some(axes)
 }

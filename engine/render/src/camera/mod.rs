@@ -14,13 +14,14 @@ pub mod shutter;
 pub mod stereo;
 pub mod tools;
 
+pub(crate) use description::unit_axes;
 pub use description::{CalibrationSettings, CameraDescription, EnabledEffects, Model, Spectrum};
 pub use models::calibrated::calibration_of;
 pub use read_files::ReadFiles;
 
 use crate::Rgb;
 use crate::accel::Ray;
-use glam::{DMat3, Mat3, Vec2, Vec3};
+use glam::{DMat3, DVec3, Mat3, Vec2, Vec3};
 use lens::real_lens::RealLens;
 use lens::real_lens::batch::LensBatch;
 use lens::real_lens::packet::Request;
@@ -231,6 +232,12 @@ impl Camera {
         }
     }
 
+    /// Minus the gradient of depth over places, render space: the axis backwards; of a sheared camera it leans from it.
+    pub(crate) fn backwards(&self) -> DVec3 {
+        let axes = self.axes();
+        axes.x_axis.cross(axes.y_axis) / axes.determinant()
+    }
+
     /// True if depth is the distance from the camera: of a panoramic one as in Blender, and of a calibrated one that may see to its side.
     pub fn depth_is_distance(&self) -> bool {
         match self {
@@ -243,7 +250,7 @@ impl Camera {
 
     /// Depth of a place in render space, Blender units: along the axis, or the distance ([`Self::depth_is_distance`]).
     pub fn depth(&self, position: Vec3) -> f32 {
-        if self.depth_is_distance() { position.length() } else { -position.dot(self.axes().z_axis.as_vec3()) }
+        if self.depth_is_distance() { position.length() } else { -position.dot(self.backwards().as_vec3()) }
     }
 
     /// Name of the camera model in reports.

@@ -1,5 +1,6 @@
 //! Times of samples while the shutter is open, and places of the camera.
 
+use super::unit_axes;
 use crate::accel::Ray;
 use crate::scene::motion::AnimatedTransform;
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3};
@@ -133,11 +134,7 @@ impl Default for Exposure {
 }
 
 fn unscaled(m: &DMat4) -> DMat4 {
-    let axes = DMat3::from_mat4(*m);
-    let unit = |axis: DVec3, otherwise: DVec3| axis.try_normalize().unwrap_or(otherwise);
-    let linear =
-        DMat3::from_cols(unit(axes.x_axis, DVec3::X), unit(axes.y_axis, DVec3::Y), unit(axes.z_axis, DVec3::Z));
-    DMat4::from_mat3_translation(linear, m.w_axis.truncate())
+    DMat4::from_mat3_translation(unit_axes(m).unwrap_or(DMat3::IDENTITY), m.w_axis.truncate())
 }
 
 /// The inverse of how much light has come in by a time, at even parts of the light; `None` where that is even.

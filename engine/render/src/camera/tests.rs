@@ -245,6 +245,71 @@ fn world_scale_and_place_do_not_matter() {
     }
 }
 
+/// The ray of a picture point of a camera with this matrix.
+fn ray_of(model: Model, matrix_world: DMat4, p: Vec2) -> Ray {
+    let description = CameraDescription { matrix_world, ..description(model) };
+    Camera::new(&description, 300, 200).unwrap().sample(p, [0.3, 0.6], 0.4).unwrap().ray
+}
+
+/// As in Cycles: the picture of a mirrored camera object is mirrored, along the axis that has the negative scale.
+#[test]
+fn a_mirrored_object_mirrors_the_picture() {
+    let place = DMat4::from_rotation_y(0.3) * DMat4::from_rotation_x(-0.4);
+    let p = Vec2::new(0.2, -0.3);
+    for model in [Model::Pinhole, Model::Thin, Model::Orthographic, Model::Lens, Model::Thick] {
+        for scale in [DVec3::new(-2.0, 1.0, 3.0), DVec3::new(1.0, -0.5, 1.0), DVec3::NEG_ONE] {
+            let ray = ray_of(model, place * DMat4::from_scale(scale), p);
+            let plain = ray_of(model, DMat4::IDENTITY, p);
+            let mirror = DMat3::from_mat4(place) * DMat3::from_diagonal(scale.signum());
+            let expected = [plain.origin, plain.direction].map(|v| (mirror * v.as_dvec3()).as_vec3a());
+            assert!(ray.origin.abs_diff_eq(expected[0], 1e-5), "{model:?} {scale}");
+            assert!(ray.direction.abs_diff_eq(expected[1], 1e-6), "{model:?} {scale}");
+        }
+    }
+}
+
+/// As in Cycles, whose matrix from the camera to the world has columns of length one. A lens is rigid and looks the same way.
+#[test]
+fn a_sheared_object_shears_the_picture_of_a_camera_without_a_lens() {
+    let columns = [DVec3::X, DVec3::new(0.6, 1.0, 0.0), DVec3::new(0.0, 0.3, 1.0)];
+    let [x, y, z] = columns;
+    let sheared = DMat4::from_mat3(DMat3::from_cols(2.0 * x, y, 0.5 * z));
+    let p = Vec2::new(0.2, -0.3);
+    let across = DVec3::new(0.72 * 0.2, 0.72 * -0.3 * 2.0 / 3.0, -1.0);
+    let expected = (DMat3::from_cols(x, y.normalize(), z.normalize()) * across).normalize();
+    let ray = ray_of(Model::Pinhole, sheared, p);
+    assert!(ray.direction.abs_diff_eq(expected.as_vec3a(), 1e-6));
+    // Depth is what it would be without the shear.
+    let camera = CameraDescription { matrix_world: sheared, ..description(Model::Pinhole) };
+    let depth = Camera::new(&camera, 300, 200).unwrap().depth((expected * 7.0).as_vec3());
+    let unscaled = DMat3::from_cols(x, y.normalize(), z.normalize()).inverse() * expected;
+    assert!((f64::from(depth) + 7.0 * unscaled.z).abs() < 1e-5);
+    let lens = Camera::new(&CameraDescription { matrix_world: sheared, ..description(Model::Lens) }, 300, 200).unwrap();
+    assert!(lens.axes().z_axis.abs_diff_eq(z.normalize(), 1e-12));
+    assert!((*lens.axes() * lens.axes().transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-12));
+}
+
+/// Scale counts nothing. What an axis without one was is told by the others; of one axis alone nothing is known.
+#[test]
+fn an_axis_without_scale_is_perpendicular_to_the_others() {
+    let place = DMat4::from_rotation_y(0.3) * DMat4::from_rotation_x(-0.4);
+    let p = Vec2::new(0.2, -0.3);
+    for model in [Model::Pinhole, Model::Orthographic, Model::Lens] {
+        let plain = ray_of(model, place, p);
+        for scale in [DVec3::new(0.0, 2.0, 2.0), DVec3::new(2.0, 0.0, 1.0), DVec3::new(1.0, 3.0, 0.0)] {
+            let ray = ray_of(model, place * DMat4::from_scale(scale), p);
+            assert!(ray.origin.abs_diff_eq(plain.origin, 1e-6) && ray.direction.abs_diff_eq(plain.direction, 1e-6));
+        }
+        for scale in [DVec3::X, DVec3::Z, DVec3::ZERO, DVec3::NAN] {
+            let matrix_world = place * DMat4::from_scale(scale);
+            let Err(error) = Camera::new(&CameraDescription { matrix_world, ..description(model) }, 300, 200) else {
+                panic!("{scale}")
+            };
+            assert!(error.to_string().contains("reset the camera object's scale"));
+        }
+    }
+}
+
 #[test]
 fn errors_say_what_to_do() {
     let bad = |change: &dyn Fn(&mut CameraDescription)| {

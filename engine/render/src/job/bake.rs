@@ -10,6 +10,7 @@ use crate::integrator::{Integrator, PreparedScene};
 use crate::pipeline::Pipeline;
 use crate::pipeline::bake::{BakePoint, BakePoints, ViewFrom};
 use crate::scene::Scene;
+use glam::Vec3A;
 use serde::Deserialize;
 
 /// The thing that is baked, as Blender names it.
@@ -222,7 +223,7 @@ impl BakeSettings {
             BakeKind::Environment => ViewFrom::Sky((-scene.origin).as_vec3a()),
             _ if !is_seen => ViewFrom::Above,
             _ if camera.model == Model::Orthographic => {
-                ViewFrom::Far(camera.matrix_world.z_axis.truncate().normalize_or_zero().as_vec3a())
+                ViewFrom::Far(camera.axes().map_or(Vec3A::ZERO, |axes| axes.z_axis.as_vec3a()))
             }
             _ => ViewFrom::Place((camera.position() - scene.origin).as_vec3a()),
         }

@@ -11,7 +11,7 @@ use crate::lights::SourceGroup;
 use crate::luminance;
 use crate::sampler::{PathSampler, mix, raster::Raster};
 use crate::scene::motion::MIDDLE;
-use glam::{DMat3, DVec3, Vec2};
+use glam::{DVec3, Vec2};
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
@@ -142,16 +142,11 @@ pub fn may_be_worth_it_through(stage: &PreparedScene, d: &CameraDescription, [wi
     }
     let groups = stage.lights.seen_groups();
     // What is wrong with the lens is told by who makes the camera.
-    if groups.is_empty() || !d.matrix_world.is_finite() {
+    if groups.is_empty() {
         return false;
     }
-    let Ok(info) = lens_info(d, width, height) else { return false };
-    let axes = DMat3::from_mat4(d.matrix_world);
-    let Some(axes) = axes.determinant().ne(&0.0).then(|| axes.inverse()) else { return false };
-    let scaled = |p: DVec3| {
-        let away = p + stage.scene.origin - d.position();
-        (axes * away).normalize_or_zero() * away.length() * scale.x
-    };
+    let (Ok(info), Ok(axes)) = (lens_info(d, width, height), d.axes()) else { return false };
+    let scaled = |p: DVec3| axes.transpose() * (p + stage.scene.origin - d.position()) * scale.x;
     groups.iter().any(|group| may_be_small(group, &info, scale.x, scaled(group.center.as_dvec3())))
 }
 

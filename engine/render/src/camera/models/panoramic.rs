@@ -46,7 +46,7 @@ impl Panoramic {
             None => (DVec3::ZERO, towards),
             Some(opening) => opening.through(towards, u),
         };
-        let ray = Ray::new((self.axes * start).as_vec3a(), (self.axes * towards).as_vec3a());
+        let ray = Ray::new((self.axes * start).as_vec3a(), (self.axes * towards).normalize().as_vec3a());
         Some(CameraRay { ray, weight: Mat3::IDENTITY })
     }
 

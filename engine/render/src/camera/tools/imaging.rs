@@ -50,6 +50,8 @@ pub struct PupilPoint(DVec3);
 pub struct Imaging {
     /// The camera's place in render space.
     place: DVec3,
+    /// Directions of render space in camera space.
+    to_camera: DMat3,
     eye: Eye,
 }
 
@@ -120,7 +122,7 @@ impl Imaging {
             Model::Thick => lens(Some(Order::Thick))?,
             Model::Paraxial => lens(Some(Order::Paraxial))?,
         };
-        Ok(Self { place: d.position() - origin, eye })
+        Ok(Self { place: d.position() - origin, to_camera: axes.inverse(), eye })
     }
 
     /// The point of the pupil through which a camera ray sees something.
@@ -129,7 +131,7 @@ impl Imaging {
         PupilPoint(match &self.eye {
             // Depth of field moves nothing that is in focus.
             Eye::Pinhole(_) | Eye::Orthographic(_) | Eye::Panoramic(_) | Eye::Calibrated(_) => DVec3::ZERO,
-            Eye::Thin(lens) => lens.axes().transpose() * origin / lens.radius(),
+            Eye::Thin(lens) => self.to_camera * origin / lens.radius(),
             Eye::Lens(lens) => {
                 let pupil = lens.pupil(self.relative(seen));
                 let from = lens.mount.to_lens(origin) - pupil.middle;
@@ -151,22 +153,22 @@ impl Imaging {
     /// where the light is lost.
     pub fn picture_point(&self, seen: SeenPlace, through: PupilPoint, u_wavelength: f32) -> Option<DVec2> {
         let seen = self.relative(seen);
-        let along = |axes: &DMat3, start: DVec3| match seen {
-            SeenPlace::Point(p) => axes.transpose() * p - start,
-            SeenPlace::Direction(d) => axes.transpose() * d,
+        let along = |start: DVec3| match seen {
+            SeenPlace::Point(p) => self.to_camera * p - start,
+            SeenPlace::Direction(d) => self.to_camera * d,
         };
         match &self.eye {
-            Eye::Pinhole(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
-            Eye::Panoramic(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
-            Eye::Calibrated(camera) => camera.place(along(camera.axes(), DVec3::ZERO)),
+            Eye::Pinhole(camera) => camera.place(along(DVec3::ZERO)),
+            Eye::Panoramic(camera) => camera.place(along(DVec3::ZERO)),
+            Eye::Calibrated(camera) => camera.place(along(DVec3::ZERO)),
             // What is infinitely far is seen nowhere in particular.
             Eye::Orthographic(camera) => match seen {
-                SeenPlace::Point(p) => Some(camera.place(camera.axes().transpose() * p)),
+                SeenPlace::Point(p) => Some(camera.place(self.to_camera * p)),
                 SeenPlace::Direction(_) => None,
             },
             Eye::Thin(lens) => {
                 let start = through.0 * lens.radius();
-                lens.place(start, along(lens.axes(), start))
+                lens.place(start, along(start))
             }
             Eye::Lens(lens) => {
                 let pupil = lens.pupil(seen);

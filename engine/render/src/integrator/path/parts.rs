@@ -1,6 +1,7 @@
 //! The parts of a path's light that are kept beside the whole, and features of the first surface: the passes of light and colour, as Cycles
 //! parts them (its manual, "Render Passes"). [`super::by_part`] says what goes where.
 
+use crate::camera::unit_axes;
 use glam::{DMat4, Mat3A, Vec3A};
 
 /// Something that is kept beside the light as a whole, three numbers a pixel.
@@ -124,11 +125,11 @@ impl Seen {
     /// The view of a camera of that matrix to the world, and of render space's origin there. `mist`: start, depth and the power by which it
     /// falls off.
     pub fn by(camera: DMat4, origin: glam::DVec3, is_flat: bool, mist: [f32; 3]) -> Self {
-        let axes = [camera.x_axis, camera.y_axis, camera.z_axis].map(|axis| axis.truncate().normalize_or_zero());
-        let rows = glam::DMat3::from_cols(axes[0], axes[1], axes[2]).transpose();
+        // What has no axes is told by who makes the camera.
+        let to_camera = unit_axes(&camera).unwrap_or_default().inverse();
         let [start, depth, power] = mist;
         Self {
-            to_camera: Mat3A::from(rows.as_mat3()),
+            to_camera: Mat3A::from(to_camera.as_mat3()),
             place: (camera.w_axis.truncate() - origin).as_vec3a(),
             is_flat,
             mist: [start, if depth > 0.0 { depth.recip() } else { 0.0 }, power],
