@@ -13,7 +13,7 @@ from typing import Any
 import bpy
 
 from ..native import engine
-from . import nodes
+from . import image_pixels, nodes
 
 #: Gives the engine's index of the image that a texture node shows; None: it shows none.
 ImageIndex = Callable[[bpy.types.Node], int | None]
@@ -194,9 +194,8 @@ def _options(node: bpy.types.Node, image_index: ImageIndex) -> dict[str, Any]:
         value = getattr(node, name)
         options[name] = value if isinstance(value, (str, bool, int, float)) else list(value)
     if node.type in {"TEX_IMAGE", "TEX_ENVIRONMENT"}:
-        # The image comes as the node needs it, its colours multiplied by alpha or not.
         options["image"] = image_index(node)
-        options["unassociate"] = False
+        options["alpha_is_transparency"] = node.image is not None and image_pixels.is_transparency(node.image)
     elif node.type in {"BSDF_PRINCIPLED", "SUBSURFACE_SCATTERING"}:
         name = "falloff" if node.type == "SUBSURFACE_SCATTERING" else "subsurface_method"
         options[name] = nodes.subsurface_method(node, name)

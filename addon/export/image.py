@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from . import image_file, image_parts, image_pixels
+from . import image_file, image_parts
 from .image_limit import ImageLimit
 from .image_parts import FIRST_TILE, Part, Timing
 from .image_pixels import Pixels
@@ -37,62 +37,56 @@ class Images:
         self._read_before: set[tuple[int, Part]] = set()
 
     def of_node(self, node: bpy.types.Node, holder: bpy.types.ID) -> int | None:
-        """The engine's index of the image that a texture node of a material, world or light shows, its colours multiplied by alpha or not as
-        the node gives them; None where the image is missing, which is named: a missing image is magenta wherever it is read."""
+        """The engine's index of the image that a texture node of a material, world or light shows; None where the image is missing, which is
+        named: a missing image is magenta wherever it is read."""
         image, user = node.image, f"{holder.id_type.title()} '{holder.name}'"
-        associated = node.type == "TEX_ENVIRONMENT" or not node.outputs["Alpha"].is_linked
         if image is None:
             self._report.warn(f"{user}: no image is chosen, magenta is shown")
             return None
         if image.source == "TILED":
-            return self._of_tiled(node, associated)
+            return self._of_tiled(node)
         timing = Timing.of(node)
         part = None if timing is None else timing.frame(self._frame)
         if timing is not None:
-            self._kept.timed.setdefault(uid(holder), {})[ImageKey(uid(image), part, associated)] = timing
+            self._kept.timed.setdefault(uid(holder), {})[ImageKey(uid(image), part)] = timing
         if self._is_missing(image.original, part) and not _ends_at_its_edge(node):
             self._warn_of_missing(image, part)
             return None
-        return self.index(image, part, associated=associated)
+        return self.index(image, part)
 
-    def index(self, image: bpy.types.Image, part: Part = None, *, associated: bool) -> int:
-        """The engine's index of an image, or of a part of one.
-
-        `associated`: colours multiplied by alpha, as a node gives them whose alpha is not used.
-        """
-        key, original = ImageKey(uid(image), part, associated), image.original
+    def index(self, image: bpy.types.Image, part: Part = None) -> int:
+        """The engine's index of an image, or of a part of one."""
+        key, original = ImageKey(uid(image), part), image.original
         if self._is_missing(original, part):
             self._warn_of_missing(image, part)
         if key not in self._known:
-            pixels, is_linear = self._pixels(original, part, associated)
+            pixels, is_linear = self._pixels(original, part)
             name = image.name if part is None else f"{image.name} {part}"
             self._add(key, self._builder.add_image(name, pixels, srgb=not is_linear and self._is_srgb(original)))
-            if image_pixels.is_opaque(pixels):
-                self._known[key._replace(associated=not associated)] = self._known[key]
         return self._known[key]
 
-    def _of_tiled(self, node: bpy.types.Node, associated: bool) -> int | None:
+    def _of_tiled(self, node: bpy.types.Node) -> int | None:
         """The engine's index of an image of tiles (UDIM), which shows magenta where there is no tile; each tile that is missing is named."""
         image = node.image.original
         if node.type == "TEX_ENVIRONMENT":
-            return self._without_tiles(image, associated)
+            return self._without_tiles(image)
         is_box = node.projection == "BOX"
         if is_box and bpy.app.version < _BOXES_HAVE_TILES:
-            return self.index(image, FIRST_TILE, associated=associated)
+            return self.index(image, FIRST_TILE)
         numbers = (FIRST_TILE,) if is_box else tuple(sorted(tile.number for tile in image.tiles))
-        key = ImageKey(uid(image), numbers, associated)
+        key = ImageKey(uid(image), numbers)
         tiles = []
         for number in numbers:
             if self._is_missing(image, number):
                 self._warn_of_missing(image, number)
                 if bpy.app.version >= _MISSING_IS_EVERYWHERE:
                     continue
-            tiles.append((number, self.index(image, number, associated=associated)))
+            tiles.append((number, self.index(image, number)))
         if key not in self._known:
             self._add(key, self._builder.add_tiles(image.name, tiles))
         return self._known[key]
 
-    def _without_tiles(self, image: bpy.types.Image, associated: bool) -> int | None:
+    def _without_tiles(self, image: bpy.types.Image) -> int | None:
         """An environment knows no tiles: it shows the first one that is packed, else nothing, as in Cycles."""
         first = image.tiles[0].number
         told = f"Image '{image.name}': an Environment Texture node has no tiles (UDIM)"
@@ -100,7 +94,7 @@ class Images:
             self._report.warn(f"{told}, magenta is shown as in Cycles: use an image of one file")
             return None
         self._report.warn(f"{told}, tile {first} is shown as in Cycles: use an image of one file")
-        return self.index(image, first, associated=associated)
+        return self.index(image, first)
 
     def _add(self, key: ImageKey, index: int) -> None:
         self._known[key] = index
@@ -111,8 +105,7 @@ class Images:
         place = uid(image), part
         if place in self._read_before or place in self._read:
             return False
-        keys = {ImageKey(*place, False), ImageKey(*place, True)}
-        if not keys.isdisjoint(self._known) and image_file.is_there(image, part):
+        if ImageKey(*place) in self._known and image_file.is_there(image, part):
             return False
         read = self._of_file(image, part)
         if read is None and part is None:
@@ -123,12 +116,11 @@ class Images:
         self._read[place] = read
         return False
 
-    def _pixels(self, image: bpy.types.Image, part: Part, associated: bool) -> tuple[np.ndarray, bool]:
+    def _pixels(self, image: bpy.types.Image, part: Part) -> tuple[np.ndarray, bool]:
         """Pixels (height, width, 4) from below, and whether they are linear; those of a missing image are magenta."""
         if self._is_missing(image, part):
             return MAGENTA.copy(), False
         place = uid(image), part
-        # What was sent before, with colours and alpha together or apart, may now be sent the other way.
         read = self._read.pop(place, None) or self._of_file(image, part)
         if read is not None:
             self._read_before.add(place)
@@ -136,7 +128,7 @@ class Images:
             read = self._of_blender(image, part)
         if read is None:
             return MAGENTA.copy(), False
-        return self._limit.smaller(read.sent(associated=associated)), read.is_float
+        return self._limit.smaller(read.sent()), read.is_float
 
     @staticmethod
     def _of_file(image: bpy.types.Image, part: Part) -> Pixels | None:

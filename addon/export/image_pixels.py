@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pixels of images as the engine takes them: RGBA, bytes or floats, colours and alpha together or apart."""
+"""Pixels of images as the engine takes them: RGBA, bytes or floats, colours multiplied by alpha where that is transparency."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+
+#: Ways of an image's alpha in which it is transparency.
+TRANSPARENT_MODES = frozenset({"STRAIGHT", "PREMUL"})
 
 
 @dataclass
@@ -39,34 +42,33 @@ class Pixels:
     def _of(cls, image: bpy.types.Image, values: np.ndarray, *, is_float: bool) -> Pixels:
         return cls(values, is_float, image.alpha_mode, image.colorspace_settings.is_data)
 
-    def sent(self, *, associated: bool) -> np.ndarray:
+    def sent(self) -> np.ndarray:
         """RGBA for the engine: bytes, or floats where Blender holds floats. Uses the values up: large images are large."""
         if self.values.dtype == np.uint8:
-            self._associate_bytes(associated)
+            self._associate_bytes()
             return self.values
         channels = self.values.shape[2]
         pixels = _four_channels(self.values)
         if channels not in (1, 3):
-            self._associate(pixels, associated)
+            self._associate(pixels)
         return pixels if self.is_float else _bytes(pixels)
 
-    def _associate(self, pixels: np.ndarray, wanted: bool) -> None:
-        """Brings colours and alpha together, or apart, where the image's alpha means transparency."""
-        if self.is_data or self.alpha_mode in {"CHANNEL_PACKED", "NONE"}:
+    def _associate(self, pixels: np.ndarray) -> None:
+        """Multiplies colours by alpha, where it is transparency and they are not yet."""
+        if self.is_data or self.alpha_mode not in TRANSPARENT_MODES:
             return
         # Bytes are kept apart from alpha; floats together with it, but from 5.0 on as the image says.
         held = self.is_float and (self.alpha_mode == "PREMUL" or bpy.app.version < (5, 0, 0))
         alpha = pixels[..., 3]
-        if wanted == held or (alpha == 1.0).all():
+        if held or (alpha == 1.0).all():
             return
-        factor = alpha if wanted else np.reciprocal(alpha, where=alpha > 0.0, out=np.ones_like(alpha))
         # One channel at a time: twice as fast as all three at once.
         for channel in range(3):
-            pixels[..., channel] *= factor
+            pixels[..., channel] *= alpha
 
-    def _associate_bytes(self, wanted: bool) -> None:
-        """Brings colours and alpha of a file's bytes together, as `_associate`; rounded, as `_bytes` does."""
-        if not wanted or self.is_data or self.alpha_mode == "CHANNEL_PACKED":
+    def _associate_bytes(self) -> None:
+        """Multiplies a file's bytes by alpha, as `_associate`; rounded, as `_bytes` does."""
+        if self.is_data or self.alpha_mode == "CHANNEL_PACKED":
             return
         alpha = self.values[..., 3].astype(np.uint16)
         if (alpha == 255).all():
@@ -75,9 +77,9 @@ class Pixels:
             self.values[..., channel] = (self.values[..., channel] * alpha + np.uint16(127)) // np.uint16(255)
 
 
-def is_opaque(pixels: np.ndarray) -> bool:
-    """Whether alpha is 1 everywhere."""
-    return bool((pixels[..., 3] == pixels.dtype.type(255 if pixels.dtype == np.uint8 else 1)).all())
+def is_transparency(image: bpy.types.Image) -> bool:
+    """True if the image's alpha is transparency, by which its colours are multiplied."""
+    return not image.colorspace_settings.is_data and image.alpha_mode in TRANSPARENT_MODES
 
 
 def _bytes(pixels: np.ndarray) -> np.ndarray:

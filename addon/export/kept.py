@@ -24,8 +24,6 @@ class ImageKey(NamedTuple):
     image: int
     #: A frame or a tile; tiles together by their numbers.
     part: Part | tuple[int, ...]
-    #: Whether colours are multiplied by alpha.
-    associated: bool
 
 
 @dataclass

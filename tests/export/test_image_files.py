@@ -42,37 +42,32 @@ def saved(bpy, tmp_path, kind: str, *, has_alpha: bool = False, is_deep: bool = 
     return bpy.data.images.load(str(path))
 
 
-def by_blender(image, module, *, associated: bool) -> np.ndarray:
-    return module.Pixels.of_blender(image).sent(associated=associated)
+def by_blender(image, module) -> np.ndarray:
+    return module.Pixels.of_blender(image).sent()
 
 
-@pytest.mark.parametrize("associated", [False, True])
 @pytest.mark.parametrize("is_packed", [False, True])
 @pytest.mark.parametrize(("kind", "has_alpha"), [("PNG", False), ("PNG", True), ("JPEG", False)])
 @pytest.mark.parametrize("alpha_mode", ["STRAIGHT", "CHANNEL_PACKED", "PREMUL", "NONE"])
-def test_bytes_are_those_that_blender_has(
-    parts, blender, given, tmp_path, kind, has_alpha, is_packed, associated, alpha_mode
-):
+def test_bytes_are_those_that_blender_has(parts, blender, given, tmp_path, kind, has_alpha, is_packed, alpha_mode):
     image = saved(blender, tmp_path, kind, has_alpha=has_alpha)
     image.alpha_mode = alpha_mode
     if is_packed:
         image.pack()
         image.buffers_free()
-    given.images.index(image, associated=associated)
+    given.images.index(image)
     # Blender had not to read what its file gives.
     assert image.has_data == (has_alpha and alpha_mode in ("PREMUL", "NONE"))
-    expected = by_blender(image, parts.part("export.image_pixels"), associated=associated)
+    expected = by_blender(image, parts.part("export.image_pixels"))
     assert given.sent[0].dtype == np.uint8 and np.array_equal(given.sent[0], expected)
     assert not given.warned
 
 
-def test_both_uses_of_an_image_are_sent(parts, blender, given, tmp_path):
+def test_an_image_is_sent_once(parts, blender, given, tmp_path):
     image = saved(blender, tmp_path, "PNG", has_alpha=True)
-    numbers = [given.images.index(image, associated=associated) for associated in (True, False, True, False)]
-    assert numbers == [0, 1, 0, 1] and not image.has_data
-    module = parts.part("export.image_pixels")
-    for associated, sent in zip((True, False), given.sent, strict=True):
-        assert np.array_equal(sent, by_blender(image, module, associated=associated))
+    assert [given.images.index(image) for _ in range(2)] == [0, 0] and not image.has_data
+    (sent,) = given.sent
+    assert np.array_equal(sent, by_blender(image, parts.part("export.image_pixels")))
 
 
 def test_what_blender_holds_differently_is_read_from_blender(parts, blender, given, tmp_path):
@@ -81,7 +76,7 @@ def test_what_blender_holds_differently_is_read_from_blender(parts, blender, giv
     painted = saved(blender, tmp_path, "JPEG")
     painted.pixels[0] = 0.25
     assert painted.is_dirty and given.files.pixels(painted) is None
-    given.images.index(painted, associated=True)
+    given.images.index(painted)
     assert given.sent[0][0, 0, 0] == 64
     generated = blender.data.images.new("generated", 4, 4)
     assert given.files.pixels(generated) is None
@@ -94,6 +89,6 @@ def test_files_that_cannot_be_read_are_magenta_and_named(blender, given, tmp_pat
         path.write_bytes(content)
         image.filepath = str(path)
         image.buffers_free()
-        given.images.index(image.copy(), associated=True)
+        given.images.index(image.copy())
     assert len(given.warned) == 3 and all("cannot be read" in line for line in given.warned)
     assert all(pixels.shape == (1, 1, 4) for pixels in given.sent)

@@ -81,6 +81,32 @@ def test_tiles_with_alpha(stage, blender, tmp_path, socket, alpha_mode):
     alike(tmp_path, warns="tile 1012, cannot be read", mean=0.015)
 
 
+@pytest.mark.parametrize("interpolation", ["Linear", "Closest"])
+@pytest.mark.parametrize("alpha_mode", ["STRAIGHT", "CHANNEL_PACKED"])
+@pytest.mark.parametrize("is_tiled", [False, True])
+def test_colours_of_a_node_whose_alpha_is_used(stage, blender, tmp_path, is_tiled, alpha_mode, interpolation):
+    """Colours are divided by alpha after the pixels are blended: the colour of a pixel that is all transparent neither shows nor bleeds into
+    its neighbours. (Cycles rounds bytes times alpha down: of a pixel with a quarter of alpha two steps of 255.)"""
+    from support import image_files as files
+
+    pixels = files.picture(16, 16, 1)
+    pixels[..., 3] = np.clip(np.linspace(-0.5, 1.5, 16), 0.25, 1.0)
+    pixels[:, :5, :3], pixels[:, :5, 3] = (1.0, 0.9, 0.8), 0.0
+    image = files.tiled(tmp_path, {1001: pixels})
+    if not is_tiled:
+        image.source, image.filepath = "FILE", str(tmp_path / "tile.1001.png")
+    image.alpha_mode = alpha_mode
+    tree, texture = sheet(stage, image, (0.0, 0.0), (1.0, 1.0), interpolation=interpolation)
+    more = tree.nodes.new("ShaderNodeMath")
+    more.inputs[1].default_value = 1.0
+    tree.links.new(texture.outputs["Alpha"], more.inputs[0])
+    glow = next(node for node in tree.nodes if node.type == "EMISSION")
+    tree.links.new(more.outputs[0], glow.inputs["Strength"])
+    found = alike(tmp_path, mean=0.015, block=BLOCK if interpolation == "Linear" else 0.08)
+    clear = found[HEIGHT // 2, WIDTH // 8]
+    assert np.allclose(clear, 0.0 if alpha_mode == "STRAIGHT" else (1.0, 0.787, 0.604), atol=2e-3)
+
+
 @pytest.mark.parametrize("space", ["sRGB", "Non-Color"])
 @pytest.mark.parametrize("ending", ["png", "jpg", "exr"])
 @pytest.mark.parametrize("is_packed", [False, True])

@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3A, Vec4};
 use petzval_nodes::{
-    Context, Direction, Extension, Field, Graph, Interpolation, LANES, LaneRegisters, Pixels, Program, Registers,
-    Shift, Space, Textures, compile,
+    Context, Direction, Field, Graph, ImageReading, LANES, LaneRegisters, Pixels, Program, Registers, Shift, Space,
+    Textures, compile,
 };
 use std::hint::black_box;
 use std::time::Instant;
@@ -40,7 +40,7 @@ impl Context for Surface {
 struct White;
 
 impl Textures for White {
-    fn lookup(&self, _: usize, uv: Vec2, _: Interpolation, _: Extension) -> Vec4 {
+    fn lookup(&self, _: usize, uv: Vec2, _: ImageReading) -> Vec4 {
         Vec4::new(uv.x, uv.y, 1.0, 1.0)
     }
 }

@@ -352,10 +352,22 @@ choices! {
     pub Extension { Repeat = "REPEAT", Extend = "EXTEND", Clip = "CLIP", Mirror = "MIRROR" }
 }
 
+/// The way in which an image is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImageReading {
+    /// Interpolation between pixels.
+    pub interpolation: Interpolation,
+    /// Continuation outside of the image.
+    pub extension: Extension,
+    /// True to divide colours by alpha.
+    pub unassociate: bool,
+}
+
 /// The images that programs read.
 pub trait Textures {
-    /// Linear RGBA, alpha multiplied in, at a place of the image: (0, 0) is its lower left corner.
-    fn lookup(&self, image: usize, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4;
+    /// Linear RGBA at a place of the image: (0, 0) is its lower left corner. Alpha is multiplied in, or, to `unassociate`, divided out again after
+    /// interpolation and before decoding, where it is neither 0 nor 1.
+    fn lookup(&self, image: usize, uv: Vec2, read: ImageReading) -> Vec4;
 }
 
 /// No surface and no images: for folding what depends on neither.
@@ -377,7 +389,7 @@ impl Context for Nowhere {
 }
 
 impl Textures for Nowhere {
-    fn lookup(&self, _: usize, _: Vec2, _: Interpolation, _: Extension) -> Vec4 {
+    fn lookup(&self, _: usize, _: Vec2, _: ImageReading) -> Vec4 {
         Vec4::ZERO
     }
 }

@@ -1,7 +1,7 @@
 //! The place of a direction or point on an image.
 
 use crate::choice::choices;
-use crate::context::{Extension, Interpolation, Textures};
+use crate::context::{ImageReading, Textures};
 use glam::{Vec2, Vec3A, Vec4};
 use std::f32::consts::{PI, TAU};
 
@@ -19,13 +19,12 @@ pub const MISSING: [f32; 3] = [1.0, 0.0, 1.0];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ImageTexture {
     pub(crate) image: u16,
-    pub(crate) interpolation: Interpolation,
-    pub(crate) extension: Extension,
+    pub(crate) reading: ImageReading,
 }
 
 impl ImageTexture {
     pub(crate) fn at(self, textures: &impl Textures, uv: Vec2) -> Vec4 {
-        textures.lookup(usize::from(self.image), uv, self.interpolation, self.extension)
+        textures.lookup(usize::from(self.image), uv, self.reading)
     }
 
     /// Three sides of a box, blended where a normal leans between them; the normal is in object space.
@@ -109,7 +108,8 @@ pub(crate) fn environment(projection: EnvironmentProjection, direction: Vec3A) -
     }
 }
 
-/// Alpha taken out of the colours, where there is some.
-pub(crate) fn unassociated(rgba: Vec4) -> Vec4 {
+/// Colours divided by alpha, where it is neither 0 nor 1 (Cycles, `svm_image_texture`).
+#[inline]
+pub fn unassociated(rgba: Vec4) -> Vec4 {
     if rgba.w == 1.0 || rgba.w == 0.0 { rgba } else { (rgba.truncate() / rgba.w).extend(rgba.w) }
 }

@@ -38,12 +38,12 @@ mod voronoi;
 
 pub use compile::{Report, compile};
 pub use context::{
-    Attribute, AttributeKind, Context, Direction, Extension, Field, Found, Interpolation, Occlusion, Places, Raycast,
-    Shift, Space, Textures,
+    Attribute, AttributeKind, Context, Direction, Extension, Field, Found, ImageReading, Interpolation, Occlusion,
+    Places, Raycast, Shift, Space, Textures,
 };
 pub use graph::{Graph, Input, Link, Node, Parsing};
 pub use hash::{random_of, random_of_pair};
-pub use image::MISSING;
+pub use image::{MISSING, unassociated};
 pub use lanes::{LANES, Number, Vector, Vectors};
 pub use pixels::Pixels;
 pub use points::{Column, Points};

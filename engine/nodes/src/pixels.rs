@@ -1,6 +1,7 @@
 //! Plain images in memory: what a program reads where there is no renderer.
 
-use crate::context::{Extension, Interpolation, Textures};
+use crate::context::{Extension, ImageReading, Interpolation, Textures};
+use crate::image::unassociated;
 use glam::{Vec2, Vec4};
 
 /// An image of linear RGBA, alpha multiplied in, its lowest row first.
@@ -81,7 +82,8 @@ fn cubic_weights(t: f32) -> [f32; 4] {
 }
 
 impl Textures for Vec<Pixels> {
-    fn lookup(&self, image: usize, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
-        self.get(image).map_or(Vec4::ZERO, |pixels| pixels.at(uv, interpolation, extension))
+    fn lookup(&self, image: usize, uv: Vec2, read: ImageReading) -> Vec4 {
+        let rgba = self.get(image).map_or(Vec4::ZERO, |pixels| pixels.at(uv, read.interpolation, read.extension));
+        if read.unassociate { unassociated(rgba) } else { rgba }
     }
 }

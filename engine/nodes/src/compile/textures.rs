@@ -1,7 +1,7 @@
 //! The instructions of Blender's texture nodes.
 
 use super::{At, Lowered, Outputs, colour, number, vector};
-use crate::context::{Extension, Field, Interpolation, Shift};
+use crate::context::{Extension, Field, ImageReading, Interpolation, Shift};
 use crate::gabor::GaborKind;
 use crate::ies::Ies;
 use crate::image::{EnvironmentProjection, ImageTexture, MISSING, Projection};
@@ -246,16 +246,17 @@ fn image(at: &mut At<'_, '_>) -> Lowered {
         let pink = at.compiler.constant(MISSING.into());
         return Ok(vec![colour("Color", pink), number("Alpha", at.constant(1.0))]);
     };
-    let picture = ImageTexture {
-        image,
+    let reading = ImageReading {
         interpolation: at.node.choice("interpolation", Interpolation::Linear)?,
         extension: at.node.choice("extension", Extension::Repeat)?,
+        // Cycles divides where the node's alpha is used.
+        unassociate: at.node.truth("alpha_is_transparency", true) && at.is_used("Alpha"),
     };
+    let picture = ImageTexture { image, reading };
     let projection = at.node.choice("projection", Projection::Flat)?;
-    let unassociate = at.node.truth("unassociate", at.is_used("Alpha"));
     let p = at.vector_or("Vector", |at| at.uv(""));
     let blend = at.constant(at.node.number("projection_blend", 0.0));
-    let (rgb, [alpha]) = at.emit_many(Operation::Image(picture, projection, unassociate), &[p, blend]);
+    let (rgb, [alpha]) = at.emit_many(Operation::Image(picture, projection), &[p, blend]);
     Ok(vec![colour("Color", rgb), number("Alpha", alpha)])
 }
 
@@ -264,11 +265,12 @@ fn environment(at: &mut At<'_, '_>) -> Lowered {
         let pink = at.compiler.constant(MISSING.into());
         return Ok(vec![colour("Color", pink)]);
     };
-    let picture = ImageTexture {
-        image,
+    let reading = ImageReading {
         interpolation: at.node.choice("interpolation", Interpolation::Linear)?,
         extension: Extension::Repeat,
+        unassociate: false,
     };
+    let picture = ImageTexture { image, reading };
     let projection = at.node.choice("projection", EnvironmentProjection::Equirectangular)?;
     let direction = at.vector_or("Vector", |at| at.emit(Operation::Read(Field::Position, Shift::NONE), &[]));
     Ok(vec![colour("Color", at.emit(Operation::Environment(picture, projection), &[direction]))])

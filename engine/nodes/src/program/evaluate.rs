@@ -221,9 +221,8 @@ impl Program {
                 splat(number(1) * self.luminaires[usize::from(luminaire)].at(horizontal, vertical))
             }
             Operation::Sky(sky) => self.skies[usize::from(sky)].at(vector(0), context.shows_sun()),
-            Operation::Image(picture, projection, unassociate) => {
-                let (colour, alpha) =
-                    image_texture(picture, projection, unassociate, vector(0), number(1), context, textures);
+            Operation::Image(picture, projection) => {
+                let (colour, alpha) = image_texture(picture, projection, vector(0), number(1), context, textures);
                 further = Some([splat(alpha), Vec3A::ZERO, Vec3A::ZERO]);
                 colour
             }
@@ -304,7 +303,6 @@ fn backfacing(context: &impl Context) -> bool {
 fn image_texture<C: Context, T: Textures>(
     picture: ImageTexture,
     projection: Projection,
-    unassociate: bool,
     p: Vec3A,
     blend: f32,
     context: &C,
@@ -320,7 +318,6 @@ fn image_texture<C: Context, T: Textures>(
             picture.on_box(textures, p, normal, blend)
         }
     };
-    let rgba = if unassociate { image::unassociated(rgba) } else { rgba };
     (Vec3A::from_vec4(rgba), rgba.w)
 }
 

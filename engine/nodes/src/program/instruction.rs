@@ -111,7 +111,7 @@ pub(crate) enum Operation {
     /// Direction, strength.
     Luminaire(u16),
     /// Vector, blend. Further: alpha.
-    Image(ImageTexture, Projection, bool),
+    Image(ImageTexture, Projection),
     Environment(ImageTexture, EnvironmentProjection),
     /// Vector, location, rotation, scale.
     Mapping(MappingKind),

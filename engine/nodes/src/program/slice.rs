@@ -114,7 +114,7 @@ fn needs(operation: Operation) -> (bool, bool) {
         ),
         Operation::Attribute(_, shift) => (false, shift != Shift::NONE),
         Operation::Wireframe(in_pixels) => (false, in_pixels),
-        Operation::Image(_, projection, _) => (projection == Projection::Box, false),
+        Operation::Image(_, projection) => (projection == Projection::Box, false),
         Operation::NormalMap(_) | Operation::RadialTangent(_) => (true, false),
         Operation::Further(_)
         | Operation::Transform(..)

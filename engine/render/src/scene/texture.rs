@@ -3,7 +3,7 @@
 use super::SceneError;
 use crate::Rgb;
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
-use petzval_nodes::MISSING;
+use petzval_nodes::{MISSING, unassociated};
 use std::sync::{Arc, LazyLock};
 
 /// The continuation of an image outside of the unit square (Blender's Image Texture node).
@@ -148,13 +148,31 @@ impl Texture {
     /// The value at `uv`, linear RGBA. Between pixels, eight-bit sRGB is interpolated as it is stored and decoded
     /// after, as Cycles does. Of tiles each is looked up by itself: nothing is interpolated from one to the next.
     pub fn lookup(&self, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
-        if self.tiles.is_empty() {
-            return self.decoded(self.interpolated(uv, interpolation, extension));
-        }
-        match self.tile_at(uv) {
-            Some((tile, within)) => tile.lookup(within, interpolation, extension),
-            None => self.texel(0, 0),
-        }
+        self.decoded_at(uv, interpolation, extension, |stored| stored)
+    }
+
+    /// The value as by [`Self::lookup`], its colours divided by alpha before they are decoded (Cycles, `svm_image_texture`): the colour of
+    /// pixels of alpha 0 does not count, and where all is transparent it is black.
+    pub fn unassociated(&self, uv: Vec2, interpolation: Interpolation, extension: Extension) -> Vec4 {
+        self.decoded_at(uv, interpolation, extension, unassociated)
+    }
+
+    #[inline(always)]
+    fn decoded_at(
+        &self,
+        uv: Vec2,
+        interpolation: Interpolation,
+        extension: Extension,
+        change: impl Fn(Vec4) -> Vec4,
+    ) -> Vec4 {
+        let (image, uv) = if self.tiles.is_empty() {
+            (self, uv)
+        } else if let Some(found) = self.tile_at(uv) {
+            found
+        } else {
+            return self.texel(0, 0);
+        };
+        image.decoded(change(image.interpolated(uv, interpolation, extension)))
     }
 
     /// The tile at a place, and the place on it. As in Cycles the tiles of the first column and row reach to -1, where the place on them is

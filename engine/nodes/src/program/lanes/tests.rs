@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::colour::ColourModel;
-use crate::context::{Context, Extension, Interpolation, Occlusion};
+use crate::context::{Context, Extension, ImageReading, Interpolation, Occlusion};
 use crate::gabor::GaborKind;
 use crate::hash::random_of_pair;
 use crate::image::{EnvironmentProjection, ImageTexture, Projection};
@@ -57,7 +57,7 @@ impl Context for Place {
 struct Picture;
 
 impl Textures for Picture {
-    fn lookup(&self, image: usize, uv: Vec2, _: Interpolation, _: Extension) -> Vec4 {
+    fn lookup(&self, image: usize, uv: Vec2, _: ImageReading) -> Vec4 {
         Vec4::new(uv.x, uv.y, image as f32, 0.5)
     }
 }
@@ -125,8 +125,10 @@ fn operations() -> Vec<Operation> {
     all.extend(RotationKind::ALL.iter().map(|&kind| Operation::Rotate(kind, true)));
     all.push(Operation::Wave(WaveKind::Bands, WaveAxis::ALL[0], WaveProfile::ALL[0]));
     all.push(Operation::Gabor(GaborKind::ALL[0]));
-    let image = ImageTexture { image: 3, interpolation: Interpolation::Linear, extension: Extension::Repeat };
-    all.extend(Projection::ALL.iter().map(|&projection| Operation::Image(image, projection, true)));
+    let reading =
+        ImageReading { interpolation: Interpolation::Linear, extension: Extension::Repeat, unassociate: true };
+    let image = ImageTexture { image: 3, reading };
+    all.extend(Projection::ALL.iter().map(|&projection| Operation::Image(image, projection)));
     all.push(Operation::Environment(image, EnvironmentProjection::MirrorBall));
     for &dimensions in Dimensions::ALL {
         all.push(Operation::WhiteNoise(dimensions));
