@@ -102,7 +102,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
 
 
 def _complaint(error: Exception) -> str:
-    """What is said of an error, in a line; of one that nobody expects the traceback is printed."""
+    """The message of an error, in a line; of an unexpected error the traceback is printed."""
     if isinstance(error, ExportError | EngineMissing):
         return str(error)
     if not _is_engine_error(error):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the settings can be chosen from: identifier, name, tooltip. No bpy."""
+"""The choices of the settings: identifier, name, tooltip. No bpy."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def all_of_them() -> list[str]:
 
 
 def has(lens_key: str) -> bool:
-    """Whether the lens is one of them."""
+    """True if the lens is a favourite."""
     return lens_key in _lenses
 
 

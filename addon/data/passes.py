@@ -85,7 +85,7 @@ NOISY = Pass("Noisy Image", 4, "RGBA", "COLOR")
 
 
 def is_denoised(scene: object, view_layer: object) -> bool:
-    """Whether the picture of a view layer is to be denoised: by the scene's switch and the layer's. Parts that are to be merged are not."""
+    """True if the picture of a view layer is to be denoised: by the scene's switch and the layer's. Parts that are to be merged are not."""
     cycles, of_layer = getattr(scene, "cycles", None), getattr(view_layer, "cycles", None)
     is_asked = cycles is not None and cycles.use_denoising and getattr(of_layer, "use_denoising", True)
     return bool(is_asked) and not view_layer.petzval.use_pass_mergeable
@@ -96,7 +96,7 @@ SHADOW = Pass("Shadow Catcher", 3, "RGB", "COLOR", "use_pass_shadow_catcher")
 
 
 def wants_shadow(view_layer: object) -> bool:
-    """Whether a view layer asks for it."""
+    """True if a view layer asks for the shadow catcher pass."""
     return getattr(getattr(view_layer, "cycles", None), SHADOW.switch, False)
 
 
@@ -198,7 +198,7 @@ def wanted_mattes(view_layer: object) -> tuple[Pass, ...]:
 
 
 def matte_levels(view_layer: object) -> int:
-    """How many names a pixel of a matte holds."""
+    """The number of names that a pixel of a matte holds."""
     return view_layer.pass_cryptomatte_depth
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What this process takes of the machine's memory. No bpy."""
+"""The memory that this process takes, bytes. No bpy."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def of_file() -> int:
 
 
 def warnings() -> list[str]:
-    """What a render says of the file that is open."""
+    """The warnings of a render about the settings of the open file."""
     if (found := of_file()) <= VERSION:
         return []
     return [

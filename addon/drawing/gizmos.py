@@ -23,7 +23,7 @@ def _focuses_by_distance(camera: bpy.types.Camera) -> bool:
 
 
 def _axis(holder: bpy.types.Object) -> tuple[Vector, Vector]:
-    """Where a camera stands, and where it looks; distances are the world's, whatever its scale."""
+    """The position of a camera in the world, and the direction it looks in, a unit vector: a camera's own scale has no effect."""
     return holder.matrix_world.translation, holder.matrix_world.to_quaternion() @ Vector((0.0, 0.0, -1.0))
 
 

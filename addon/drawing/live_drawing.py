@@ -45,7 +45,7 @@ _REMEMBERED = 4
 
 @dataclass
 class Drawn:
-    """What the panel shows. `error`, one line, where there is no drawing."""
+    """The drawing that the panel shows. `error`, one line, where there is no drawing."""
 
     icon: int
     #: Angle (degrees) of each field, and whether light comes through from it.
@@ -93,7 +93,7 @@ def for_panel(
 
 
 def _found(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> dict | None:
-    """What autofocus has found, where that is the camera's focus."""
+    """The answer of autofocus, if the camera's focus is set by autofocus; else None."""
     if holder.data.petzval.focus_mode != "AUTO":
         return None
     found = autofocus.for_panel(holder, scene, view_layer)

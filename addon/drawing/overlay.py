@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lens does, drawn into 3D views: the surface of sharp focus with its limits, and the entrance pupil."""
+"""The overlay of a lens in 3D views: the surface of sharp focus with its limits, and the entrance pupil."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def of_camera(holder: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any
 
 
 def _autofocus(holder: bpy.types.Object, scene: bpy.types.Scene) -> dict | None:
-    """What autofocus has found; the panel's, so that one looks for both."""
+    """The answer of autofocus that the panel holds, so that overlay and panel look once for both."""
     from ..queries import autofocus
 
     found = autofocus.for_panel(holder, scene, bpy.context.view_layer)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What shader graphs ask of a mesh beyond its UV maps: named attributes, colours, coordinates in its box, and what its
-edges tell."""
+"""The data that shader graphs ask of a mesh beyond its UV maps: named attributes, colours, coordinates in its box, and the
+attributes of its edges."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def of_raycast(options: dict[str, Any]) -> set[str]:
 
 
 def _takes_generated(kind: str, inputs: dict[str, Any]) -> bool:
-    """Whether a node takes generated coordinates by itself: of a texture without a linked vector, or for a tangent."""
+    """True if a node takes generated coordinates by itself: for a texture without a linked vector, or for a tangent."""
     if kind == "ShaderNodeTangent" or any(inputs.get(name, 0.0) != 0.0 for name in STRETCH):
         return True
     return kind.startswith("ShaderNodeTex") and kind not in _WITHOUT_GENERATED and "Vector" not in inputs

@@ -20,7 +20,7 @@ _POLY = 1
 
 @dataclass
 class CurveArrays:
-    """What `SceneBuilder.add_curves` takes."""
+    """The arguments of `SceneBuilder.add_curves`."""
 
     #: Place and radius, object space.
     keys: np.ndarray
@@ -48,7 +48,7 @@ class CurveArrays:
 
 
 def shape(scene: bpy.types.Scene) -> dict[str, Any]:
-    """What Cycles's settings say is drawn of curves; ribbons where there is no Cycles."""
+    """The shape of curves by Cycles's settings; ribbons where there is no Cycles."""
     settings = getattr(scene, "cycles_curves", None)
     kind = getattr(settings, "shape", "RIBBONS")
     if kind == "RIBBONS":
@@ -84,7 +84,7 @@ def positions(curves: bpy.types.Curves) -> np.ndarray:
 
 
 def _is_straight(curves: bpy.types.Curves) -> bool:
-    """Whether Cycles draws them straight from point to point: from Blender 5 on, as the first curve says."""
+    """True if Cycles draws the curves straight from point to point: from Blender 5 on, by the type of the first curve."""
     kinds = curves.attributes.get("curve_type")
     return bpy.app.version >= (5, 0, 0) and kinds is not None and kinds.data[0].value == _POLY
 

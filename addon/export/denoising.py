@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a scene is to be denoised: Cycles keeps that, a scene has one set of it."""
+"""The denoising settings of a scene. Cycles keeps them; a scene has one set of them."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _described(cycles: bpy.types.bpy_struct, which: str) -> DenoisingDescription
 
 
 def has_gpu() -> bool:
-    """Whether a graphics card that is chosen in the preferences can denoise; Cycles asks the same."""
+    """True if a graphics card that is chosen in the preferences can denoise; Cycles asks the same."""
     cycles = bpy.context.preferences.addons.get("cycles")
     asked = getattr(cycles and cycles.preferences, "has_oidn_gpu_devices", None)
     return bool(asked and asked())

@@ -44,7 +44,7 @@ def camera(depsgraph: bpy.types.Depsgraph) -> bpy.types.Object | None:
 
 
 def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: Room, report: Report) -> Dicing | None:
-    """How finely an object's mesh is divided; None where it stays as Blender's modifiers make it."""
+    """The dicing of an object's mesh; None where the mesh stays as Blender's modifiers make it."""
     modifier = holder.modifiers[-1] if holder.modifiers else None
     if (
         holder.type != "MESH"
@@ -80,7 +80,7 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: 
 
 
 def _is_displaced(material: bpy.types.Material | None) -> bool:
-    """Whether a material moves vertices."""
+    """True if a material moves vertices."""
     if material is None or material.node_tree is None or material.displacement_method == "BUMP":
         return False
     ends = [node for node in material.node_tree.nodes if node.type == "OUTPUT_MATERIAL"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Why a scene cannot be handed over."""
+"""The errors of scenes that cannot be handed over."""
 
 
 class ExportError(Exception):

@@ -33,7 +33,7 @@ _OF_SMOKE = {"density": 1, "color": 4, "flame": 1, "heat": 1, "temperature": 1}
 
 @dataclass
 class Box:
-    """Where a volume object is, and what it holds."""
+    """A volume object's box and grids."""
 
     #: Corners of the box in the object's space.
     corners: list[Vector]
@@ -141,7 +141,7 @@ def _values(grid: Any, first: np.ndarray, size: np.ndarray, owner: str, report: 
 
 
 def of_smoke(holder: bpy.types.Object, report: Report) -> list[Grid]:
-    """What a mesh that is a domain of gas holds; nothing of others."""
+    """The grids of a gas domain; empty for other meshes."""
     for modifier in holder.modifiers:
         if modifier.type == "FLUID" and modifier.show_render and modifier.fluid_type == "DOMAIN":
             domain = modifier.domain_settings

@@ -109,7 +109,7 @@ def _radii(at: np.ndarray, settings: bpy.types.ParticleSettings) -> np.ndarray:
 
 
 def _on_emitter(system: System, read: Any, width: int, **which: int) -> np.ndarray:
-    """What the emitter's mesh has where the strands' roots are, (strands, width)."""
+    """The values of the emitter's mesh at the strands' roots, (strands, width)."""
     particles = system.hair.particles
     parents = len(particles)
     values = (

@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass
 class Pixels:
-    """What was read of an image, or of a part of one."""
+    """The pixels of an image, or of a part of one."""
 
     #: (height, width, channels) from below: floats as Blender gives them, or the bytes of a file, which have four channels.
     values: np.ndarray
@@ -76,7 +76,7 @@ class Pixels:
 
 
 def is_opaque(pixels: np.ndarray) -> bool:
-    """Whether alpha is 1 everywhere."""
+    """True if alpha is 1 everywhere."""
     return bool((pixels[..., 3] == pixels.dtype.type(255 if pixels.dtype == np.uint8 else 1)).all())
 
 

@@ -70,7 +70,7 @@ def _instancers(place: bpy.types.DepsgraphObjectInstance) -> tuple[bpy.types.Obj
 
 
 def _sources(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> tuple[bpy.types.ID | None, ...]:
-    """What an object's shape comes from."""
+    """The datablocks that an object's shape comes from."""
     return holder, holder.data, place.parent if place.is_instance else None
 
 

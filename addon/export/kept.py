@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a builder of the engine holds of images, materials and meshes, so that a scene that is edited sends again only what changed."""
+"""The images, materials and meshes that a builder of the engine holds, so that an edited scene sends again only what changed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def uid(one: bpy.types.ID | None) -> int:
 
 
 class ImageKey(NamedTuple):
-    """What an image of the engine was made of."""
+    """The source of an image of the engine."""
 
     #: The datablock.
     image: int
@@ -30,7 +30,7 @@ class ImageKey(NamedTuple):
 
 @dataclass
 class Piece:
-    """What was sent: the engine's index, None where there was nothing to send; and the datablocks that it was made of."""
+    """A piece that was sent: the engine's index, None where there was nothing to send; and the datablocks that it was made of."""
 
     index: int | None
     sources: frozenset[int] = frozenset()
@@ -151,7 +151,7 @@ class Changes:
 
     @classmethod
     def of(cls, depsgraph: bpy.types.Depsgraph) -> Changes:
-        """What a dependency graph says of its last evaluation."""
+        """The changes of a dependency graph's last evaluation."""
         found = cls()
         for update in depsgraph.updates:
             one = update.id

@@ -15,5 +15,5 @@ class LightGroups:
         self._numbers = {name: number for number, name in enumerate(self.names, 1)}
 
     def number(self, holder: bpy.types.Object | bpy.types.World | None) -> int:
-        """That of an emitter; 0 for none."""
+        """The number of an emitter's light group; 0 for none."""
         return 0 if holder is None else self._numbers.get(holder.lightgroup, 0)

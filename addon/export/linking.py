@@ -40,7 +40,7 @@ class Links:
 
     @property
     def any(self) -> bool:
-        """Whether anything is linked."""
+        """True if anything is linked."""
         return any(self._sets.values())
 
     def sets(self, holder: bpy.types.Object) -> tuple[int, int]:

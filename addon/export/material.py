@@ -71,7 +71,7 @@ class Materials:
         return self.of_rays | (frozenset() if material is None else self._wanted.get(uid(material), frozenset()))
 
     def describe(self, material: bpy.types.Material) -> MaterialDescription:
-        """What the engine is told of a material."""
+        """The description of a material for the engine."""
         if material.grease_pencil is not None or not uses_nodes(material):
             described = MaterialDescription(material.name, json.dumps(_without_nodes(material)))
         else:
@@ -111,7 +111,7 @@ def _of_rays() -> frozenset[str]:
 
 
 def uses_nodes(holder: bpy.types.ID) -> bool:
-    """Whether a material, world or light is made of nodes."""
+    """True if a material, world or light is made of nodes."""
     if holder.node_tree is None:
         return False
     # From 5.0 on materials and worlds always are, and asking is deprecated.

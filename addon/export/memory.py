@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a picture and its meshes fit into memory: asked before anything of them is made. An engine that runs out of memory takes
+"""The check that a picture and its meshes fit into memory, before any of it is made. An engine that runs out of memory takes
 Blender with it."""
 
 from __future__ import annotations

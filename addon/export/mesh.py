@@ -22,7 +22,7 @@ Values = tuple[str, np.ndarray]
 
 @dataclass
 class MeshArrays:
-    """What `SceneBuilder.add_mesh` takes: values as the mesh keeps them, and which of them each triangle has."""
+    """The arguments of `SceneBuilder.add_mesh`: values as the mesh keeps them, and which of them each triangle has."""
 
     positions: np.ndarray
     triangles: np.ndarray
@@ -41,7 +41,7 @@ class MeshArrays:
         return self.loops if found else None
 
     def fits(self, normals: Values | None) -> bool:
-        """Whether normals are of this mesh."""
+        """True if normals are of this mesh."""
         if normals is None:
             return False
         domain, values = normals
@@ -65,7 +65,7 @@ def shape(holder: bpy.types.Object, data: bpy.types.Mesh) -> Iterator[bpy.types.
 
 
 def triangle_count(mesh: bpy.types.Mesh) -> int:
-    """How many triangles its faces are made of."""
+    """The number of triangles that the mesh's faces are made of."""
     return max(len(mesh.loops) - 2 * len(mesh.polygons), 0)
 
 

@@ -18,7 +18,7 @@ RADIUS = 0.01
 
 @dataclass
 class PointArrays:
-    """What `SceneBuilder.add_points` takes."""
+    """The arguments of `SceneBuilder.add_points`."""
 
     #: Place and radius, object space.
     points: np.ndarray

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many samples a picture gets: by Petzval's own settings, or by Cycles' as long as none of Petzval's was set.
+"""The samples of a picture: by Petzval's own settings, or by Cycles' as long as none of Petzval's was set.
 
 The settings of a final render belong together, and so do those of 3D views: one of Petzval's own that is set makes all of them count.
 """
@@ -23,7 +23,7 @@ _ENDLESS = 1 << 16
 
 @dataclass(frozen=True)
 class Sampling:
-    """How many samples a picture gets."""
+    """The samples of a picture."""
 
     #: Of a pixel; with a noise threshold, at most.
     samples: int
@@ -53,12 +53,12 @@ class Sampling:
 
 
 def follows_cycles(scene: bpy.types.Scene, names: tuple[str, ...]) -> bool:
-    """Whether Cycles' settings count in the place of these: where it is there, and none of them was set."""
+    """True if Cycles' settings count in the place of these: where Cycles is there, and none of these was set."""
     return hasattr(scene, "cycles") and not any(scene.petzval.is_property_set(name) for name in names)
 
 
 def of_render(scene: bpy.types.Scene) -> Sampling:
-    """That of final renders."""
+    """The sampling of final renders."""
     own = scene.petzval
     if follows_cycles(scene, OF_RENDER):
         cycles = scene.cycles
@@ -82,7 +82,7 @@ def of_render(scene: bpy.types.Scene) -> Sampling:
 
 
 def of_view(scene: bpy.types.Scene) -> Sampling:
-    """That of 3D views."""
+    """The sampling of 3D views."""
     if follows_cycles(scene, OF_VIEW):
         return _of_cycles(scene.cycles, "preview_", scene.cycles.preview_samples or _ENDLESS)
     return Sampling(scene.petzval.preview_samples or _ENDLESS, 0.0, 0, 0.0, 0, False, False)

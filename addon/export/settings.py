@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scene says of how it is to be rendered."""
+"""The settings of a scene for its render."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _transparent_glass(scene: bpy.types.Scene) -> float | None:
 
 
 def overrules(scene: bpy.types.Scene, name: str) -> bool:
-    """Whether a setting of Petzval's own counts, and not Cycles's in its place: where it was set, or Cycles is absent."""
+    """True if Petzval's own setting counts, and not Cycles's in its place: where it was set, or Cycles is absent."""
     return scene.petzval.is_property_set(name) or not hasattr(scene, "cycles")
 
 

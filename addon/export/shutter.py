@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When the shutter is open, and where everything is at keys that lie evenly over that time, for motion blur."""
+"""The shutter's open time, and the places of everything at even keys over that time, for motion blur."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def split(time: float) -> tuple[int, float]:
 
 
 def of(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Shutter | None:
-    """That of a scene in its frame; None where it or the view layer asks for no motion blur, or it is taken out."""
+    """The shutter of a scene in its frame; None where the scene or the view layer asks for no motion blur, or it is taken out."""
     render = scene.render
     # Older layers have no say.
     is_off = scene.petzval.effects.motion_blur == "OFF" or not getattr(layer, "use_motion_blur", True)
@@ -63,7 +63,7 @@ def _position(scene: bpy.types.Scene) -> str:
 
 
 def openness(render: bpy.types.RenderSettings) -> list[float]:
-    """How open the shutter is at even times; nothing where it is simply open."""
+    """The openness of the shutter at even times, 0 to 1; empty where it is constant."""
     mapping = render.motion_blur_shutter_curve
     mapping.initialize()
     curve = mapping.curves[0]
@@ -92,7 +92,7 @@ def key_count_of(place: bpy.types.DepsgraphObjectInstance) -> int:
 
 
 def _blurs_shape(place: bpy.types.DepsgraphObjectInstance) -> bool:
-    """Whether it is to be blurred by what changes its shape."""
+    """True if a changing shape blurs the instance, by Cycles' settings."""
     both = (place.object, place.parent if place.is_instance else None)
     settings = [one.cycles for one in both if one is not None and hasattr(one, "cycles")]
     return all(one.use_deform_motion for one in settings)
@@ -121,7 +121,7 @@ class Standing(NamedTuple):
 
 
 def _read(depsgraph: bpy.types.Depsgraph) -> dict[Key, Standing]:
-    """Where everything stands in the graph's frame."""
+    """The instances in the graph's frame, by key."""
     found: dict[Key, Standing] = {}
     known: dict[int, Shape | None] = {}
     known_hair: dict[str, dict[str, np.ndarray]] = {}
@@ -157,7 +157,7 @@ def _shape(data: bpy.types.Mesh | bpy.types.Curves | bpy.types.PointCloud) -> Sh
 
 
 class Blur:
-    """Where everything is at keys over the exposure."""
+    """The places and shapes of instances at keys over the exposure."""
 
     def __init__(self, report: Report, seconds: float) -> None:
         self._report = report
@@ -178,7 +178,7 @@ class Blur:
         self._keys.append(now)
 
     def matrices(self, place: bpy.types.DepsgraphObjectInstance) -> list[Matrix4] | None:
-        """Where an instance stands at its keys; None where it stands still."""
+        """The matrices of an instance at its keys; None where it stands still."""
         found = [one.matrix for one in self._of(place)]
         return found if any(one != found[0] for one in found) else None
 

@@ -48,7 +48,7 @@ class Eye:
 
 
 def eye_of_render(host: bpy.types.RenderEngine, scene: bpy.types.Scene, view: View) -> Eye | None:
-    """That by which a render's view is seen, in the scene's frame; None without a camera."""
+    """The eye of a render's view, in the scene's frame; None without a camera."""
     if view.name:
         host.active_view_set(view.name)
     holder = host.camera_override or scene.camera
@@ -66,12 +66,12 @@ def eye_of_render(host: bpy.types.RenderEngine, scene: bpy.types.Scene, view: Vi
 
 
 def is_of_lens(camera: bpy.types.Camera) -> bool:
-    """Whether a lens takes the picture: it does not turn with each of its rays, as spherical stereo would have it."""
+    """True if a lens takes the picture: it does not turn with each of its rays, as spherical stereo would have it."""
     return camera.type == "PERSP" and camera.petzval.model in OF_LENS_FILE
 
 
 def is_pair(render: bpy.types.RenderSettings) -> bool:
-    """Whether views are those of two eyes of one camera."""
+    """True if the views are those of two eyes of one camera."""
     return render.use_multiview and render.views_format == "STEREO_3D"
 
 
@@ -110,7 +110,7 @@ def spherical(stereo: bpy.types.CameraStereoData, *, is_left: bool) -> Spherical
 def eye_of_3d_view(
     holder: bpy.types.Object, scene: bpy.types.Scene, space: bpy.types.SpaceView3D, view_matrix: Matrix
 ) -> Eye | None:
-    """That by which a 3D view looks through a camera: Blender has put the view where it stands. None: the camera as it is."""
+    """The eye of a 3D view that looks through a camera, at the place where Blender has put the view; None: the camera as it is."""
     render = scene.render
     if not render.use_multiview:
         return None

@@ -36,7 +36,7 @@ def bounces(scene: bpy.types.Scene) -> KindLimits:
 
 
 def limits_kinds(scene: bpy.types.Scene) -> bool:
-    """Whether paths of one kind of bounce end before others, and before those of a new scene do."""
+    """True if paths of one kind of bounce end before others, and before those of a new scene do."""
     cycles, most = getattr(scene, "cycles", None), most_bounces(scene)
     if cycles is None:
         return False
@@ -45,7 +45,7 @@ def limits_kinds(scene: bpy.types.Scene) -> bool:
 
 
 def leaves_out_caustics(scene: bpy.types.Scene) -> bool:
-    """Whether light that is reflected or refracted after a diffuse scattering is left out."""
+    """True if light that is reflected or refracted after a diffuse scattering is left out."""
     caustics = bounces(scene).caustics
     return not (caustics.reflective and caustics.refractive)
 

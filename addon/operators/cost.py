@@ -30,7 +30,7 @@ _last: dict[str, dict[str, Any]] = {}
 
 
 def last(scene_name: str) -> dict[str, Any] | None:
-    """What was measured of a scene in this session."""
+    """The last measurement of a scene in this session."""
     return _last.get(scene_name)
 
 

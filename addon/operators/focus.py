@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the Focus panel's buttons do."""
+"""The buttons of the Focus panel."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ _NOTHING = "Nothing there: infinity"
 
 @dataclass
 class Target:
-    """What to focus on: what is at a point of the picture, (0, 0) lower left; or a place of the world, seen there."""
+    """A target to focus on: a point of the picture, (0, 0) lower left; or a place of the world, seen there."""
 
     point: tuple[float, float]
     place: Vector | None = None
@@ -218,7 +218,7 @@ class PETZVAL_OT_pick_focus(_Finder, bpy.types.Operator):
 
 
 def described(context: bpy.types.Context, holder: bpy.types.Object, target: Target) -> str:
-    """What is there, in words."""
+    """The object at a target, in words."""
     found = find(context, holder, target)
     if "error" in found:
         return found["error"] or "Outside of the picture"
@@ -226,7 +226,7 @@ def described(context: bpy.types.Context, holder: bpy.types.Object, target: Targ
 
 
 def _words(found: dict) -> str:
-    """What is sharp and how far away; nothing if it is infinitely far."""
+    """The sharp object and its distance, in words; empty if it is infinitely far."""
     if found["subject_mm"] is None:
         return ""
     name = f"{found['object_name']}, " if found["object_name"] else ""
@@ -234,7 +234,7 @@ def _words(found: dict) -> str:
 
 
 def under_mouse(context: bpy.types.Context, holder: bpy.types.Object, x: int, y: int) -> Target | None:
-    """What is meant by a pixel of the window; None: neither a picture nor a view of the scene, or nothing there."""
+    """The target under a pixel of the window; None: neither a picture nor a view of the scene, or nothing there."""
     for area in context.window.screen.areas:
         if not (area.x <= x < area.x + area.width and area.y <= y < area.y + area.height):
             continue
@@ -270,7 +270,7 @@ def _in_view(context, holder: bpy.types.Object, region, view: bpy.types.RegionVi
 def picture_point(
     scene: bpy.types.Scene, holder: bpy.types.Object, region, view: bpy.types.RegionView3D, at: tuple[float, float]
 ) -> tuple[float, float] | None:
-    """Where in the picture a pixel of a camera view is; None: beside it."""
+    """The picture point of a pixel of a camera view; None: beside the picture."""
     matrix = holder.matrix_world.normalized()
     corners = [
         view3d_utils.location_3d_to_region_2d(region, view, matrix @ corner)

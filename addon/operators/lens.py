@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the Lens panel's buttons do with lens files: favourites, and lens files of other programs."""
+"""The buttons of the Lens panel for lens files: favourites, and lens files of other programs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What autofocus would find, for the panels: asked with Blender's own rays, remembered, never while a panel draws.
+"""The autofocus of panels: asked with Blender's own rays, remembered, never while a panel draws.
 
 A render asks the engine's own scene; here Blender's ray casting stands for it, so that nothing has to be exported: it sees
 what the viewport holds.
@@ -29,7 +29,7 @@ _MOST_SKIPPED = 64
 
 @dataclass
 class Finding:
-    """What was found for a camera, and whether the scene is still as it was then."""
+    """The answer of autofocus for a camera, and whether the scene is still as it was then."""
 
     #: The engine's `autofocus_by_json`, with what was met: `object_name`, and `subject_mm` from the camera along its axis.
     #: Where it fails only `error`, one line.
@@ -79,7 +79,7 @@ def find(
 def nearest(
     scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, origin: Vector, direction: Vector
 ) -> tuple[float | None, str]:
-    """How far it is to what a camera ray meets in the render, and its name."""
+    """The distance to the first object that a camera ray hits in the render, and the object's name; None and empty without a hit."""
     start = origin
     for _ in range(_MOST_SKIPPED):
         is_hit, place, _normal, _index, what, _matrix = scene.ray_cast(depsgraph, start, direction)
@@ -93,7 +93,7 @@ def nearest(
 
 
 def for_panel(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Finding | None:
-    """What is known of the camera; has it looked at soon where that is nothing or out of date."""
+    """The answer that is known of the camera; looks at the scene soon where there is none or it is out of date."""
     known = LOOKOUT.for_panel(holder, scene, view_layer)
     return None if known is None else Finding(*known)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the engine says of a camera's lens, remembered so that a panel may ask at every redraw."""
+"""The engine's answers about a camera's lens, remembered so that a panel may ask at every redraw."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def for_panel(camera: bpy.types.Object, scene: bpy.types.Scene, found: dict[str,
 
 
 def coverage(camera: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """What of the picture the lens does not light, why, and what helps; empty if it lights all, and while a render runs."""
+    """The part of the picture that the lens does not light, why, and what helps; empty if it lights all, and while a render runs."""
     if redraw.is_rendering():
         return ""
     size = camera_export.resolution(scene.render)

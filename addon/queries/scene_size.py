@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How large the scene is for the lens, for the Scale panel: measured by a timer when nothing has changed for a while, remembered,
+"""The size of the scene for the lens, for the Scale panel: measured by a timer when nothing has changed for a while, remembered,
 never while a panel draws.
-
-What is measured are the boxes of what is rendered, and the nearest of what Blender's own rays meet in the camera's view.
+// The measurement covers the boxes of everything that is rendered, and the nearest hit of Blender's own rays in the camera's view.
 """
 
 from __future__ import annotations
@@ -145,7 +144,7 @@ def _front_diameter_mm(lens: dict[str, Any]) -> float:
 
 
 def for_panel(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Size | None:
-    """What is known; has it measured soon where that is nothing or out of date."""
+    """The measurement that is known; measures again soon where there is none or it is out of date."""
     known = LOOKOUT.for_panel(holder, scene, view_layer)
     if known is None:
         return None

@@ -41,7 +41,7 @@ def switching() -> Iterator[None]:
 
 
 def is_switching() -> bool:
-    """Whether the model is being set by Through the Lens."""
+    """True while Through the Lens is setting the model."""
     return _switches > 0
 
 

@@ -95,7 +95,7 @@ class Bake:
         return job
 
     def _denoising(self, kind: str) -> DenoisingDescription | None:
-        """How a bake is denoised: as Cycles' are, where pictures of the view layer are."""
+        """The denoising of a bake; None: not denoised. A bake is denoised, as in Cycles, where pictures of the view layer are."""
         if kind not in _DENOISED or not passes.is_denoised(self._scene, self._depsgraph.view_layer_eval):
             return None
         how = denoising.of_render(self._scene)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a render is kept while it goes on, and how it is known that a later one is of the same picture."""
+"""The files that a running render is kept in, and the test that a later render is of the same picture."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ KEPT_DAYS = 30.0
 
 
 def of(depsgraph: bpy.types.Depsgraph, view: View, *, is_part: bool) -> Checkpoint | None:
-    """That of a view of a view layer; None where nothing is to be kept, and the picture is no part of another one."""
+    """The checkpoint of a view of a view layer; None where nothing is to be kept, and the picture is no part of another one."""
     file = _file(depsgraph, view)
     is_part = is_part or loop.WATCH.share is not None
     return None if file is None and not is_part else Checkpoint(file)
@@ -127,7 +127,7 @@ class Checkpoint:
         return self.file, fingerprint, every
 
     def picture(self, settings: Any, camera: Any, **others: Any) -> dict[str, str]:
-        """What decides the picture, whichever of its samples are taken: names with short values or digests. Parts of one picture
+        """The data that decide the picture, whichever of its samples are taken: names with short values or digests. Parts of one picture
         have the same."""
         told = {}
         for kind, whole, left_out in (("camera", camera, _PLACES), ("settings", settings, _OF_A_PART)):

@@ -32,7 +32,7 @@ class FarmError(Exception):
 
 @dataclass
 class Asked:
-    """What the user asked for."""
+    """The user's request: command, scene, folder, parts."""
 
     #: The command `petzval` as words.
     command: list[str]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What could not be shown as the scene has it, for the Messages panel: of the last render and of the viewport, once each. No bpy."""
+"""The differences between scene and picture, for the Messages panel: of the last render and of the viewport, once each. No bpy."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _of_all(kind: str, rest: str, names: list[str]) -> str:
 
 
 def keep_viewport(scene_name: str, warnings: list[str]) -> bool:
-    """What the viewport has to say, instead of what it said before; whether that is something else."""
+    """Keeps the viewport's warnings, instead of those before; True if they have changed."""
     is_new = _viewport.get(scene_name, []) != warnings
     _viewport[scene_name] = list(warnings)
     return is_new

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender's Persistent Data keeps from one frame to the next: images, materials, meshes and trees."""
+"""The data that Blender's Persistent Data keeps from one frame to the next: images, materials, meshes and trees."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _last: KeptScene | None = None
 
 
 def begin(depsgraph: bpy.types.Depsgraph, native: Any, view: View, *, is_still: bool, is_watched: bool) -> KeptScene:
-    """What is kept of the last frame or view of a view layer, without what has changed since; else an empty builder. `is_still`: of shapes
+    """The kept scene of the last frame or view of a view layer, without what has changed since; else an empty builder. `is_still`: of shapes
     nothing is sent but how they are now; `is_watched`: fingerprints are wanted. Nothing is kept until `keep`, for a render that is stopped
     has sent a part."""
     global _last

@@ -299,7 +299,7 @@ class Photograph:
         return predicted["after_seconds"] / predicted["seconds"] if predicted and predicted["seconds"] else 0.0
 
     def _denoising(self) -> DenoisingDescription | None:
-        """How the picture is denoised once its samples are there; None: it is not."""
+        """The denoising of the picture once its samples are there; None: not denoised."""
         how = denoising.of_render(self.scene) if self.results.is_denoised else None
         if how is None and self.results.is_denoised:
             # It is on unless it is turned off: who turned it on wants to know.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of a render while it goes on: the time that is left, and how many rays a second. No bpy."""
+"""The status of a running render: the time that is left, and the rays a second. No bpy."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender is handed of a render: tiles while it goes on, at its end all passes that the view layer asks for."""
+"""The transfer of a render into Blender's result: tiles while it goes on, at its end all passes that the view layer asks for."""
 
 from __future__ import annotations
 
@@ -82,26 +82,26 @@ class Results:
 
     @property
     def has_data(self) -> bool:
-        """Whether the engine is to keep what surfaces the pixels see."""
+        """True if the engine is to keep the data of the surfaces that pixels see."""
         return bool(self._data)
 
     @property
     def has_vectors(self) -> bool:
-        """Whether it is to keep how these move."""
+        """True if the engine is to keep the movement of these surfaces."""
         return any(one.engine_name == "VECTOR" for one in self._data)
 
     @property
     def has_denoising_data(self) -> bool:
-        """Whether the picture may be denoised later, by the passes that guide that."""
+        """True if the picture may be denoised later, by the passes that guide that."""
         return any(one in passes.DENOISING for one in self._parts)
 
     @property
     def is_mergeable(self) -> bool:
-        """Whether the picture is to be joined with others: what strays belongs to the whole."""
+        """True if the picture is to be joined with others: its stray light belongs to the whole."""
         return len(self._merging) > 1
 
     def for_job(self) -> dict[str, Any]:
-        """What the engine is to keep, as `Job` takes it."""
+        """The passes that the engine is to keep, as `Job` takes them."""
         return {
             "mattes": [one.engine_name for one in (*self._mattes, *self._indices)],
             "matte_levels": self._matte_levels,

@@ -34,7 +34,7 @@ def camera(
 
 
 def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int, report: Report) -> None:
-    """What of the lens's file could not be used, and glasses that are not known at the camera's own wavelength."""
+    """Warns of the rows of the lens's file that could not be used, and of glasses that are not known at the camera's own wavelength."""
     if camera.model == "PINHOLE":
         return
     if camera.model == "CALIBRATED":
@@ -55,7 +55,7 @@ def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int
 
 
 def in_a_line(native: Any, camera: CameraDescription, width: int, height: int, by: str) -> str:
-    """What takes the picture; `by`: what has focused it, if not the user."""
+    """The camera of the picture, in a line; `by`: what has focused it, if not the user."""
     info = None
     if camera.model in OF_LENS_FILE:
         # A complaint comes when the camera is made.
@@ -113,7 +113,7 @@ def fill_sky(
 
 
 def place(of: CameraDescription) -> tuple[float, float, float]:
-    """Where a camera stands in the world."""
+    """The position of a camera in the world."""
     return tuple(row[3] for row in of.matrix_world[:3])
 
 

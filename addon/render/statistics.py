@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the last render of each scene took and did; kept in memory, for the panels and for programs. No bpy."""
+"""The statistics of the last render of each scene; kept in memory, for the panels and for programs. No bpy."""
 
 from __future__ import annotations
 
@@ -61,13 +61,13 @@ class LastRender:
         return lines
 
     def was_late(self) -> bool:
-        """Whether its time was up before it had all samples."""
+        """True if the time limit was up before the render had all samples."""
         limit = self.stats.get("time_limit_s") or 0.0
         return 0.0 < limit <= self.stats["seconds"]["render"] and not self.stopped
 
 
 def _seconds(seconds: dict[str, Any]) -> str:
-    """What took how long, and all together."""
+    """The time of each step and of all together, in words."""
     strays = sum((seconds.get("strays") or {}).values())
     parts = {"sync": seconds["sync"], "trees": seconds["bvh"], "samples": seconds["render"]}
     if "denoise" in seconds:

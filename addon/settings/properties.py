@@ -199,7 +199,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
 
 
 class PetzvalViewLayer(bpy.types.PropertyGroup):
-    """What a view layer is to hold."""
+    """The settings of a view layer."""
 
     use_pass_mergeable: BoolProperty(
         name="Mergeable",

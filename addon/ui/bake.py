@@ -23,7 +23,7 @@ _OLD_NAMES = {
 
 
 def _multires(render: bpy.types.RenderSettings, name: str) -> tuple[bpy.types.bpy_struct, str]:
-    """Where Blender keeps a setting of multiresolution baking."""
+    """The place where Blender keeps a setting of multiresolution baking: a struct and the setting's name."""
     return (render.bake, name) if hasattr(render.bake, "use_multires") else (render, _OLD_NAMES[name])
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the parts of the camera's Lens panel share."""
+"""The shared parts of the camera's Lens panel."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ def _threshold(layout, settings, use: str, threshold: str) -> None:
 
 
 def _whose(layout, scene, of: str, is_own: bool) -> None:
-    """Whose settings count, and the button for the others."""
+    """The row that shows whose settings count, and the button for the others."""
     if not hasattr(scene, "cycles"):
         return
     row = layout.row()

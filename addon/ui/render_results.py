@@ -76,7 +76,7 @@ def _messages(context) -> list[messages.Message]:
 
 
 def _notes_on_lens(context) -> list[str]:
-    """What of the lens file could not be used, and glasses that are not known for all light."""
+    """The notes on the lens: rows of its file that could not be used, and glasses that are not known for all light."""
     holder = context.scene.camera
     if holder is None or holder.type != "CAMERA" or holder.data.petzval.model not in OF_LENS_FILE:
         return []

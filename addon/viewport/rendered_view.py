@@ -113,7 +113,7 @@ class RenderedView:
         return float(self._host().get_preview_pixel_size(scene))
 
     def _guarded(self, what: str, work: Callable[[], Any]) -> Any:
-        """What the work gives; what went wrong is said in the view until the same goes well."""
+        """The result of the work; an error is shown in the view until the same work succeeds."""
         try:
             found = work()
         except Exception as error:
@@ -126,7 +126,7 @@ class RenderedView:
 
     @property
     def warnings(self) -> list[str]:
-        """What could not be handed over, and what the engine left out."""
+        """The warnings of the export and of the engine."""
         told = self._sync.report.warnings
         return [*told, *(one for one in self.session.warnings if one not in told)]
 

@@ -29,7 +29,7 @@ _POLL_S = 0.02
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a view asks for."""
+    """The request of a view."""
 
     camera: CameraDescription
     #: With the picture's size, the part of it that is seen, and the most samples.
@@ -42,7 +42,7 @@ class Wanted:
 
     @property
     def parts(self) -> list[str]:
-        """What guides the denoiser: the engine keeps it."""
+        """The passes that guide the denoiser: the engine keeps them."""
         how = self.denoising
         if how is None:
             return []
@@ -50,7 +50,7 @@ class Wanted:
 
     @property
     def has_wishes(self) -> bool:
-        """What the engine decides by itself is too small to be seen: only who wants something else needs a plan."""
+        """True if an effect is not left to the engine: its own decisions leave out only what cannot be seen, and need no plan."""
         return any(word != "auto" for word in self.wishes.get("effects", {}).values())
 
     @property
@@ -61,7 +61,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Picture:
-    """What there is to show."""
+    """The picture of a view."""
 
     #: (height, width, 4), scene-linear, rows from below: the part of the picture that is seen.
     pixels: np.ndarray

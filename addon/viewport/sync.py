@@ -15,7 +15,7 @@ from ..export.report import Report
 
 
 class SceneSync:
-    """What the engine was told of the scene that a view shows."""
+    """The scene of a view, as the engine was last told."""
 
     def __init__(self, native: Any) -> None:
         self._native = native

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a 3D view looks through: the scene's camera with its lens, or Blender's own perspective; and where its picture lies."""
+"""The view of a 3D view: the scene's camera with its lens, or Blender's own perspective; and the place of its picture."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class View:
 
 
 def of(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel_size: float, report: Report) -> View | None:
-    """That of a region; None where nothing of the picture is in it. Raises `ExportError` as the camera's export does."""
+    """The view of a region; None where nothing of the picture is in it. Raises `ExportError` as the camera's export does."""
     region, space, rv3d = context.region, context.space_data, context.region_data
     if rv3d.view_perspective == "CAMERA":
         holder = space.camera if space.use_local_camera else depsgraph.scene_eval.camera
@@ -59,7 +59,7 @@ def frame_in(
     rv3d: bpy.types.RegionView3D,
     eye: stereo.Eye | None = None,
 ) -> tuple[float, float, float, float]:
-    """Where a view through a camera, or its `eye`, has its frame: left, bottom, width, height; pixels of the region."""
+    """The frame of a view through a camera or its `eye`: left, bottom, width, height; pixels of the region."""
     # Blender's view knows nothing of scale.
     place = (holder.matrix_world if eye is None else eye.matrix).normalized()
     frame = holder.data.view_frame(scene=scene)
@@ -73,7 +73,7 @@ def frame_in(
 
 
 def _aside(frame: Sequence[Vector], camera: bpy.types.Camera, eye: stereo.Eye) -> float:
-    """How far an eye's shift moves the corners of a camera's frame."""
+    """The shift of the corners of a camera's frame by an eye, Blender units."""
     across, up = (max(corner[i] for corner in frame) - min(corner[i] for corner in frame) for i in (0, 1))
     fitted = {"HORIZONTAL": across, "VERTICAL": up}.get(camera.sensor_fit, max(across, up))
     return (eye.shift_x - camera.shift_x) * fitted
