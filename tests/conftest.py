@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every test may ask for: a fresh Blender, scenes, the command line, the real program; and an orderly end.
+"""The fixtures of all tests: a fresh Blender, scenes, the command line, the real program; and an orderly end.
 
 The bpy module keeps one Blender for the whole process: `blender` resets it before each test. At exit, bpy with a
 render engine registered hangs (4.5) or crashes (4.2), so the process ends by `os._exit` once pytest has said all.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What accuracy costs, in three scenes through three lenses each: runs `petzval cost` nine times, and writes
+"""The cost of accuracy, in three scenes through three lenses each: runs `petzval cost` nine times, and writes
 docs/accuracy-cost.md. Run by `make accuracy-cost` in .venv-bench, which has matplotlib; renders where bpy is."""
 
 from __future__ import annotations

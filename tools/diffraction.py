@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What diffraction and glare do: pictures and tables of docs/diffraction.md and docs/glare.md. Run by `make diffraction` in an
+"""The effects of diffraction and glare: pictures and tables of docs/diffraction.md and docs/glare.md. Run by `make diffraction` in an
 environment that has petzval, numpy, matplotlib and Pillow, with the folder of the engine's examples `starburst` and `glare`. `--quick` tries
 it with one row of each table."""
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What two public optical design packages make of the lens files in tests/reference/foreign: figures.json there.
+"""The results of two public optical design packages for the lens files in tests/reference/foreign: figures.json there.
 
 Run it in an environment of its own, for it needs neither Blender nor the engine:
 
@@ -192,8 +192,8 @@ RADIUS, THICKNESS_MM, INDEX, DECENTER_MM, TILT_DEG = 1.001, 0.05, 0.0005, 0.03, 
 
 
 def tolerances_by_optiland(name: str, field_deg: float, part: float) -> dict:
-    """What deviations of radii, thicknesses and indices do to a lens of the reference data, and elements out of place, its film left where
-    it was. Elements are runs of surfaces with glass between them."""
+    """The effects of deviations of radii, thicknesses and indices on a lens of the reference data, and of elements out of place, its film
+    left where it was. Elements are runs of surfaces with glass between them."""
     rows, indices, pupil = _read(name)
     pupil *= part
     nominal = _built(rows, indices, pupil, field_deg)

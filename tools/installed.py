@@ -19,7 +19,7 @@ LENS = "# name: Ein Prüfling\n#radius thickness glass diameter conic isstop\n50
 
 
 def petzval(*arguments: object, folder: Path) -> str:
-    """What a command says on stdout; ends this program where it fails."""
+    """The output of a command on stdout; ends this program where it fails."""
     command = [sys.executable, "-m", "petzval", *map(str, arguments)]
     done = subprocess.run(command, cwd=folder, capture_output=True, timeout=1200, check=False)
     said = done.stdout.decode("utf-8", errors="replace")

@@ -127,12 +127,12 @@ def main() -> int:
 
 
 def same_pixels(one: Path, other: Path) -> bool:
-    """Whether all channels of two pictures have the same bits: everything in their files but what the headers say."""
+    """True if all channels of two pictures have the same bits: everything in their files but the headers."""
     return _behind_header(one.read_bytes()) == _behind_header(other.read_bytes())
 
 
 def _behind_header(exr: bytes) -> bytes:
-    """What stands in the first row of blocks and behind it."""
+    """The bytes of the first row of blocks and behind it."""
     is_multipart, at = bool(exr[5] & 0x10), 8
     while exr[at]:
         while exr[at]:

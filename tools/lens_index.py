@@ -46,7 +46,7 @@ the half field.
 
 
 def petzval(*arguments: str) -> str:
-    """What the command prints."""
+    """The output of the command."""
     command = [sys.executable, "-m", "petzval", *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:

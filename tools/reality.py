@@ -141,7 +141,7 @@ def apart_um(one: Callable[[float], float], other: Callable[[float], float], cor
 
 
 def spread(lensfun: str) -> list[str]:
-    """How far two measurements of one product are apart, which were made with two sensors: a row."""
+    """A row of the page: the distance of two measurements of one product, made with two sensors; over all products of the database."""
     place = Path(lensfun)
     files = sorted(place.glob("*.xml")) if place.is_dir() else [place]
     known: dict[tuple[str, float], dict[float, Callable[[float], float]]] = defaultdict(dict)

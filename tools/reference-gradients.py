@@ -76,7 +76,7 @@ def step(base: float, terms: tuple[float, float, float], state: list[float], z: 
 def straight(
     at: tuple[float, float, float], along: tuple[float, float, float], radius: float, conic: float
 ) -> tuple[float, float, float]:
-    """Where a straight ray meets a surface, by bisection."""
+    """The hit of a straight ray on a surface, by bisection."""
 
     def there(t: float) -> tuple[float, float, float]:
         return (at[0] + along[0] / along[2] * t, at[1] + along[1] / along[2] * t, at[2] + t)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a large scene takes: memory and time of a tiny render, by Petzval or by Cycles, in a Python with bpy and petzval.
+"""The cost of a large scene: memory and time of a tiny render, by Petzval or by Cycles, in a Python with bpy and petzval.
 
 .venv-bpy52/bin/python tools/scene-size.py mesh 1e6            one mesh of so many triangles, smooth, with a UV map
 .venv-bpy52/bin/python tools/scene-size.py forest 1e7          as many in instances of a tree of 5000

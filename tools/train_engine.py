@@ -48,7 +48,7 @@ REPORTS = ("spots", "fans", "mtf", "psf", "distortion", "illumination", "transmi
 
 
 def options_of_render(options: str, out: Path) -> dict[str, Any]:
-    """What `petzval render` makes of these options on the demo scene."""
+    """The options that `petzval render` makes of these words on the demo scene."""
     parser = argparse.ArgumentParser()
     render_command.add_parser(parser.add_subparsers())
     common = ["--resolution", f"{WIDTH}x{HEIGHT}", "--samples", str(SAMPLES), "--checkpoint", "off", "-o", str(out)]

@@ -65,7 +65,7 @@ def describe(
     model: str | None = None,
     eye: Eye | None = None,
 ) -> CameraDescription:
-    """The description of a camera for the engine. `model` replaces the camera's own; `eye` is that of a view in stereo. Raises `ExportError`."""
+    """The camera as the engine takes it; `model` replaces the camera's own, `eye` is that of a view in stereo. Raises `ExportError`."""
     if holder is None:
         raise ExportError(f"Scene '{scene.name}' has no camera: add one, and make it the active camera")
     if holder.type != "CAMERA":

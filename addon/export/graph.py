@@ -218,7 +218,7 @@ def _options(node: bpy.types.Node, image_index: ImageIndex) -> dict[str, Any]:
 
 
 def _attributes(node: bpy.types.Node, names: dict[str, Any]) -> dict[str, Any]:
-    """The attributes that a Raycast node asks of the surface that it hits: their names and the kinds of their outputs, by their places in its list."""
+    """The attributes that a Raycast node asks of a hit surface: their names and the kinds of their outputs, by their places in its list."""
     asked = [names.get(one.identifier, "") for one in node.inputs if one.type == "STRING"]
     kinds = [one.type for one in node.outputs if one.identifier.startswith("Attribute_")]
     found = {f"attribute_{place}": name for place, name in enumerate(asked)}

@@ -107,7 +107,7 @@ class Images:
         self._kept.changes += 1
 
     def _is_missing(self, image: bpy.types.Image, part: Part) -> bool:
-        """True if the image has no pixels. Pixels that its file gives are kept until they are sent: Blender then has not to read it, too."""
+        """True if the image has no pixels. Pixels that its file gives are kept until they are sent: Blender need not read it, too."""
         place = uid(image), part
         if place in self._read_before or place in self._read:
             return False

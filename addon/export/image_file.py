@@ -25,8 +25,8 @@ _OF_FILES = {"FILE", "SEQUENCE", "TILED"}
 
 
 def is_there(image: bpy.types.Image, part: Part = None) -> bool:
-    """True if the image, or a part of it, has a file, packed or beside the .blend: Blender has then not to be asked whether it has pixels. Of an
-    image that is one picture it is one that `pixels` may read."""
+    """True if the image, or a part of it, has a file, packed or beside the .blend: Blender has then not to be asked whether it has pixels.
+    Of an image that is one picture it is one that `pixels` may read."""
     if part is None:
         return bool(_head(image, part))
     return image_parts.packed(image, part) is not None or os.path.isfile(image_parts.path(image, part))

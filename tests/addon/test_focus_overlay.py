@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What 3D views draw of a camera's focus: the geometry, without a screen. The window itself: test_window.py."""
+"""The drawing of a camera's focus in 3D views: the geometry, without a screen. The window itself: test_window.py."""
 
 from __future__ import annotations
 

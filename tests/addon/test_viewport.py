@@ -18,7 +18,7 @@ ORIGIN = (1.0, -2.0, 0.5)
 
 
 class Viewer:
-    """What a view does, without a screen: hears of edits as Blender tells them, and renders."""
+    """A view without a screen: hears of edits as Blender tells them, and renders."""
 
     def __init__(self, bpy):
         import petzval

@@ -20,7 +20,7 @@ FISHEYE = ("fisheye-nikkor-16-f2.8", "--size", "192x128", "--model", "fisheye")
 
 @pytest.fixture(scope="module")
 def calibrate(petzval_cli):
-    """What `petzval lens calibrate ... --json` answers."""
+    """The answer of `petzval lens calibrate ... --json`."""
 
     def run(*arguments):
         done = petzval_cli("lens", "calibrate", *arguments, "--json")
@@ -90,7 +90,7 @@ def test_rays_of_the_map_come_back(calibrate, petzval_cli, tmp_path, case):
 
 
 def numpy_residual(found, direction):
-    """Where OpenCV's formulas put directions, from the middles of their pixels."""
+    """The distances of directions, projected by OpenCV's formulas, from the middles of their pixels, pixels."""
     p = found["parameters"]
     x, y = direction[..., 0] / direction[..., 2], direction[..., 1] / direction[..., 2]
     r2 = x * x + y * y

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How unsharp points are in the photograph: circles and polygons of confusion, and planes that a turned film leans."""
+"""The blur of points in the photograph: circles and polygons of confusion, and planes that a turned film leans."""
 
 from __future__ import annotations
 

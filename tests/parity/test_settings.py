@@ -76,7 +76,7 @@ def test_what_shows_still_shows_alike(blender):
 
 
 def is_grossly_apart(one: dict[str, Any]) -> bool:
-    """Whether a setting does something else than in Cycles, or nothing in one of both."""
+    """True if a setting does something else than in Cycles, or nothing in one of both."""
     assert "failed" not in one, one
     apart = compare.Change(**one["apart"])
     return apart.shows and apart.size > 0.5 * max(one["cycles"]["size"], one["here"]["size"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `make bench` computes by itself: its scene, its measure of noise, its camera script for Cycles."""
+"""The computations of `make bench` itself: its scene, its measure of noise, its camera script for Cycles."""
 
 from __future__ import annotations
 

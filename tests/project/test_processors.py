@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which of the wheel's engines is picked for which processor."""
+"""The choice among the wheel's engines for a processor."""
 
 from __future__ import annotations
 

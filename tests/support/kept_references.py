@@ -50,7 +50,7 @@ def is_reproducible() -> bool:
 
 
 def _place() -> Path | None:
-    """Where the next picture of the running test is kept; `None` outside of tests."""
+    """The file of the running test's next picture; `None` outside of tests."""
     global _running, _asked
     test = os.environ.get("PYTEST_CURRENT_TEST")
     if test is None:
@@ -121,7 +121,7 @@ def _faces(mesh: bpy.types.Mesh, corners: np.ndarray) -> bytes:
 
 
 def _state() -> tuple:
-    """What a test does not say by its sources."""
+    """The state of Blender that decides a picture beside the test's sources."""
     scene = bpy.context.scene
     render, holder = scene.render, scene.camera
     camera = holder.data if holder else None

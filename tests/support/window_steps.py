@@ -147,7 +147,7 @@ def rendering():
 
 
 def writable():
-    """Whether Blender lets the scene be changed: for a moment after a render it does not."""
+    """True if Blender lets the scene be changed: for a moment after a render it does not."""
     own = bpy.context.scene.petzval
     try:
         own.samples = own.samples

@@ -17,7 +17,7 @@ from .programs import CAMERAS, CAN, CYCLES, LLVM, NAMES, PETZVAL, SCALAR, Bench,
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is measured."""
+    """The extent of a measurement: scenes, cameras, rounds, sizes, samples."""
 
     scenes: tuple[str, ...]
     cameras: tuple[str, ...]

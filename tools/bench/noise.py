@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a noisy picture is from its limit, and what it takes to come nearer."""
+"""The error of a noisy picture against its limit, and the samples that lower it."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Convergence:
     seconds_per_sample: float
 
     def error(self, samples: float) -> float:
-        """What is left after so many samples a pixel."""
+        """The error that is left after so many samples a pixel."""
         return self.error_samples / samples
 
     def seconds_to(self, error: float) -> float:

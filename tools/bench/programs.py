@@ -52,7 +52,7 @@ class Job:
 
 
 class Bench:
-    """Where the programs are."""
+    """The places of the programs, their versions, and the programs that are missing."""
 
     def __init__(self) -> None:
         self.blender_python = _first(".venv-bpy52", ".venv-bpy45")

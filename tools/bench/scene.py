@@ -184,7 +184,7 @@ def write(folder: Path) -> None:
 
 
 def read(folder: Path) -> tuple[dict, dict[str, np.ndarray]]:
-    """What `write` has written for one size: the description and the arrays."""
+    """The files that `write` has written for one size: the description and the arrays."""
     folder = Path(folder)
     with np.load(folder / "scene.npz") as arrays:
         return json.loads((folder / "scene.json").read_text()), dict(arrays)

@@ -83,7 +83,7 @@ LENSES = (
 
 @dataclass
 class Result:
-    """What was found of a scene."""
+    """The measurements of a scene."""
 
     scene: Scene
     #: By program, samples, quality and guides.

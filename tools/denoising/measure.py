@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a picture is from a converged one: to the eye (FLIP, Andersson et al. 2020), and by relative mean square."""
+"""The difference of a picture from a converged one: to the eye (FLIP, Andersson et al. 2020), and by relative mean square."""
 
 from __future__ import annotations
 

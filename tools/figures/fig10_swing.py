@@ -79,8 +79,8 @@ def foretold(
 
 
 def seen(picture: Taken, sharp: Taken, rows: slice, fine: np.ndarray, left: np.ndarray) -> float:
-    """How far to the right of where exact rays have it the band of sharpness lies, mm: the shift by which the contrast that they leave
-    is most like that of the columns."""
+    """The shift of the band of sharpness to the right of its place by exact rays, mm: the shift at which the contrast by these rays is
+    most like that of the columns."""
     columns, _ = picture.size
     found = contrast_by_column(picture.light, sharp.light, rows, max(columns // 160, 2), columns // 32)
     at = ((np.arange(columns) + 0.5) / columns - 0.5) * FILM_MM[0]

@@ -71,7 +71,7 @@ class Eye:
         self.radius = radius_mm
 
     def on_retina(self, place_mm: np.ndarray, count: int = 1200) -> np.ndarray:
-        """Where light of a place before the camera meets the retina, (n, 3), mm in lens space."""
+        """The hits of a place's light on the retina, (n, 3), mm in lens space; the place is before the camera."""
         point = in_lens_space(place_mm, self.rays.pupil_z)
         places, out = self.rays.through(point, count)
         centre = np.array([0.0, 0.0, self.rays.film_z - self.radius])

@@ -30,7 +30,7 @@ def _shots() -> list[Shot]:
 
 
 def edges(at: np.ndarray, light: np.ndarray) -> tuple[float, float]:
-    """Where light rises to half of the ring's, and where it has fallen to half, going outwards."""
+    """The radii where light rises to half of the ring's, and where it has fallen to half, going outwards."""
     level = 0.5 * np.median(light[light > 0.5 * light.max()])
     above = np.flatnonzero(light > level)
     first, last = above[0], above[-1]

@@ -59,7 +59,7 @@ def _shots() -> tuple[Shot, ...]:
 
 
 def foretold_um(lens: str) -> float:
-    """How far to the right of red blue lies, micrometres on the film, of the point that red has in the middle of the part."""
+    """The distance of blue to the right of red, micrometres on the film, for the point whose red is in the middle of the part."""
     red, blue = (Rays(lens, FOCUS_MM, nm, focal_length_mm=FOCAL_MM, f_number=F_NUMBER) for nm in (RED_NM, BLUE_NM))
     # One film and one scale for both, those of the main wavelength.
     main = Rays(lens, FOCUS_MM, focal_length_mm=FOCAL_MM, f_number=F_NUMBER)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a figure is made of. Plain Python and numpy."""
+"""The parts of a figure. Plain Python and numpy."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Taken:
 
 @dataclass
 class Caption:
-    """What was measured, as people read it: sentences, and rows of a table below a head."""
+    """The measurements in readable form: sentences, and rows of a table below a head."""
 
     sentences: list[str] = field(default_factory=list)
     head: tuple[str, ...] = ()

@@ -21,7 +21,7 @@ MOST = {"smallest": 4.0, "small": 4.0, "full": 1.0, "large": 1.0}
 
 
 class Studio:
-    """Where scenes and photographs lie; what is there from a run with the same wishes is not made again."""
+    """The folder of scenes and photographs; files of a run with the same wishes are not made again."""
 
     def __init__(self, folder: Path, size: str, *, again: bool = True) -> None:
         self.folder, self.size, self.again = folder, size, again

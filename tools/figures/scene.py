@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where things of a scene are, as its camera has them. Needs bpy."""
+"""The places of a scene's objects, as its camera has them. Needs bpy."""
 
 from __future__ import annotations
 

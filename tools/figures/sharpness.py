@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How sharp a picture is, beside one of the same things that is sharp everywhere. numpy alone."""
+"""The sharpness of a picture, relative to one of the same things that is sharp everywhere. numpy alone."""
 
 from __future__ import annotations
 

@@ -162,7 +162,7 @@ def run(*command: object) -> float:
 
 
 def compared(path: Path, width: int, height: int, samples: int) -> dict:
-    """What both programs make of a scene."""
+    """The comparison of both programs on a scene."""
     python = Path(sys.executable)
     job = (python, "-m", "other_scenes.job")
     size = (str(width), str(height))
@@ -242,7 +242,7 @@ def measured_noise(job: tuple, file: Path, pictures: dict[str, list[Path]]) -> d
 
 
 def is_timed(row: dict) -> bool:
-    """Whether its times say anything: a picture of next to nothing takes too little, and without noise there is none to compare."""
+    """True if the times of a row count: a picture of next to nothing takes too little, and without noise there is none to compare."""
     return all(row[one]["sample_us"] >= LEAST_US and row[one]["noise"] > 0.0 for one in PROGRAMS)
 
 

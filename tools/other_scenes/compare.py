@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What two pictures of each program, of other seeds, say: how far apart the programs are beyond noise, and how noisy each is."""
+"""The comparison of two pictures of each program, of other seeds: the distance of the programs beyond noise, and the noise of each."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ _FOOTER = re.compile(
 
 
 class Made(NamedTuple):
-    """Where a page came from."""
+    """The origin of a page."""
 
     target: str
     #: HEAD when it was made, 12 digits; empty outside of a checkout.
@@ -110,7 +110,7 @@ def stamped(text: str, origin: Made | None) -> str:
 
 
 def provenance(text: str) -> Made | None:
-    """What a page's footer says; None where it has none."""
+    """The origin in a page's footer; None without a footer."""
     found = _FOOTER.search(text)
     if not found:
         return None
@@ -126,7 +126,7 @@ def provenance(text: str) -> Made | None:
 
 
 def kept(page: str, root: Path = ROOT) -> Made | None:
-    """What the footer of the page on the disk says: the origin of a page that is renewed in part, which stays the older one."""
+    """The origin in the footer of the page on the disk: that of a page that is renewed in part, which stays the older one."""
     path = root / page
     return provenance(path.read_text(encoding="utf-8")) if path.exists() else None
 
@@ -147,7 +147,7 @@ def filled(text: str, mark: str, rows: list[str]) -> str:
 
 
 def _git(root: Path, *arguments: str) -> str:
-    """What git prints; nothing where there is no checkout."""
+    """The output of git; empty where there is no checkout."""
     try:
         done = subprocess.run(["git", *arguments], cwd=root, capture_output=True, text=True, check=False)
     except OSError:

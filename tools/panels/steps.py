@@ -81,7 +81,7 @@ def opened(module, name, names):
 
 
 def set_scene():
-    """What there is to see in the rows."""
+    """Sets the values that the rows show."""
     scene = bpy.context.scene
     own = scene.camera.data.petzval
     own.wide_open, own.f_number = False, 4.0

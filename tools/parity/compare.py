@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far apart two pictures are: by means of blocks, and to the eye (FLIP, Andersson et al. 2020 and 2021)."""
+"""The difference of two pictures: by means of blocks, and to the eye (FLIP, Andersson et al. 2020 and 2021)."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ ENGINES = ("PETZVAL", "CYCLES")
 
 
 class Halves:
-    """What a program has rendered, and the processor time that it took, s."""
+    """The two half renders of a program, and the processor time that they took, s."""
 
     def __init__(self, engine: str, folder: Path, passes: tuple[str, ...], frames: tuple[int, ...]) -> None:
         self.engine, self.folder, self.passes, self.frames = engine, folder, passes, frames

@@ -118,7 +118,7 @@ def _oldest(results: dict, now: pages.Made) -> pages.Made:
 
 
 def _taken(results: dict, size: tuple[int, int], samples: int, most: int) -> str:
-    """How the pictures were, after "inside of"."""
+    """The settings of the pictures in words, after "inside of"."""
     version = next((one["blender"] for one in results.values() if "blender" in one), "?")
     return (
         f"Blender {version}: a pinhole, {size[0]} x {size[1]} pixels, {samples} samples and up to {most} where blocks are noisy or\n"

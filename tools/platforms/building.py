@@ -35,7 +35,7 @@ def run(command: list[str | Path], log: Path, environment: dict[str, str]) -> No
 
 
 def cross_environment(platform: Platform) -> dict[str, str]:
-    """What has Cargo compile and link for a platform."""
+    """The environment variables with which Cargo compiles and links for a platform."""
     upper = platform.triple.upper().replace("-", "_")
     return {
         "PATH": f"{ROOT / '.venv-wheels/bin'}{os.pathsep}{os.environ['PATH']}",

@@ -22,7 +22,7 @@ _X64_FLAGS = "-C target-cpu=x86-64-v3 --cfg disable_dispatch_avx512 -C llvm-args
 
 @dataclass(frozen=True)
 class Emulator:
-    """What runs the programs of a platform."""
+    """The emulator of a platform's programs."""
 
     name: str
     #: As tools/setup-emulators.sh calls it.
@@ -56,7 +56,7 @@ def command_of(emulator: Emulator) -> list[str]:
 
 
 def environment(folder: Path, emulator: Emulator, platform: Platform) -> dict[str, str]:
-    """What an emulator's programs need around them, in a folder of their own."""
+    """The environment variables of an emulator's programs, with their files in a folder of its own."""
     if emulator.program != "wine":
         return {}
     # Windows looks into its own folder first: a Wine that has the library takes that.

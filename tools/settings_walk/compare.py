@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the pictures of two programs, each with a setting as it was and changed and with two seeds, say of that setting.
+"""The verdict on a setting by the pictures of two programs, each with the setting as it was and changed and with two seeds.
 
 The seeds of a program are independent, and before and after have the same: of the changes D1 and D2 of the two, the mean of D1 D2 is the
 squared change without a bias by noise, and D1 - D2 says how much noise there is in it.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who has settings, the settings that they have by Blender's own account (RNA), and the values that each is given. Inside of bpy."""
+"""The owners of settings, the settings that they have by Blender's own account (RNA), and the values that each is given. Inside of bpy."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ class Row:
 
     @property
     def question(self) -> str:
-        """What is open of a setting that is not answered."""
+        """The open question of a setting."""
         if self.reason is not None:
             return f"shows ({self.verdict}), though known.toml has a reason why it does not: {self.reason.why}"
         if self.verdict in ("not set", "nothing"):
@@ -102,7 +102,7 @@ def walked(all_rows: list[Row], known: Known, samples: int, said: Callable[[str]
 
 
 def _is_open(told: dict[str, Any], look: int) -> bool:
-    """Whether more samples may say more."""
+    """True if more samples may decide the setting."""
     if "failed" in told or told["is_clear"]:
         return False
     limit = max(told["apart"]["least"], compare.ALIKE * told["cycles"]["size"], compare.LEAST)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Petzval is built from: the crates of its engine and the packages of its Python environments, with their licences, sources and
-known vulnerabilities. Reads Cargo.lock, `cargo metadata`, tools/requirements and advisories.json; needs no network."""
+"""The parts that Petzval is built from: the crates of its engine and the packages of its Python environments, with their licences, sources
+and known vulnerabilities. Reads Cargo.lock, `cargo metadata`, tools/requirements and advisories.json; needs no network."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def linked_crates(target: str | None = None) -> list[Crate]:
 
 
 def is_compatible(licence: str) -> bool:
-    """Whether a licence expression lets code be linked into Petzval: one of its alternatives, with all of its parts."""
+    """True if a licence expression lets code be linked into Petzval: one of its alternatives, with all of its parts."""
     plain = licence.replace("/", " OR ").replace("(", " ").replace(")", " ")
     # `A AND (B OR C)` has no brackets left: each part of `AND` is one alternative list.
     if " AND " in licence and "(" in licence:
@@ -166,7 +166,7 @@ def _numbers(version: str) -> tuple[int, ...]:
 
 
 def satisfies(version: str, requirement: str) -> bool:
-    """Whether a version meets a requirement of the advisories: comparisons with commas between, or `^1.2`."""
+    """True if a version meets a requirement of the advisories: comparisons with commas between, or `^1.2`."""
     own = _numbers(version)
     for part in requirement.split(","):
         operator, other = re.match(r"\s*(\^|>=|<=|>|<|=)?\s*(\S+)", part).groups()

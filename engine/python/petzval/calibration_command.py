@@ -58,7 +58,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def _add_lens(parser: argparse.ArgumentParser) -> None:
-    """Which camera or lens, and the setting of a lens of a lensfun database."""
+    """Adds the options that choose a camera or lens, and the setting of a lens of a lensfun database."""
     parser.add_argument(
         "--camera",
         metavar="NAME",

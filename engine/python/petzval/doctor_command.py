@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def examine(blender: str | None = None) -> dict[str, Any]:
-    """What there is. `missing` are lines on what keeps Petzval from rendering, `advice` on what else could be had."""
+    """The parts of the installation. `missing` are lines on what keeps Petzval from rendering, `advice` on what else could be had."""
     engine = _engine()
     programs = _programs(blender)
     blenders = [{"program": str(program), "version": _version_of(program)} for program in programs]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command says when it cannot go on."""
+"""The message of a command that cannot go on."""
 
 import sys
 from collections.abc import Iterator

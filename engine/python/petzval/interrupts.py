@@ -25,7 +25,7 @@ if sys.platform == "win32":
 
 
 class _Listener:
-    """What a signal does in this process."""
+    """The handler of interrupt signals in this process."""
 
     def __init__(self) -> None:
         self.is_listening = False
@@ -76,7 +76,7 @@ def raise_at_ctrl_c() -> None:
 
 
 def _is_handled_by(handler: object) -> bool:
-    """Whether Ctrl-C calls `handler`. A handler that a host program or a parent process has set stays."""
+    """True if Ctrl-C calls `handler`. A handler that a host program or a parent process has set stays."""
     return signal.getsignal(signal.SIGINT) is handler
 
 

@@ -142,7 +142,7 @@ def _calibrate(arguments: argparse.Namespace) -> int:
 
 
 def _notes(found: dict[str, Any], camera: Any) -> list[str]:
-    """What is out of the ordinary."""
+    """The notes on unusual findings."""
     notes = []
     (width, height), film = found["picture_mm"], camera.film
     if min(width / film.width_mm, height / film.height_mm) < 0.999:

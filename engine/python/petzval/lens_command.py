@@ -287,7 +287,7 @@ def _runs(numbers: list[int]) -> str:
 
 
 def _coating_line(info: dict[str, Any]) -> str:
-    """What its surfaces in air are coated with."""
+    """The coatings of the lens's surfaces in air, in a line."""
     names = ", ".join(info["coatings"]) or "no surface in air"
     return f"coatings: {names}" + (" (assumed: the file names none)" if info["coating_is_assumed"] else "")
 

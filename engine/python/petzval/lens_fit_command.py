@@ -105,7 +105,7 @@ def _fit(arguments: argparse.Namespace) -> int:
 
 
 def _notes(found: dict[str, Any]) -> list[str]:
-    """What is out of the ordinary."""
+    """The notes on unusual findings."""
     notes = []
     if found["compared"] < 0.9995:
         notes.append(

@@ -56,7 +56,7 @@ def add_parser(actions: argparse._SubParsersAction[argparse.ArgumentParser], kin
 
 
 def found_for(lens: Any, settings: Any, **options: Any) -> dict[str, Any]:
-    """What the engine finds."""
+    """The engine's comparison of a lens with measurements."""
     from . import _native
 
     found: dict[str, Any] = json.loads(_native.lens_reality_json(lens, settings, **options))
@@ -101,7 +101,7 @@ def title(found: dict[str, Any]) -> str:
 
 
 def table(found: dict[str, Any]) -> list[str]:
-    """What was found, for a terminal."""
+    """The comparison as a table for a terminal."""
     place, line = found["place"]
     lines = [f"{found['name']}, f = {found['efl_mm']:.4g} mm", f"{title(found)} ({place}:{line})"]
     if (distortion := found["distortion"]) is not None:

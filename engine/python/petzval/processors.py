@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which of the wheel's engines is for this processor.
+"""The choice among the wheel's engines for this processor.
 
 A wheel for x86-64 holds the engine several times, each compiled for one of the levels that the processors' makers agreed
 on: `_engines/LEVEL/_native.abi3.so`, on Windows `_native.pyd`. Other wheels hold one engine, for every processor of their
@@ -61,12 +61,12 @@ def engines() -> dict[str, Path]:
 
 
 def has_one_engine() -> bool:
-    """Whether a compiled module lies beside the package's files: Python loads it before any other."""
+    """True if a compiled module lies beside the package's files: Python loads it before any other."""
     return any((_PACKAGE / name).exists() for name in MODULES)
 
 
 def flags_of_this_processor() -> frozenset[str] | None:
-    """What the first processor can do; None where the system does not say. All of a machine are alike."""
+    """The flags of the first processor; None where the system does not say. All of a machine are alike."""
     if sys.platform == "win32":
         return _flags_by_windows(ctypes.WinDLL("kernel32").IsProcessorFeaturePresent)
     if sys.platform == "darwin":
@@ -135,7 +135,7 @@ def choose(engines: Collection[str], flags: Collection[str] | None, wish: str = 
 
 
 def lacking(level: str, flags: Collection[str] | None) -> set[str]:
-    """What a processor of these flags lacks for a level; nothing where they are not known."""
+    """The flags of a level that a processor with these flags lacks; empty where they are not known."""
     if flags is None:
         return set()
     names = list(LEVELS)

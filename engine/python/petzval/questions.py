@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command is asked in JSON: read from a file or stdin, and told what is wrong with it."""
+"""The question of a command in JSON: read from a file or stdin, with the errors that are found in it."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ def _own_stderr(fd: int | None) -> TextIO:
 
 
 def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
-    """What went wrong, if something did; and whether the render was broken off."""
+    """The error message of a render, if any; and whether the render was broken off."""
     try:
         import bpy
     except ImportError as error:
@@ -245,7 +245,7 @@ def _check_picture(file: Path, output: str) -> None:
 
 
 def _is_whole_png(data: bytes) -> bool:
-    """Whether all chunks are there, each with the checksum that it names."""
+    """True if all chunks are there, each with the checksum that it names."""
     at = 8
     while data[at : at + 8]:
         length, kind = struct.unpack_from(">I4s", data, at)
@@ -268,7 +268,7 @@ def _end_checkpoints(checkpoints: list[Any], voice: TextIO, *, is_done: bool, st
 
 
 def _study(asked: dict[str, Any] | None, scene: Any, watch: Any) -> Any:
-    """What is to be done instead of a render, if something is."""
+    """The study that runs instead of a render, if one is asked for."""
     if asked is None:
         return None
     if asked["what"] == "plan":
@@ -348,7 +348,7 @@ def apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> s
 
 
 def _apply_sampling(scene: Any, own: _Strict, o: dict[str, Any], addon: Any) -> None:
-    """How many samples: what is not asked for stays as the file has it, but a number of samples is exactly that."""
+    """Sets the number of samples: options that are not given stay as in the file, but a given number of samples is exactly that."""
     sampling = addon.export.sampling
     asked = {name: o[name] for name in ("samples", "min_samples", "time_limit", "sample_offset") if o[name] is not None}
     if asked or o["noise_threshold"] is not None:

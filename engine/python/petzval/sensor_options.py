@@ -56,7 +56,7 @@ def check_raw(output: Path) -> None:
 
 
 def told(output: Path, found: dict[str, Any]) -> str:
-    """What became of the light, in a line."""
+    """The digital exposure in a line: size, ISO, gain, white and saturated part."""
     width, height = found["size"]
     white = ", ".join(f"{electrons:.0f}" for electrons in dict.fromkeys(found["white_e"]))
     line = (

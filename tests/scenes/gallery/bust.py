@@ -32,7 +32,7 @@ def _sided(p):
 
 
 def _curls(p):
-    """How far locks of hair rise."""
+    """The height of locks of hair."""
     turn = np.arctan2(p[:, 1] - 0.015, p[:, 0])
     away = p[:, 2] * 38.0
     flow = 2.2 * np.sin(away * 0.55 + 2.0 * np.sin(2.0 * turn)) + 1.1 * np.sin(5.0 * turn + 0.3 * away)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far pictures are from the truth, parted into what more samples mend (noise) and what they do not (bias).
+"""The error of pictures against the truth, parted into noise, which more samples mend, and bias, which they do not.
 
 The error is the relative squared one, its worst pixels left out. Its bias is estimated without noise: were every picture
 its limit plus noise with mean 0, then of independent pictures a and b, and independent truths r and s, (a - r)(b - s)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What follows from the numbers for somebody who has to choose: a few sentences, computed. Plain Python."""
+"""The advice that follows from the numbers for a user who has to choose: a few sentences, computed. Plain Python."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def advice(found: dict[str, Any]) -> list[str]:
 
 
 def _unsure(row: dict[str, Any]) -> float:
-    """How well a time is known, relative; a quarter where nobody knows."""
+    """The relative half width of a time's interval; a quarter without an interval."""
     interval = row.get("ratio_interval")
     return 0.25 if interval is None else (interval[1] - interval[0]) / (2.0 * row["ratio"])
 

@@ -35,7 +35,7 @@ def flip(test: Any, reference: Any) -> float:
 
 
 class _Vision:
-    """What is the same for every picture."""
+    """The constants and transforms of FLIP's model of vision, the same for every picture."""
 
     def __init__(self, np: Any) -> None:
         self.np = np

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well a median is known: by order statistics, which ask for nothing of how values are spread. Plain Python."""
+"""The confidence interval of a median: by order statistics, which assume no distribution of the values. Plain Python."""
 
 from __future__ import annotations
 

@@ -131,7 +131,7 @@ def _add_strays(rows: list[dict[str, Any]], measured: Any) -> dict[str, Any] | N
 
 
 def _mark_front(rows: list[dict[str, Any]]) -> None:
-    """Which cameras no other is both faster and nearer to the truth than."""
+    """Marks the cameras for which no other is both faster and nearer to the truth."""
     cameras = [row for row in rows if row["is_measured"] and is_camera(row)]
     for row in rows:
         row["is_on_front"] = row in cameras and not any(
@@ -143,7 +143,7 @@ def _mark_front(rows: list[dict[str, Any]]) -> None:
 
 
 def _forecast(measured: Any, samples: int) -> dict[str, Any]:
-    """What the plan said that its render would take, beside what it took; for the picture's samples, by the clock."""
+    """The plan's forecast of its render's time, beside the measured time; for the picture's samples, wall clock."""
     one = measured.runs[AUTO]
     scale = samples / one.samples
     # Both in the same round: the machine may be slower in one than in another.

@@ -47,7 +47,7 @@ class Broken(Exception):
 
 @dataclass
 class Runs:
-    """What was seen of one rung."""
+    """The measurements of one rung."""
 
     rung: Rung
     #: A pixel, in each of its turns, which come in every so many rounds.

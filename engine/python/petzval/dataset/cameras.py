@@ -28,8 +28,8 @@ _LOOKED_UP = 24
 
 @dataclass(frozen=True)
 class Intrinsics:
-    """How a camera shows points of camera space (x right, y down, z forward) in pixels, right and down from the picture's upper left
-    corner: the middle of the first pixel is (0.5, 0.5), as COLMAP counts."""
+    """The projection of a camera: points of camera space (x right, y down, z forward) to pixels, right and down from the picture's upper
+    left corner: the middle of the first pixel is (0.5, 0.5), as COLMAP counts."""
 
     #: A key of `lens_fit.DISTORTION`.
     model: str
@@ -52,7 +52,7 @@ class Intrinsics:
 
     @classmethod
     def of_json(cls, told: dict[str, Any]) -> Intrinsics:
-        """What `as_json` gave."""
+        """The intrinsics that `as_json` gave."""
         names = ("fx", "fy", "cx", "cy", *lens_fit.DISTORTION[told["model"]])
         parameters = tuple(told[name] for name in names)
         return cls(told["model"], parameters, told["width"], told["height"], told["fit_rms_px"], told["fit_largest_px"])

@@ -33,12 +33,12 @@ class Passes:
 
     @property
     def hits(self) -> Mask:
-        """Where something was met."""
+        """The pixels with a hit."""
         return self.depth < _BEYOND
 
     @property
     def is_full(self) -> bool:
-        """Whether nothing is left to find: all pixels have a hit, and flow."""
+        """True if nothing is left to find: all pixels have a hit, and flow."""
         return bool(self.hits.all()) and (self.vector is None or bool(self.vector.any(axis=-1).all()))
 
     def fill(self, more: Passes) -> bool:
@@ -92,15 +92,15 @@ def flow(vector: Array, direction: str) -> Array:
 
 
 def known_flow(values: Array, hits: Mask) -> Mask:
-    """Where flow is known. A ray that a lens loses on its way from the neighbouring picture leaves exactly 0: so does what stands still, but that is
-    seldom a pixel most of whose neighbours move."""
+    """The pixels whose flow is known. A ray that a lens loses on its way from the neighbouring picture leaves exactly 0: so does what
+    stands still, but that is seldom a pixel most of whose neighbours move."""
     moves = hits & (np.linalg.norm(values, axis=-1) > _STILL_PX)
     known: Mask = ~(hits & (values == 0.0).all(axis=-1) & (_neighbours(moves) > 0.7 * _neighbours(hits)))
     return known
 
 
 def _neighbours(of: Mask) -> npt.NDArray[np.int_]:
-    """How many of a pixel's eight neighbours."""
+    """The number of each pixel's eight neighbours that are in the mask."""
     padded, (height, width) = np.pad(of, 1).astype(int), of.shape
     around = sum(padded[y : y + height, x : x + width] for y in range(3) for x in range(3)) - of
     return np.asarray(around)

@@ -19,7 +19,7 @@ FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a camera stands and where it looks: by one of `rotation_deg`, `quaternion`, `target` and `matrix`."""
+    """The place and direction of a camera: by one of `rotation_deg`, `quaternion`, `target` and `matrix`."""
 
     location: Vector = (0.0, 0.0, 0.0)
     #: Euler angles about X, then Y, then Z, degrees, as Blender's XYZ.

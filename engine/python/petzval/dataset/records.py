@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is known of each picture that is whole: a file of its own beside the pictures, written when all else is."""
+"""The record of each finished picture: a file of its own beside the pictures, written after all else."""
 
 from __future__ import annotations
 

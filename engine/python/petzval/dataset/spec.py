@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a data set is to be: its specification in TOML, read and checked as far as it can be without Blender."""
+"""The specification of a data set, in TOML: read and checked as far as it can be without Blender."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class ClassSpec:
 
 @dataclass(frozen=True)
 class Write:
-    """What is written, and how."""
+    """The files to write, and their formats."""
 
     picture: str
     depth: str
@@ -117,7 +117,7 @@ class Write:
 
 @dataclass(frozen=True)
 class Labels:
-    """Which rays ground truth is of: one through the middle of each pixel and of the diaphragm, or as many as make the picture."""
+    """The rays of ground truth: one through the middle of each pixel and of the diaphragm, or as many as make the picture."""
 
     rays: str
     samples: int

@@ -37,7 +37,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Job:
-    """What job.json says, checked."""
+    """The content of job.json, checked."""
 
     folder: Path
     #: The .blend, relative to the folder.
@@ -85,7 +85,7 @@ class Job:
         return self.folder / WORK / f"{'still' if frame is None else frame}.scene"
 
     def is_done(self, number: int) -> bool:
-        """Whether a part is finished, and its files are there in their size. That they are whole is known when they are merged."""
+        """True if a part is finished, and its files are there in their size. Whether they are whole is known when they are merged."""
         try:
             told = json.loads(self.marker(number).read_text(encoding="utf-8"))
             files = told["films"]

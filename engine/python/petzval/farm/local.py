@@ -30,7 +30,7 @@ def command(folder: Path, *words: str, blender: str | None = None, threads: int 
 
 
 def may_try_again(status: int) -> bool:
-    """Whether another try may help: the command says so, or was killed."""
+    """True if another try may help: the command says so, or was killed."""
     return status in (AGAIN, _INTERRUPTED) or processes.has_crashed(status)
 
 

@@ -86,14 +86,14 @@ def _note(frame: dict[str, Any]) -> Path:
 
 
 def _parts_of(frame: dict[str, Any]) -> dict[str, Any]:
-    """What a picture is made of: its parts, each with the time of its file."""
+    """The parts of a picture, each with the time of its file."""
     return {
         "parts": {str(number): Path(film).with_suffix(".json").stat().st_mtime_ns for number, film, _ in frame["parts"]}
     }
 
 
 def _is_merged(frame: dict[str, Any]) -> bool:
-    """Whether a frame's picture is made of just the parts that are there."""
+    """True if a frame's picture is made of just the parts that are there."""
     try:
         return Path(frame["picture"]).is_file() and json.loads(_note(frame).read_text(encoding="utf-8")) == _parts_of(
             frame

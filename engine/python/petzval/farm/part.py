@@ -56,7 +56,7 @@ def render(
 
 
 def _by_frame(job: jobs.Job, numbers: list[int]) -> list[dict[str, Any]]:
-    """What is rendered of each frame."""
+    """The parts to render of each frame, with their files."""
     frames: dict[int | None, list[int]] = {}
     for number in numbers:
         frames.setdefault(job.parts[number].frame, []).append(number)

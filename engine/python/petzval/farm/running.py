@@ -89,5 +89,5 @@ def pin_processor(job: jobs.Job) -> None:
 
 
 def has_engines() -> bool:
-    """Whether this installation has engines for several levels of processors."""
+    """True if this installation has engines for several levels of processors."""
     return not processors.has_one_engine() and bool(processors.engines())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How bright the film is off the axis, at one or several f-numbers."""
+"""The relative illumination of the film off the axis, at one or several f-numbers."""
 
 from __future__ import annotations
 

@@ -106,7 +106,7 @@ def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw:
 
 
 def head(found: Any, title: str, figure: Any, height_in: float) -> None:
-    """What stands above a report, on a page that high."""
+    """Draws the head of a report, on a page that high."""
     top = found[0] if isinstance(found, list) else found
     figure.text(0.02, 1.0 - 0.12 / height_in, top["name"], fontsize=11, weight="bold", va="top")
     figure.text(0.02, 1.0 - 0.36 / height_in, title, color=DARK, va="top")
@@ -154,5 +154,5 @@ def degrees(angle: float) -> str:
 
 
 def lengths(largest_mm: float) -> tuple[float, str]:
-    """What a length in mm is multiplied by to be read, and the unit then."""
+    """The factor from mm to the unit of display, and that unit."""
     return (1e3, "µm") if largest_mm < 0.5 else (1.0, "mm")

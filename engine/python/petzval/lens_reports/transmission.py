@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lens lets through of each colour, by field, and what its coatings reflect."""
+"""The transmittance of a lens for each colour, by field, and the reflectance of its coatings."""
 
 from __future__ import annotations
 

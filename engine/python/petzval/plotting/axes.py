@@ -83,7 +83,7 @@ class _Scale:
     name_look: dict[str, Any] = field(default_factory=dict)
 
     def part(self, value: Any, low: float, high: float) -> Any:
-        """How far a value stands from low to high."""
+        """The place of a value between low, 0, and high, 1."""
         if self.is_log:
             value = np.log10(np.maximum(value, 1e-300))
             low, high = math.log10(low), math.log10(high)
@@ -168,11 +168,11 @@ class Axes:
     # How it looks.
 
     def set_xlim(self, low: Any = None, high: Any = None) -> None:
-        """What is seen."""
+        """Sets the range of x that is seen."""
         self.share_x._x.limits = [low, high]
 
     def set_ylim(self, low: Any = None, high: Any = None) -> None:
-        """What is seen."""
+        """Sets the range of y that is seen."""
         self.share_y._y.limits = [low, high]
 
     def set_xscale(self, kind: str) -> None:
@@ -184,11 +184,11 @@ class Axes:
         self.share_y._y.is_log = kind == "log"
 
     def set_xticks(self, places: Sequence[float], words: Sequence[str] | None = None) -> None:
-        """Where numbers or words stand."""
+        """Sets the places of numbers or words along x."""
         self._x.places, self._x.words = list(places), None if words is None else list(words)
 
     def set_yticks(self, places: Sequence[float], words: Sequence[str] | None = None) -> None:
-        """Where numbers or words stand."""
+        """Sets the places of numbers or words along y."""
         self._y.places, self._y.words = list(places), None if words is None else list(words)
 
     def set_xlabel(self, text: str, **look: Any) -> None:

@@ -24,7 +24,7 @@ _GAP, _GAP_ACROSS = 0.9, 2.4
 
 
 class Lettering(Protocol):
-    """Where letters come from."""
+    """The source of letters' outlines."""
 
     def outline(self, text: str) -> tuple[list[Polygon], float]:
         """The outlines of a line of text, capitals as high as 1, from the origin of its first letter; and how wide it is."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the lines of a plot are called."""
+"""The legend of a plot: its lines and their names."""
 
 from __future__ import annotations
 
