@@ -20,7 +20,7 @@ import yaml
 GLASSES = Path(__file__).resolve().parent.parent / "lenses" / "glass"
 MAKERS = ("schott", "ohara", "hoya", "hikari", "cdgm", "sumita")
 THICKNESS_MM = 10.0
-#: What a camera can see, and so much beside it that nothing hangs on how the ends go on.
+#: The range that a camera can see, and so much beside it that nothing hangs on how the ends go on.
 RANGE_UM = (0.35, 0.8)
 
 

@@ -82,7 +82,7 @@ def binary() -> Path:
     return TOP / re.search(r"\((\S*lens-\S+)\)", out)[1]
 
 
-#: What an instruction counts as, by how its name begins; the first that fits.
+#: The kinds of instructions, by the beginnings of their names; the first that fits counts.
 KINDS = (
     ("square roots", ("vsqrt", "sqrtp")),
     ("divisions", ("vdiv", "divp")),

@@ -33,7 +33,7 @@ PICTURES = ROOT / "docs/images/reality"
 ZOOMS = {"nikkor-z-24-70-f4": (24, 28, 35, 50, 70), "canon-11-24-f4": (11, 14, 24)}
 #: Real focal lengths over marked ones that are tried where a zoom stands between the positions of its patent.
 REAL = (0.94, 0.96, 0.98, 1.0, 1.02)
-#: What is asked of each: micrometres, parts of the lens's own distortion, stops at F/8.
+#: The limits of agreement: micrometres, parts of the lens's own distortion, stops at F/8.
 LEAST_UM, PART, STOPS = 10.0, 0.01, 0.15
 
 

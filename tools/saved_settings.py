@@ -17,7 +17,7 @@ import petzval
 
 #: Text that no list of choices gives.
 _TEXT = {"lens_file": "//a lens.lens"}
-#: What the add-on writes itself.
+#: The settings that the add-on writes itself.
 _OWN = {"settings_version", "version", "blender_camera", "blender_sensor_fit"}
 
 

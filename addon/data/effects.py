@@ -9,7 +9,7 @@ from petzval.effects import EFFECTS
 
 #: Those that are laid over the finished picture.
 STRAYS = ("ghosts", "glare", "diffraction")
-#: What may be said of an effect: identifier, name, tooltip, icon, number in saved files.
+#: The values of an effect's setting: identifier, name, tooltip, icon, number in saved files.
 WORDS = (
     ("AUTO", "Auto", "Simulated where this picture would show it", "", 0),
     ("ON", "On", "Simulated in any case", "", 1),

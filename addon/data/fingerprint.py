@@ -34,7 +34,7 @@ class Watched:
 
     def __init__(self, builder: Any, digest: Any, pieces: Pieces | None) -> None:
         self._builder, self._digest, self._pieces = builder, digest, pieces
-        #: What the pieces that were sent are called, for people.
+        #: The names of the pieces that were sent, for people.
         self.names: dict[tuple[str, int], str] = {}
 
     def __getattr__(self, name: str) -> Any:

@@ -73,7 +73,7 @@ SURFACE = (
     Light("Ambient Occlusion", "AO", "RGB", "COLOR", "use_pass_ambient_occlusion", "AMBIENT_OCCLUSION"),
 )
 
-#: What the Denoise node of the compositor wants, all by one switch.
+#: The passes that the Denoise node of the compositor wants, all by one switch.
 DENOISING = (
     Light("Denoising Albedo", "", "RGB", "COLOR", "denoising_store_passes", "DENOISING_ALBEDO", True),
     Light("Denoising Normal", "", "XYZ", "VECTOR", "denoising_store_passes", "DENOISING_NORMAL", True),
@@ -91,7 +91,7 @@ def is_denoised(scene: object, view_layer: object) -> bool:
     return bool(is_asked) and not view_layer.petzval.use_pass_mergeable
 
 
-#: What of the light is left on what catches shadows.
+#: The pass of the light that is left on shadow catchers.
 SHADOW = Pass("Shadow Catcher", 3, "RGB", "COLOR", "use_pass_shadow_catcher")
 
 
@@ -171,7 +171,7 @@ MATTES = (
 )
 
 
-#: What joins renders with other samples: how many samples a pixel has, and what its numbers leave out of their sums.
+#: The passes that join renders with other samples: the number of samples of a pixel, and the remainders of its sums.
 MERGING = (
     Pass("Debug Sample Count", 1, "X", "VALUE", engine_name="SAMPLES"),
     Pass("Remainder", 4, "RGBA", "VECTOR", engine_name="REMAINDER"),

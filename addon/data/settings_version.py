@@ -15,7 +15,8 @@ from bpy.app.handlers import persistent
 
 #: The version that is saved. 0: of Petzval 0.1, which saved none.
 VERSION = 1
-#: What brings the settings of a file to a version from the one before. It is called once for each file, when all of it is loaded.
+#: The functions that bring the settings of a file to a version from the one before. Each is called once for each file, when all of it is
+#: loaded.
 STEPS: dict[int, Callable[[], None]] = {}
 
 

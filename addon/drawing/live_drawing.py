@@ -67,7 +67,7 @@ class _Kept:
 
 
 _kept: dict[_Place, _Kept] = {}
-#: What is to be drawn, and since when that has not changed.
+#: The drawing that is asked for, and the time since which that has not changed.
 _wanted: dict[_Place, tuple[tuple, float]] = {}
 
 

@@ -16,7 +16,7 @@ from ..native import engine
 GENERATED = ".generated"
 #: Texture nodes that do not ask for those where nothing is linked to their vector.
 _WITHOUT_GENERATED = {"ShaderNodeTexImage", "ShaderNodeTexEnvironment", "ShaderNodeTexCoord"}
-#: How stretched the facets of a shader node are, which lie about those where no tangent is linked.
+#: The inputs of a shader node for stretched facets, which lie about a generated tangent where none is linked.
 STRETCH = ("Anisotropic", "Anisotropy")
 #: The engine's names for what edges tell, by the output of a Geometry node that shows it.
 _OF_EDGES = {"Pointiness": ".pointiness", "Random Per Island": ".random_per_island"}

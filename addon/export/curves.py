@@ -12,7 +12,7 @@ import numpy as np
 
 from . import attributes
 
-#: What Cycles takes for a radius where curves have none.
+#: Cycles' radius of curves without one.
 RADIUS = 0.005
 #: Blender's number of curves that are straight from point to point.
 _POLY = 1

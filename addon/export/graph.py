@@ -26,7 +26,7 @@ _LONGEST_LUMINAIRE = 4 << 20
 _NEW_CELLS = (5, 0, 0)
 #: Ends of the tree, by the description's name for each.
 _ENDS = {"surface": "Surface", "volume": "Volume", "displacement": "Displacement"}
-#: What a texture looks up where nothing is linked, if not generated coordinates.
+#: The coordinates of a texture without a linked vector, if not generated ones.
 _COORDINATES = {
     "TEX_IMAGE": ("ShaderNodeTexCoord", "UV"),
     "TEX_ENVIRONMENT": ("ShaderNodeNewGeometry", "Position"),

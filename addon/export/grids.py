@@ -25,9 +25,9 @@ Grid = tuple[str, np.ndarray, tuple[tuple[float, ...], ...]]
 
 #: Voxels of a box that are handed over: two gigabytes.
 _MOST_VOXELS = 2**29
-#: Where Cycles has the middle of the voxel at the origin, in voxels: before 5.0 half of one farther.
+#: The middle of the voxel at the origin, in voxels, in Cycles: before 5.0 half of one farther.
 _MIDDLE = 0.5 if bpy.app.version < (5, 0, 0) else 0.0
-#: What a smoke domain knows, by the names that shaders ask for, and how many numbers each has.
+#: The grids of a smoke domain, by the names that shaders ask for, with the number of channels of each.
 _OF_SMOKE = {"density": 1, "color": 4, "flame": 1, "heat": 1, "temperature": 1}
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from . import image_parts
 from .image_parts import Part
 
-#: What a file begins with, and where a PNG says how many bits a channel has.
+#: The first bytes of files, and the place where a PNG says how many bits a channel has.
 _JPEG, _PNG, _PNG_BITS_AT = b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n", 24
 #: Treatments of alpha that leave the bytes of a file as they are.
 _AS_IN_FILE = {"STRAIGHT", "CHANNEL_PACKED"}

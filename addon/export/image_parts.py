@@ -16,7 +16,7 @@ Part = int | None
 
 #: The tile at the origin of UV space.
 FIRST_TILE = 1001
-#: Whether Blender gives Python the frames of a movie: from 4.3 on.
+#: True if Blender gives Python the frames of a movie: from 4.3 on.
 READS_MOVIES = "frame" in bpy.types.Image.bl_rna.functions["scale"].parameters
 _FOLLOW_THE_FRAME = {"SEQUENCE", "MOVIE"}
 #: The last digits of a file's name before its ending.

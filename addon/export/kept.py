@@ -24,7 +24,7 @@ class ImageKey(NamedTuple):
     image: int
     #: A frame or a tile; tiles together by their numbers.
     part: Part | tuple[int, ...]
-    #: Whether colours are multiplied by alpha.
+    #: True if colours are multiplied by alpha.
     associated: bool
 
 
@@ -55,7 +55,7 @@ class Kept:
     fills_space: bool = False
     #: Datablocks whose shape changed since the last time; what is made of them is not taken as it was.
     reshaped: frozenset[int] = frozenset()
-    #: How often something was sent or forgotten.
+    #: The number of pieces that were sent or forgotten.
     changes: int = 0
     #: The frames that were shown the time before.
     _frames: set[ImageKey] = field(default_factory=set)

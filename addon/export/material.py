@@ -31,7 +31,7 @@ class Materials:
     ) -> None:
         self._builder = kept.builder
         self._kept = kept
-        #: What everything is made of instead.
+        #: The material of everything, in place of its own.
         self.override = override
         self._aovs = aovs
         self._images = images

@@ -7,9 +7,9 @@ from __future__ import annotations
 from ..native import engine
 from .errors import ExportError
 
-#: What a triangle takes at most, with normals and one UV map, Blender's evaluated copy included; docs/design/meshes.md.
+#: Memory of a triangle at most, with normals and one UV map, Blender's evaluated copy included; docs/design/meshes.md.
 BYTES_A_TRIANGLE = 250
-#: What each that was handed over still takes when the trees over them are built.
+#: Memory that each triangle that was handed over still takes when the trees over them are built.
 BYTES_OF_TREES = 100
 #: Fewer need no question.
 MANY_TRIANGLES = 100_000

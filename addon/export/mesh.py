@@ -16,7 +16,7 @@ from . import attributes
 MOST_UV_MAPS = 8
 
 
-#: What values belong to ("POINT", "CORNER", "TRIANGLE"), and these, one a row.
+#: The domain of values ("POINT", "CORNER", "TRIANGLE"), and these, one a row.
 Values = tuple[str, np.ndarray]
 
 
@@ -26,7 +26,7 @@ class MeshArrays:
 
     positions: np.ndarray
     triangles: np.ndarray
-    #: Which corners of the faces the triangles' are.
+    #: By triangle, the corners of the faces that its corners are.
     loops: np.ndarray
     corner_normals: Values | None = None
     uv_maps: dict[str, Values] = field(default_factory=dict)

@@ -16,7 +16,7 @@ from .report import Report
 
 Key = tuple
 
-#: What has vertices, keys or points that may move.
+#: The data with vertices, keys or points that may move.
 WITH_POSITIONS = (bpy.types.Mesh, bpy.types.Curves, bpy.types.PointCloud)
 
 

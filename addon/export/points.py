@@ -12,7 +12,7 @@ import numpy as np
 
 from . import attributes
 
-#: What Cycles takes for a radius where points have none.
+#: Cycles' radius of points without one.
 RADIUS = 0.01
 
 

@@ -17,7 +17,7 @@ from .camera import rows
 from .motion import WITH_POSITIONS, Key, key, may_deform
 from .report import Report
 
-#: How much of the shutter's time has gone by at the frame.
+#: The part of the shutter's time that has gone by at the frame.
 _OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
 #: Points at which the shutter's curve is read.
 _CURVE_POINTS = 256

@@ -37,7 +37,7 @@ class Eye:
 
     #: The camera's object.
     holder: bpy.types.Object
-    #: Where it stands, moved aside and turned as its stereo settings say.
+    #: The matrix of the camera, moved aside and turned as its stereo settings say.
     matrix: Matrix
     #: Blender's own shift of its picture, with that of the convergence plane.
     shift_x: float

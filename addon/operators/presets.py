@@ -18,7 +18,7 @@ CAN_REGISTER = hasattr(bpy.utils, "register_preset_path")
 
 _CAMERA = 'petzval = (getattr(bpy.context, "camera", None) or bpy.context.scene.camera.data).petzval'
 OF_LENS = tuple(LensProperties.__annotations__)
-#: What else belongs to the camera.
+#: The other settings of the camera.
 OF_BODY = ("film_mode", "film_width", "film_height", "anchor", "focus_relation")
 OF_SAMPLING = ("samples", "use_noise_threshold", "noise_threshold", "min_samples", "use_blue_noise", "time_limit")
 

@@ -42,7 +42,7 @@ class Size:
     nearest: float | None = None
     nearest_mm: float | None = None
     nearest_name: str = ""
-    #: What makes no sense, a sentence each.
+    #: The warnings, a sentence each.
     warnings: list[str] = field(default_factory=list)
     is_current: bool = True
 

@@ -21,7 +21,7 @@ from . import loop, messages, staging
 
 #: The camera of a scene without one.
 _NOWHERE = CameraDescription("", tuple(tuple(float(i == j) for j in range(4)) for i in range(4)), "PINHOLE")
-#: What is denoised where pictures are.
+#: The kinds of bake that are denoised where pictures are.
 _DENOISED = {"COMBINED", "SHADOW"}
 #: Parts of the engine that a kind of bake keeps, at most: each is a film of its own.
 _MOST_PARTS = 10

@@ -76,7 +76,7 @@ def _short(text: str) -> str:
 
 #: Settings that differ between parts of one picture.
 _OF_A_PART = ("samples", "sample_offset", "seed", "threads")
-#: What says where a camera's lens is, and not which it is.
+#: Names of settings that say where a camera's lens is, and not which it is.
 _PLACES = ("object_name", "lens_path", "lens.aperture_mask", "calibration", "calibration.path")
 #: Characters of a value that is told as it is; of a longer one a short digest.
 _LONGEST_VALUE = 40

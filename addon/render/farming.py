@@ -22,7 +22,7 @@ from petzval import processes
 #: Between two looks at the parts that have come, s.
 LOOK_S = 3.0
 _HTTP_S = 20.0
-#: How each scheduler is handed a job: the words of `petzval farm`, or a script of the job's folder.
+#: The ways to hand a job to each scheduler: words of `petzval farm`, or a script of the job's folder.
 SENDS = ("LOCAL", "DASK", "SHELL", "SLURM", "FLAMENCO", "OPENJD")
 
 
@@ -63,7 +63,7 @@ class FarmRun:
     is_done: bool = False
     _process: subprocess.Popen[bytes] | None = None
     _merging: subprocess.Popen[bytes] | None = None
-    #: What the last process says of errors.
+    #: The last process' stderr.
     _said: IO[bytes] | None = None
     _is_sent: bool = False
     _seen: set[str] = field(default_factory=set)

@@ -34,9 +34,9 @@ class Subject:
     settings: Any
     over_the_shutter: list
     wishes: dict[str, Any]
-    #: How the shutter opens; None where nothing moves.
+    #: The opening of the shutter; None where nothing moves.
     shutter: Any
-    #: That reading the scene took.
+    #: Time to read the scene, s.
     sync_seconds: float
 
 
@@ -53,7 +53,7 @@ class Part:
     #: The films and the checkpoints that were written.
     written: list[str] = field(default_factory=list)
     checkpoints: list[Any] = field(default_factory=list)
-    #: That all view layers took so far, s.
+    #: Time of all view layers so far, s.
     seconds: float = 0.0
 
 
@@ -70,7 +70,7 @@ class Share:
     agreement: str = ""
     #: The films that are joined: number of the part, file and slots.
     joined: list[tuple[int, str, tuple[int, int, int]]] = field(default_factory=list)
-    #: Whether the films that are joined are to be the whole picture: only then is it denoised, and stray light laid over it.
+    #: True if the films that are joined are to be the whole picture: only then is it denoised, and stray light laid over it.
     is_whole: bool = False
     #: Parts that were not taken, each with the reason; and how many films were.
     refused: dict[int, str] = field(default_factory=dict)
@@ -85,7 +85,7 @@ class Beside:
 
     #: The frame that everything is looked at in.
     frame: float
-    #: Where the scene's camera stands in it, row by row.
+    #: The matrix of the scene's camera in this frame, row by row.
     camera_matrix: Matrix4
 
 

@@ -26,7 +26,7 @@ class KeptScene:
     kept: Kept
     #: The settings that all images, materials and meshes depend on; None where these cannot be kept.
     shared_settings: tuple | None
-    #: What could not be handed over, in this frame or before.
+    #: The warnings of the export, of this frame or before.
     report: Report = field(default_factory=Report)
     fingerprints: Pieces = field(default_factory=dict)
     scene: Any = None

@@ -8,7 +8,7 @@ from typing import Any
 
 from .progress import in_short
 
-#: Where camera rays are lost that no lens takes, by what takes the picture.
+#: The words for the place where camera rays are lost that no lens takes, by the camera model.
 _OUTSIDE = {"panoramic": "outside of the projection", "calibrated": "outside of the calibration"}
 #: By the scene's name.
 _last: dict[str, LastRender] = {}

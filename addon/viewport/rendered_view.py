@@ -26,7 +26,7 @@ from .screen import Screen
 from .session import Session, Wanted
 from .sync import SceneSync
 
-#: How often it is looked whether there is a new picture, s.
+#: Time between two looks for a new picture, s.
 _LOOK_S = 0.04
 #: Blender units: a camera farther from where the scene's origin was set has it set anew, for single precision's sake.
 _FAR = 100.0

@@ -17,7 +17,7 @@ from petzval.description import CameraDescription, DenoisingDescription, Setting
 from ..data.tiles import Window
 from ..render import loop
 
-#: How long a first picture may take, s; it has as many fewer pixels as that needs.
+#: Time for a first picture at most, s; it has as many fewer pixels as that needs.
 FIRST_S = 0.05
 _DIVIDERS = (1, 2, 4, 8, 16)
 #: Pixels in a second, before that is known.
@@ -36,7 +36,7 @@ class Wanted:
     settings: SettingsDescription
     #: Of the effects: as the engine's `Plan` takes them.
     wishes: dict[str, Any] = field(default_factory=dict)
-    #: How pictures are denoised, from so many samples on; None: they are not.
+    #: The denoising of pictures, from `denoise_from` samples on; None: off.
     denoising: DenoisingDescription | None = None
     denoise_from: int = 1
 
@@ -65,7 +65,7 @@ class Picture:
 
     #: (height, width, 4), scene-linear, rows from below: the part of the picture that is seen.
     pixels: np.ndarray
-    #: That part, of the whole picture: left, bottom, width, height; 0 to 1.
+    #: The place of `pixels` in the whole picture: left, bottom, width, height; 0 to 1.
     place: tuple[float, float, float, float]
     samples: int
     wanted: Wanted
@@ -89,7 +89,7 @@ class Session:
         self._scene: Any = None
         #: The last picture.
         self.picture: Picture | None = None
-        #: What went wrong last, and what the engine left out.
+        #: The last error, and the warnings of the engine.
         self.error = ""
         self.warnings: list[str] = []
         #: Seconds that the first and the last scene took to be built, and from a wish to its first picture.

@@ -23,7 +23,7 @@ class SceneSync:
         self._kept: Kept | None = None
         self._of: tuple | None = None
         self._last: tuple | None = None
-        #: What could not be handed over.
+        #: The warnings of the export.
         self.report = Report()
 
     def update(

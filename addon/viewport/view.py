@@ -30,7 +30,7 @@ class View:
     camera: CameraDescription
     #: Pixels of the whole picture.
     size: tuple[int, int]
-    #: Where the picture lies in the region: left, bottom, width, height; pixels of the screen.
+    #: The place of the picture in the region: left, bottom, width, height; pixels of the screen.
     frame: tuple[float, float, float, float]
     #: The part of the picture that is seen, in its pixels.
     window: Window

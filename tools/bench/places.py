@@ -106,7 +106,7 @@ def night() -> None:
     _camera((0.0, -2.0, 1.8), 1.55, 26.0)
 
 
-#: How each place is made, by its name.
+#: The functions that make the places, by name.
 MAKERS: dict[str, Callable[[], None]] = {"meadow": meadow, "room": room, "night": night}
 
 

@@ -25,7 +25,7 @@ CAMERAS = {
     "lens-one": "exact lens, one wavelength",
     "lens": "exact lens, spectrum",
 }
-#: Which program has which camera.
+#: The cameras of each program.
 CAN = {
     PETZVAL: ("pinhole", "thin", "lens-one", "lens"),
     CYCLES: ("pinhole", "thin", "lens-one"),

@@ -29,7 +29,7 @@ from .measure import Error, error
 
 TOP = Path(__file__).resolve().parents[2]
 GALLERY = TOP / "tests" / "scenes" / "gallery"
-#: Where scenes by others are from.
+#: The sources of scenes by others.
 KNOWN = TOP / "tools" / "other_scenes" / "known.toml"
 #: Guides by Cycles' name of the choice.
 GUIDES = {"none": "RGB", "both": "RGB_ALBEDO_NORMAL"}
@@ -90,7 +90,7 @@ class Result:
     errors: dict[tuple[str, int, str, str], Error] = field(default_factory=dict)
     #: Processor time of samples and denoising, s, likewise.
     seconds: dict[tuple[str, int, str, str], float] = field(default_factory=dict)
-    #: Why it was left out.
+    #: The reason why it was left out.
     left_out: str = ""
 
 

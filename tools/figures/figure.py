@@ -25,7 +25,7 @@ class Shot:
     lens: str | None
     options: tuple[str, ...] = ()
     view: str = ""
-    #: What stands under it.
+    #: The line under the picture.
     label: str = ""
     #: Width over height, and the width and the samples beside those of the figures' size.
     aspect: float = 1.5

@@ -31,7 +31,7 @@ from . import compare
 
 TOP = Path(__file__).resolve().parents[2]
 PAGE = TOP / "docs" / "other-scenes.md"
-#: What is known of scenes: where they are from, and why they differ.
+#: The known facts about scenes: their sources, and why they differ.
 KNOWN = Path(__file__).with_name("known.toml")
 PROGRAMS = ("petzval", "cycles")
 #: Samples of the short render: what is done once is taken off by it.
@@ -54,7 +54,7 @@ LONGEST_LOOK_S = 120
 TURNS = 3
 #: A render that takes longer, s, is given up.
 LONGEST_S = 1500
-#: Why a file that is a part of others is left out, as `other_scenes.job` says it.
+#: The reason why a file that is a part of others is left out, as `other_scenes.job` says it.
 NO_CAMERA = "it has no camera"
 #: The difference beyond noise up to which pictures agree.
 ALIKE = 0.01

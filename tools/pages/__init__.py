@@ -53,7 +53,7 @@ class Made(NamedTuple):
     is_changed: bool
     date: str
     machine: str
-    #: How long the target ran, with its unit; empty if unknown.
+    #: The time that the target ran, with its unit; empty if unknown.
     time: str = ""
     #: The generated part of a page that is otherwise written by hand: "Tables", "Pictures"; empty for the whole page.
     part: str = ""

@@ -40,7 +40,7 @@ PICTURES = (
         ),
     ),
 )
-#: What three points are made sharp in.
+#: The objects in which three points are made sharp.
 SHARP = ("Pocket watch", "Decanter", "Desk lamp")
 #: Of the view's width that the panels leave: those of effects have room for what each costs.
 VIEW_SHARE = 0.62

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-#: What is a picture is compared with at least this part of its mean, lest the noise of black be a difference; what is a pass,
-#: bright in some places and nothing in most, or negative, with its mean.
+#: The floors of blocks, relative to the mean: of pictures, lest the noise of black be a difference; and of passes, which are bright in
+#: some places and 0 in most, or negative.
 PICTURE, PASS = 0.01, 1.0
 
 

@@ -25,9 +25,9 @@ class Module:
     libraries: list[str] = field(default_factory=list)
     #: The oldest system: of glibc, Windows or macOS; empty where nothing says so.
     oldest: tuple[int, ...] = ()
-    #: What it takes from outside, by name.
+    #: The names that it imports.
     imports: set[str] = field(default_factory=set)
-    #: What others find in it.
+    #: The names that it exports.
     exports: set[str] = field(default_factory=set)
     #: On a Mac: whether the signature, by nobody in particular, is that of these bytes.
     is_signed: bool = False

@@ -30,7 +30,7 @@ class Emulator:
     flags: str
     #: Crates whose tests are run; None: all.
     packages: tuple[str, ...] | None
-    #: Why the others are not.
+    #: The reason why the others are not.
     reason: str = ""
 
 

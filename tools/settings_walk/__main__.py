@@ -24,7 +24,7 @@ from .worker import Worker
 
 TOP = Path(__file__).resolve().parents[2]
 PAGE = "docs/settings.md"
-#: What was found last.
+#: The file of the last results.
 FOUND = TOP / "output" / "settings.json"
 SAMPLES = 32
 

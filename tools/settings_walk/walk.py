@@ -13,7 +13,7 @@ from .worker import all_asked
 
 #: Looks with four times the samples each, of what few samples leave open.
 LOOKS = 3
-#: How bad it is, the worst last.
+#: The verdicts, the worst last.
 ORDER = ("nothing", "alike", "here alone", "apart", "failed")
 
 

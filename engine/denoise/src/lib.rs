@@ -70,7 +70,7 @@ pub enum DenoiseError {
     },
 }
 
-/// How much time is spent on a better picture.
+/// The time that is spent on a better picture.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Quality {
@@ -99,7 +99,7 @@ impl Quality {
     }
 }
 
-/// What becomes of noise in albedo and normal before they guide the filter. Cycles' words.
+/// The treatment of noise in albedo and normal before they guide the filter. Cycles' words.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Prefilter {
@@ -125,7 +125,7 @@ pub struct Request<'a> {
     pub albedo: Option<&'a [f32]>,
     /// Normal, -1 to 1; only beside albedo.
     pub normal: Option<&'a [f32]>,
-    /// What becomes of the noise of both.
+    /// The treatment of the noise of both.
     pub prefilter: Prefilter,
     /// The quality.
     pub quality: Quality,

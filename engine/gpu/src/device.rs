@@ -184,7 +184,7 @@ impl Gpu {
         Ok(Some(Self { device, queue, info, faults }))
     }
 
-    /// Which device it is.
+    /// The device's name, kind and driver.
     pub fn info(&self) -> &DeviceInfo {
         &self.info
     }

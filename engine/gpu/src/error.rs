@@ -3,7 +3,7 @@
 
 use thiserror::Error;
 
-/// Why a device, or a lens on it, cannot be used. The renderer falls back to the CPU.
+/// The reason why a device, or a lens on it, cannot be used. The renderer falls back to the CPU.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GpuError {
     /// No driver was found.

@@ -161,7 +161,7 @@ impl LensTable {
         self.stages.iter().any(Stage::is_beside_gradient)
     }
 
-    /// Which way the rays go.
+    /// The direction of the rays through the lens.
     pub fn travel(&self) -> Travel {
         self.travel
     }

@@ -15,7 +15,7 @@ const FILES: [(&str, &str); 2] = [
 pub struct Sensitivities {
     /// The camera.
     pub name: String,
-    /// Where the numbers are from.
+    /// The source of the numbers.
     pub source: String,
     first_nm: f64,
     step_nm: f64,

@@ -15,7 +15,7 @@ from .description import IDENTITY, INSTALLED_LENSFUN, CalibrationSettings, Camer
 from .errors import CommandError, complain, writing
 from .scene_options import check_writable
 
-#: What is read beside lensfun databases.
+#: The formats that are read beside lensfun databases.
 KINDS = "OpenCV's or ROS's YAML or JSON, COLMAP's cameras.txt, Kalibr's camchain, Basalt's or NVIDIA's JSON, 3DEqualizer's nodes for Nuke"
 _LENSFUN = "or a lensfun database, an .xml file, a folder of them, or the word lensfun for the installed one"
 #: The engine's formats by the command's words.

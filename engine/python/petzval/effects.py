@@ -43,5 +43,5 @@ EFFECTS = (
     Effect("sensor", "Sensor Noise", "Noise of the camera's sensor in its raw file, where the camera has one", False),
     Effect("spectral_materials", "Spectral Materials", "Materials that are more than three colours", False),
 )
-#: What may be said of an effect.
+#: The values of an effect's setting.
 WORDS = ("auto", "on", "off")

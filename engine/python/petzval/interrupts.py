@@ -31,7 +31,7 @@ class _Listener:
         self.is_listening = False
         #: Asks the render to stop; None: there is none.
         self.stop: Callable[[], None] | None = None
-        #: When it was first asked, in seconds of the monotonic clock.
+        #: The time of the first request, in seconds of the monotonic clock.
         self._first: float | None = None
         self._voice = 2
 
@@ -116,7 +116,7 @@ def listen_by_handlers() -> None:
 
 
 if sys.platform == "win32":
-    #: What the console calls, kept while it may.
+    #: The callbacks of the console, kept while it may call them.
     _console_calls: list[object] = []
 
     def _listen_to_console() -> None:

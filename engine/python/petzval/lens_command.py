@@ -28,7 +28,7 @@ from .questions import read_list, vector_text
 
 _D_LINE_NM = 587.5618
 
-#: What is read, by ending; tables of the Optical Bench are known by their sections.
+#: The endings of lens files that are read; tables of the Optical Bench are known by their sections.
 KINDS = ".lens, .zmx, .seq, .len, .dat or .txt (a table of the Optical Bench)"
 
 

@@ -38,7 +38,7 @@ _WINDOWS_FEATURES = {
     40: {"abm", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"}, 41: {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"},
 }  # fmt: skip
 _SSE4_2 = 38
-#: What `sysctl` calls flags on a Mac, where it is not their name in small letters.
+#: The names of flags by `sysctl` on a Mac, where they are not the names in small letters.
 _MAC_NAMES = {"sse3": "pni", "sse4.1": "sse4_1", "sse4.2": "sse4_2", "avx1.0": "avx", "lahf": "lahf_lm", "lzcnt": "abm"}
 _MAC_LISTS = ("machdep.cpu.features", "machdep.cpu.extfeatures", "machdep.cpu.leaf7_features")
 

@@ -24,7 +24,7 @@ from .interrupts import INTERRUPTED
 from .places import find_lens
 from .sensor_options import SENSORS
 
-#: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
+#: The exit statuses of the half in Blender, which has said why, and their meaning here. No program ends so by chance.
 _OWN_STATUS = {70: 0, 71: 1, 72: 2, 73: AGAIN, INTERRUPTED: INTERRUPTED}
 
 

@@ -179,7 +179,7 @@ pub(crate) const DOUBLE: Allowed = Allowed { worst: 6.0, mean: 3.0 };
 /// Errors below this many units are as good as rounded arithmetic gets, whichever of two is smaller.
 const LEAST: f64 = 2.0;
 
-/// Why the device is not as good as it must be.
+/// The reason why the device is not as good as it must be.
 pub(crate) fn fault(report: &Report, allowed: Allowed) -> Option<String> {
     let Report { rays, passed, device, cpu, other_fate, unexplained, .. } = *report;
     let [device_mean, cpu_mean] = [report.device_squares, report.cpu_squares].map(|sum| Report::mean(sum, passed));

@@ -1,4 +1,4 @@
-//! What is wrong with a calibration, and why a point or direction has no other.
+//! The faults of a calibration, and the reasons why a point or direction has no other.
 
 use super::Model;
 use thiserror::Error;
@@ -31,7 +31,7 @@ pub enum CalibrationError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The condition that it breaks.
         expected: &'static str,
     },
     /// The numbers seem to count something else than pixels.

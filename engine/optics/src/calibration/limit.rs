@@ -1,4 +1,4 @@
-//! How far from the middle a distortion can be turned round: to where it first folds back.
+//! The distance from the middle up to which a distortion can be inverted: where it first folds back.
 
 use super::planar::Distortion;
 use glam::DVec2;

@@ -20,7 +20,7 @@ impl StMap {
         Self { size, places, focal, middle }
     }
 
-    /// Where the pinhole shows, at unit distance, what the picture shows `from_middle`, pixels from the picture's middle, and the derivative,
+    /// The point at unit distance from the pinhole that the picture shows at `from_middle`, pixels from its middle, and the derivative,
     /// by cubics between pixels (Catmull and Rom 1974).
     pub(super) fn at(&self, from_middle: DVec2) -> (DVec2, DMat2) {
         let nowhere = (DVec2::ZERO, DMat2::ZERO);

@@ -79,7 +79,7 @@ pub struct CalibrationFile {
     pub format: Format,
     /// Its cameras, at least one.
     pub cameras: Vec<CalibratedCamera>,
-    /// What was left out, a line each.
+    /// The parts of the file that were left out, a line each.
     pub remarks: Vec<String>,
 }
 

@@ -155,7 +155,7 @@ pub enum Problem {
     Prescription(#[from] PrescriptionError),
 }
 
-/// What to write for a word that is no number.
+/// The advice for a word that is no number.
 fn number_for(found: &str) -> String {
     let with_point = found.replace(',', ".");
     let word = found.trim_start_matches(['+', '-']).to_lowercase();

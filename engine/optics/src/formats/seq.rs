@@ -54,7 +54,7 @@ pub fn parse(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, L
     reader.finish()
 }
 
-/// What becomes of the frame of a decentred surface behind it.
+/// The frame of the surfaces behind a decentred surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum FrameKind {
     /// It stays decentred and tilted.
@@ -68,7 +68,7 @@ enum FrameKind {
     Reverse,
 }
 
-/// How a surface or the film is decentred and tilted: x, y and z in the file's units, alpha, beta and gamma in degrees.
+/// The decentring and tilt of a surface or of the film: x, y and z in the file's units, alpha, beta and gamma in degrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Frame {
     numbers: [f64; 6],
@@ -157,7 +157,7 @@ struct SeqReader<'a> {
     /// The surface that commands are about: `None` before any, 0 the object.
     current: Option<usize>,
     has_film: bool,
-    /// How surfaces are decentred, by their index; that of the film last.
+    /// The decentring of surfaces, by their index; that of the film last.
     frames: HashMap<usize, Frame>,
     film_frame: Frame,
     /// Distance from the film's place to where it is meant to be.

@@ -171,7 +171,7 @@ impl CalibratedLens {
         is_known.then(|| found(first.with_terms(terms), nearest)).flatten()
     }
 
-    /// How far a measured vignetting is from a setting (`__vignetting_dist` in lensfun's `lens.cpp`).
+    /// The distance of a measured vignetting from a setting (`__vignetting_dist` in lensfun's `lens.cpp`).
     fn apart(&self, row: &VignettingRow, focal_mm: f64, f_number: f64, distance_m: f64) -> f64 {
         let [shortest, longest] = self.focal_range_mm;
         let range = if longest != shortest { longest - shortest } else { 1.0 };

@@ -38,7 +38,7 @@ pub enum LensfunError {
         line: u32,
         /// Column, from 1.
         column: u32,
-        /// What is wrong, and what belongs there.
+        /// The fault, and the content that belongs there.
         what: String,
     },
     /// No lens is named, and there are several.

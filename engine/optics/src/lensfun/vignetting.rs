@@ -45,7 +45,7 @@ pub struct Vignetting {
     pub real_focal_mm: f64,
     /// The sensor of the calibration.
     pub sensor: Sensor,
-    /// How far the nearest measurement is, in lensfun's measure: 0 where it was measured, 1 from one end of the zoom to the other, or
+    /// The distance of the nearest measurement, in lensfun's measure: 0 at a measurement, 1 from one end of the zoom to the other, or
     /// from f/4 to f/2.
     pub apart: f64,
 }

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..description import opened
 
-#: What everything is held against.
+#: The base camera: times are relative to its time.
 PINHOLE = "pinhole"
 #: The plan's own choice.
 AUTO = "auto"
@@ -27,7 +27,7 @@ _COLOURS = ("lateral_colour", "axial_colour")
 #: The cameras are held against the truth without it, and each kind of it against the truth with all of it.
 STRAYS = {"ghosts": "with ghosts", "glare": "with veiling glare", "diffraction": "with diffraction"}
 
-#: What cannot be simulated yet, but stands in the table so that nobody looks for it in vain.
+#: Effects that cannot be simulated yet, but stand in the table so that nobody looks for them in vain.
 NOT_YET = {
     "transmission": "with coatings",
     **STRAYS,
@@ -46,7 +46,7 @@ class Rung:
     settings: dict[str, Any] = field(default_factory=dict)
     effects: dict[str, str] = field(default_factory=dict)
     quality: float = 1.0
-    #: Why it cannot be rendered; None where it can.
+    #: The reason why it cannot be rendered; None where it can.
     missing: str | None = None
 
 

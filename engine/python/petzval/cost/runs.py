@@ -61,14 +61,14 @@ class Runs:
     wall_s: list[float] = field(default_factory=list)
     processor_s: list[float] = field(default_factory=list)
     predicted_s: list[float] = field(default_factory=list)
-    #: That foretelling took.
+    #: Time of the forecast, s.
     forecast_s: list[float] = field(default_factory=list)
     pictures: Sums = field(default_factory=Sums)
     #: Of a rung with stray light: that light, and the time to find it, by the clock.
     strayed: Sums = field(default_factory=Sums)
     stray_s: list[float] = field(default_factory=list)
     stats: dict[str, Any] = field(default_factory=dict)
-    #: Why it could not be rendered.
+    #: The reason why it could not be rendered.
     why_not: str | None = None
 
 

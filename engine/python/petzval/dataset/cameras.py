@@ -19,7 +19,7 @@ from . import lens_fit
 _CENTRAL = ("PINHOLE", "THIN")
 #: Of the rays that ground truth goes by, nm: the d line.
 WAVELENGTH_NM = 587.5618
-#: How far a lens is stopped down for these, so that they go through the middle of its diaphragm. Through smaller ones rays that are aimed at them
+#: The f-number of a lens for rays that go through the middle of its diaphragm. At larger ones rays that are aimed at the diaphragm
 #: begin to miss.
 F_NUMBER = 100.0
 #: Pixels along the longer side at which a lens's rays are looked up for a fit.

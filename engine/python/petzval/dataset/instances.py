@@ -15,7 +15,7 @@ from .. import atomic_files
 from ..errors import CommandError
 from .spec import ClassSpec
 
-#: What 16-bit masks hold.
+#: The largest number of 16-bit masks.
 _MOST = 65535
 
 

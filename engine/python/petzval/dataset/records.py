@@ -28,8 +28,8 @@ class Record:
     height: int
     #: As `cameras.Intrinsics.as_json` has them; None where none were asked for.
     intrinsics: dict[str, Any] | None
-    #: How far the parameters show the places of this picture from the middles of their pixels, pixels: the median and the largest; None where either is
-    #: not known.
+    #: Distances of this picture's places, as the parameters project them, from the middles of their pixels, pixels: the median and the
+    #: largest; None where either is not known.
     reprojection_px: list[float] | None = None
     #: Files by what is in them, relative to the folder of the data set, with their sizes.
     files: dict[str, str] = field(default_factory=dict)

@@ -73,7 +73,7 @@ class Random:
     radius: tuple[float, float]
     elevation_deg: tuple[float, float]
     target: poses.Vector | str | None
-    #: How far the direction may turn from the target, degrees.
+    #: The largest turn of the direction from the target, degrees.
     jitter_deg: float
     clearance: float
     rejects_inside: bool

@@ -47,9 +47,9 @@ class Job:
     #: The picture's name; of an animation with #### for the frame's number.
     picture: str
     engine: str
-    #: What the engine was compiled for.
+    #: The processor level that the engine was compiled for.
     processor: str
-    #: What Python calls the operating system, whose C library computes sines and powers.
+    #: Python's name of the operating system, whose C library computes sines and powers.
     system: str
     blender: str
     #: Slots into which the tiles of a picture are dealt.

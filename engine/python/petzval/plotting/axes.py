@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: Points: of ticks, from them to their numbers, from those to the axis's name, above the plot to its title.
 _TICK, _TO_NUMBER, _TO_NAME, _TO_TITLE = 3.0, 3.0, 4.0, 5.0
 _NUMBER_COLOUR, _EDGE, _GRID = "#444444", "#8a939a", "#e3e7ea"
-#: What the limits leave free about the data, parts of their span.
+#: The margin of the limits about the data, as a part of their span.
 _MARGIN = 0.05
 #: Marks whose line is not drawn.
 _FORMATS = {"o": "o", "*": "*", "<": "<"}

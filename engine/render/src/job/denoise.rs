@@ -20,7 +20,7 @@ pub struct Denoising {
     pub by_albedo: bool,
     /// True if [`LightPass::DenoisingNormal`] does so beside albedo.
     pub by_normal: bool,
-    /// What becomes of the noise of both.
+    /// The treatment of the noise of both.
     pub prefilter: Prefilter,
     /// The quality.
     pub quality: Quality,

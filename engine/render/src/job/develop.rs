@@ -37,7 +37,7 @@ impl Job {
         self.on_threads(|| find(&straight))
     }
 
-    /// What a function gives that runs on as many threads as the render had.
+    /// The result of a function that runs on as many threads as the render had.
     pub fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         // Where there can be no more threads, this one does.
         match ThreadPoolBuilder::new().num_threads(self.threads.len()).build() {

@@ -1,4 +1,4 @@
-//! What keeps a render from starting.
+//! The errors that keep a render from starting.
 
 use super::SettingsError;
 use super::bake::BakeError;

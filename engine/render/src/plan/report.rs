@@ -93,7 +93,7 @@ pub struct CoincidentReport {
     pub objects: [String; 2],
     /// The part of the picture that shows such faces.
     pub part: f64,
-    /// What a user is told, a line.
+    /// The message to the user, a line.
     pub text: String,
 }
 

@@ -24,7 +24,7 @@ const GOLDEN: f64 = 0.618_033_988_75;
 /// Displacement of the film by which the best film is found, as a part of the depth of focus: the mean square of a spot is a parabola.
 const ASIDE: f64 = 1.0;
 
-/// What is adjusted to make up for deviations.
+/// The quantity that is adjusted to make up for deviations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum Compensator {

@@ -39,7 +39,7 @@ mod tests {
     use super::*;
     use crate::sampler::warp::{sample_cosine_hemisphere, sample_sphere};
 
-    /// Whatever the normal, the mirrored ray leaves the triangle on the viewer's side, and a normal that does so stays.
+    /// With any normal, the mirrored ray leaves the triangle on the viewer's side, and a normal that does so stays.
     #[test]
     fn mirrors_send_light_upwards() {
         let (mut kept, mut bent) = (0, 0);

@@ -99,7 +99,7 @@ fn left_out(root: &Node) -> Vec<String> {
     unknown.take(20).map(|(key, node)| format!("line {}: {key:?} is left out", node.place.line)).collect()
 }
 
-/// What is said of cameras whose distortion does not stand in the file: nothing tells a pinhole from a file that is broken off there.
+/// The remark on a camera whose distortion does not stand in the file: nothing tells a pinhole from a file that is broken off there.
 fn without_distortion(node: &Node, root: &Node, suffix: &str, name: &str) -> Option<String> {
     let has = |node: &Node, suffix: &str| DISTORTION.iter().any(|key| node.get(&format!("{key}{suffix}")).is_some());
     let is_there = has(node, suffix) || has(node, "") || has(root, "");

@@ -28,7 +28,7 @@ pub enum CalibrationProblem {
     Missing {
         /// The camera, or the file.
         camera: String,
-        /// What is missing.
+        /// The missing part.
         what: &'static str,
     },
     /// A text stands where something else belongs.
@@ -36,15 +36,15 @@ pub enum CalibrationProblem {
     Malformed {
         /// The text that the file has there.
         found: String,
-        /// What was expected.
+        /// The expected content.
         expected: String,
     },
     /// A list has too few or too many numbers.
     #[error("{found} numbers where {expected} belong")]
     Count {
-        /// How many there are.
+        /// The count in the file.
         found: usize,
-        /// How many there should be.
+        /// The expected count.
         expected: String,
     },
     /// Something that the engine has no means for, without which the camera would be another.
@@ -55,7 +55,7 @@ pub enum CalibrationProblem {
     Calibration {
         /// The camera.
         camera: String,
-        /// What is wrong with it.
+        /// The fault of its numbers.
         problem: CalibrationError,
     },
     /// The camera that was asked for is not there.
@@ -69,7 +69,7 @@ pub enum CalibrationProblem {
     /// There are several cameras, and none is named.
     #[error("there are {count} cameras; choose one of {there}")]
     Several {
-        /// How many there are.
+        /// The number of cameras.
         count: usize,
         /// Their names.
         there: String,

@@ -115,7 +115,7 @@ impl Node {
         }
     }
 
-    /// What stands here, for a message.
+    /// The node's content, for a message.
     pub(super) fn shown(&self) -> &str {
         match &self.value {
             Value::Scalar(text) => text,

@@ -39,7 +39,7 @@ fn zemax(before: &str, behind: &str) -> String {
     )
 }
 
-/// Where some rays leave the lens, and in which directions.
+/// Origin and direction of some rays behind the lens.
 fn rays(lens: &Prescription) -> Vec<[DVec3; 2]> {
     let tracer = system(lens).at_wavelength(587.5618);
     let rays = [(0.0, 0.0), (3.0, 0.0), (0.0, 4.0), (-2.0, -3.0)];

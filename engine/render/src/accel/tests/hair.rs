@@ -258,7 +258,7 @@ proptest! {
         }
     }
 
-    /// Whatever comes, answers are numbers.
+    /// Any keys give answers that are numbers.
     #[test]
     fn anything_goes(
         values in prop::collection::vec(prop::array::uniform4(prop::num::f32::ANY), 2..7), seed in 0u32..60000,
