@@ -53,7 +53,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         self._bake = None
 
     def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
-        """One image of an object's surface; where that fails or is stopped the image keeps what it has."""
+        """One image of an object's surface; where that fails or is stopped the image keeps its pixels."""
         try:
             if getattr(self, "_bake", None) is None or self._bake.holder != obj:
                 self._bake = Bake(self, depsgraph, obj)

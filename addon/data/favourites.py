@@ -14,7 +14,7 @@ _lenses: list[str] = []
 
 
 def key(lens_file: str, library: bpy.types.Library | None = None) -> str:
-    """By what a lens is known: the file's name if it comes with Petzval, else its path. Looks at no disk."""
+    """The key of a lens: the file's name if it comes with Petzval, else its path. Looks at no disk."""
     text = lens_file.strip()
     if not text:
         return ""

@@ -98,7 +98,7 @@ def _feed_all(digest: Any, values: tuple | list) -> None:
 
 
 def _written(value: Any) -> bytes:
-    """A plain value, or a tuple of such. Version 2 writes equal values alike: later ones refer to what is the same object."""
+    """A plain value, or a tuple of such. Version 2 writes equal values alike: later ones refer to the same object."""
     return b"=" + marshal.dumps(value, 2)
 
 

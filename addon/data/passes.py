@@ -16,7 +16,7 @@ class Pass(NamedTuple):
     channels: int
     channel_names: str
     kind: str
-    #: The view layer's switch, and what the engine's `Job.data` calls it.
+    #: The view layer's switch, and its name in the engine's `Job.data`.
     switch: str = ""
     engine_name: str = ""
 
@@ -33,7 +33,7 @@ DATA = (
 
 
 class Light(NamedTuple):
-    """A pass of light or colour, or of what else the engine keeps by parts (`Job.part`)."""
+    """A pass of light or colour, or another part that the engine keeps (`Job.part`)."""
 
     #: As Blender 5 names it, and as it did before.
     name: str

@@ -3,7 +3,7 @@
 so at every render, as settings that this version does not know are not read.
 
 A setting that is only added needs no version: an older file has its default. One that changes its meaning, its unit or its name does: raise
-`VERSION`, and put what older files need into `STEPS`.
+`VERSION`, and put the changes that older files need into `STEPS`.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lens drawn as a small picture, from what the engine says of its surfaces and rays (`lens_drawing_json`). No bpy.
+"""A lens drawn as a small picture, from the engine's surfaces and rays (`lens_drawing_json`). No bpy.
 
 The colours are read on the panels' grey, light or dark.
 """
@@ -30,7 +30,7 @@ _LETTERS = 0.04
 
 
 def view_of(found: dict[str, Any]) -> View:
-    """Left, right, low and high (mm) of what is to be seen, the axis in the middle."""
+    """Left, right, low and high (mm) of the drawing, the axis in the middle."""
     places = [place for surface in found["surfaces"] for place in surface["points"]]
     places += [place for field in found["fields"] for ray in field["rays"] for place in ray]
     places += [*found["film"], [found["film_z_mm"], 0.0]]
@@ -42,7 +42,7 @@ def view_of(found: dict[str, Any]) -> View:
 
 
 def _view_of_glass(found: dict[str, Any]) -> View:
-    """Of what is made of glass alone, with some room for the rays."""
+    """The bounds of the glass alone, with some room for the rays."""
     places = np.asarray([place for surface in found["surfaces"] for place in surface["points"]], float)
     if not len(places):
         return view_of(found)

@@ -173,7 +173,7 @@ def _place_film(drawing: dict[str, Any], camera: CameraDescription, info: dict[s
 
 
 def _draw() -> float | None:
-    """The timer: draws what has not changed for a while; gives the seconds until it is to be called again."""
+    """The timer: draws the lenses that have not changed for a while; gives the seconds until it is to be called again."""
     if bpy.app.is_job_running("RENDER"):
         return _BUSY_S
     ready = [place for place, (_, since) in _wanted.items() if time.monotonic() >= since + _QUIET_S]

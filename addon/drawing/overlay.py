@@ -22,11 +22,11 @@ from ..native import EngineMissing, engine
 
 #: Points over the picture's width and height: a surface of focus is smooth.
 COLUMNS, ROWS = 13, 9
-#: Colours, with how much of what is behind they cover.
+#: Colours with their opacity.
 _SHARP, _NEAR, _FAR, _PUPIL = (0.2, 0.85, 0.35), (0.25, 0.6, 1.0), (1.0, 0.55, 0.2), (0.85, 0.4, 0.95)
 _FILL, _LINE, _FAINT = 0.12, 0.9, 0.35
 _SEGMENTS = 48
-#: Blender units: what is farther is drawn no more.
+#: Blender units: farther parts are not drawn.
 _FARTHEST = 1e5
 
 _known: dict[str, tuple[Any, dict[str, Any]]] = {}

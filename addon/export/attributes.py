@@ -18,7 +18,7 @@ GENERATED = ".generated"
 _WITHOUT_GENERATED = {"ShaderNodeTexImage", "ShaderNodeTexEnvironment", "ShaderNodeTexCoord"}
 #: The inputs of a shader node for stretched facets, which lie about a generated tangent where none is linked.
 STRETCH = ("Anisotropic", "Anisotropy")
-#: The engine's names for what edges tell, by the output of a Geometry node that shows it.
+#: The engine's names for attributes of edges, by the output of a Geometry node that shows it.
 _OF_EDGES = {"Pointiness": ".pointiness", "Random Per Island": ".random_per_island"}
 
 #: By Blender's type of an attribute: the name of its values, and how many numbers each has.
@@ -35,7 +35,7 @@ KINDS = {
 
 
 def wanted(graph: dict[str, Any]) -> frozenset[str]:
-    """The names of what a graph's nodes ask for; an empty one is the colour attribute for rendering."""
+    """The names of the attributes that a graph's nodes ask for; an empty one is the colour attribute for rendering."""
     of_geometry = {"Tangent": GENERATED, **_OF_EDGES}
     shown = _shown(graph, "ShaderNodeNewGeometry")
     names = {name for socket, name in of_geometry.items() if socket in shown}
@@ -55,7 +55,7 @@ def wanted(graph: dict[str, Any]) -> frozenset[str]:
 
 
 def of_raycast(options: dict[str, Any]) -> set[str]:
-    """The names of what a Raycast node asks of what is hit."""
+    """The names of the attributes that a Raycast node asks of a hit surface."""
     return {name for key, name in options.items() if key.startswith("attribute_") and not key.endswith("_kind")}
 
 
@@ -73,7 +73,7 @@ def _shown(graph: dict[str, Any], kind: str) -> set[str]:
 
 
 def read(mesh: bpy.types.Mesh, names: Iterable[str], triangles: int) -> dict[str, tuple[str, np.ndarray]]:
-    """By name: what they belong to, and four numbers each, as `mesh.Values`. `triangles` is how many the mesh has."""
+    """The attributes by name: their domain, and four numbers each, as `mesh.Values`. `triangles` is the mesh's number of triangles."""
     found = {name: _values(mesh, name, triangles) for name in sorted(names)}
     return {name: values for name, values in found.items() if values is not None}
 
@@ -101,7 +101,7 @@ def _colour_for_rendering(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
 
 
 def four(attribute: bpy.types.Attribute) -> np.ndarray:
-    """Four numbers a value: one stands in the first three, what is missing of the others is 0, alpha 1."""
+    """Four numbers a value: a single number stands in the first three, missing ones are 0, and alpha is 1."""
     name, count = KINDS[attribute.data_type]
     kind = {"INT": np.int32, "INT8": np.int8, "BOOLEAN": bool}.get(attribute.data_type, np.float32)
     raw = np.empty(len(attribute.data) * count, kind)

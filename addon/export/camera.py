@@ -246,7 +246,8 @@ def blender_shift(
 
 
 def _lens(camera: bpy.types.Camera, of_lens: bool) -> LensSettings:
-    """The settings of the lens; `of_lens`: of a lens file, else of a thin lens, which takes what is not set from Blender's depth of field."""
+    """The settings of the lens; `of_lens`: of a lens file, else of a thin lens, which takes values that are not set from Blender's depth of
+    field."""
     settings = camera.petzval
     f_number = None if settings.wide_open else settings.f_number
     if not of_lens:

@@ -62,7 +62,7 @@ def has_gpu() -> bool:
 
 
 def within_memory(how: DenoisingDescription, limit_gb: float) -> DenoisingDescription:
-    """The same in the memory that is left now; `limit_gb` is the user's, 0 for what the machine has free."""
+    """The denoising settings within the memory that is left now; `limit_gb` is the user's, 0 for the machine's free memory."""
     free, used = engine().free_memory_bytes(), process_memory.used_bytes()
     left = limit_gb * 1e9 - used if limit_gb and used is not None else free
     # By how much is left tiles differ, and with them the last bits: always the same where there is enough.

@@ -3,4 +3,4 @@
 
 
 class ExportError(Exception):
-    """The message is one line for the user: what, where, what to do."""
+    """An error with one line for the user: the fault, its place, the remedy."""

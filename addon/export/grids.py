@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values at the voxels of volume objects and smoke: what Blender keeps as OpenVDB grids and as arrays."""
+"""Values at the voxels of volume objects and smoke: Blender's OpenVDB grids and arrays."""
 
 from __future__ import annotations
 

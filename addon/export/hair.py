@@ -66,7 +66,7 @@ def places(holder: bpy.types.Object, system: System) -> np.ndarray:
 def extract(
     holder: bpy.types.Object, system: System, wanted: Iterable[str], drawn: dict[str, Any], first_number: int
 ) -> CurveArrays:
-    """The strands of a system, with what is wanted of the mesh that they grow from."""
+    """The strands of a system, with the attributes that are wanted of the mesh that they grow from."""
     at = places(holder, system)
     strands, each = at.shape[:2]
     keys = np.empty((strands, each, 4), np.float32)

@@ -2,7 +2,8 @@
 """Pixels of images straight from their files.
 
 Blender gives the pixels of an image as floats, in several times the time that reading its file takes; and once it has read the file itself.
-Blender's own reader of files (the module imbuf) gives bytes: the same numbers, for what is neither painted nor treated on the way.
+Blender's own reader of files (the module imbuf) gives bytes: the same numbers, for images that are neither painted nor converted on the
+way.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ class Piece:
 
 @dataclass
 class Kept:
-    """All of one builder, by what each was made of."""
+    """All pieces of one builder, by their sources."""
 
     builder: Any
     images: dict[ImageKey, int] = field(default_factory=dict)
@@ -53,7 +53,7 @@ class Kept:
     meshes: dict[Hashable, Piece] = field(default_factory=dict)
     #: Something fills space: a material's volume, or smoke.
     fills_space: bool = False
-    #: Datablocks whose shape changed since the last time; what is made of them is not taken as it was.
+    #: Datablocks whose shape changed since the last time; pieces made of them are not taken as they were.
     reshaped: frozenset[int] = frozenset()
     #: The number of pieces that were sent or forgotten.
     changes: int = 0
@@ -61,7 +61,8 @@ class Kept:
     _frames: set[ImageKey] = field(default_factory=set)
 
     def begin(self, changed: Changes, scene_frame: int) -> None:
-        """Forgets what changed, and frames that are not those of the scene's frame; what is not asked for until `sweep` goes then."""
+        """Forgets changed pieces, and frames that are not those of the scene's frame; pieces that are not asked for until `sweep` go
+        then."""
         if changed.images & {key.image for key in self.images}:
             # Materials name images by their index.
             changed = Changes(changed.images, changed.shapes, set(self.materials))

@@ -59,7 +59,7 @@ def is_portal(light: bpy.types.Light) -> bool:
 
 
 def _shape(description: LightDescription, light: bpy.types.Light, matrix: Matrix) -> None:
-    """Fills in what only some kinds of light have."""
+    """Fills in the fields that only some kinds of light have."""
     if light.type in {"POINT", "SPOT"}:
         description.radius = light.shadow_soft_size
         description.soft_falloff = light.use_soft_falloff

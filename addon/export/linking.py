@@ -44,7 +44,7 @@ class Links:
         return any(self._sets.values())
 
     def sets(self, holder: bpy.types.Object) -> tuple[int, int]:
-        """Of an emitter: what it lights, and what stands in its way."""
+        """The sets of an emitter: the objects that it lights, and those that block its light."""
         return tuple(self._sets[role].get(_collection(holder, role), 0) for role in ROLES)
 
     def of(self, holder: bpy.types.Object) -> tuple[int, int, int, int] | None:

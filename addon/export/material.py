@@ -38,7 +38,7 @@ class Materials:
         self._report = report
         self._known = kept.materials
         self._wanted = kept.wanted
-        #: The attributes that rays of any material ask of what they hit.
+        #: The attributes that rays of any material ask of surfaces that they hit.
         self.of_rays = _of_rays()
 
     def index(self, material: bpy.types.Material | None) -> int:

@@ -40,7 +40,7 @@ def check_picture(limit_gb: float, width: int, height: int, film_bytes_a_pixel: 
 
 
 class Room:
-    """Memory for the meshes of one scene; `limit_gb` is the user's, 0 for what the machine has free."""
+    """Memory for the meshes of one scene; `limit_gb` is the user's, 0 for the machine's free memory."""
 
     def __init__(self, limit_gb: float) -> None:
         self._limit_bytes = limit_gb * 1e9

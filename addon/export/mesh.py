@@ -53,7 +53,7 @@ class MeshArrays:
 
 @contextmanager
 def shape(holder: bpy.types.Object, data: bpy.types.Mesh) -> Iterator[bpy.types.Mesh]:
-    """An object's mesh; of one that is being edited, what it is now: its data are empty until then."""
+    """An object's mesh; of one in edit mode its current state: its data are empty until then."""
     if not data.is_editmode:
         yield data
         return

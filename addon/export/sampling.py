@@ -33,12 +33,12 @@ class Sampling:
     time_limit_s: float
     #: Number of the first.
     sample_offset: int
-    #: The threshold is for what denoising leaves.
+    #: The threshold is for the noise that denoising leaves.
     is_after_denoising: bool
     is_of_cycles: bool
 
     def in_a_line(self) -> str:
-        """For people: that they are Cycles', and what they are; empty where they are Petzval's own."""
+        """A line for the panel: Cycles' values, named as Cycles'; empty where they are Petzval's own."""
         if not self.is_of_cycles:
             return ""
         count = f"{self.samples} samples" if self.samples < _ENDLESS else "samples without end"
@@ -97,7 +97,7 @@ def of_layer(samples: int, scene: bpy.types.Scene, view_layer: bpy.types.ViewLay
 
 
 def make_own(scene: bpy.types.Scene, names: tuple[str, ...]) -> None:
-    """Sets Petzval's own to what counts, where that is Cycles': from then on they are Petzval's."""
+    """Copies Cycles' values into Petzval's own settings, where Cycles' count: from then on Petzval's count."""
     if not follows_cycles(scene, names):
         return
     own, now = scene.petzval, of_render(scene) if names == OF_RENDER else of_view(scene)
@@ -112,7 +112,7 @@ def make_own(scene: bpy.types.Scene, names: tuple[str, ...]) -> None:
 
 
 def follow_cycles(scene: bpy.types.Scene, names: tuple[str, ...]) -> None:
-    """Forgets what was set of Petzval's own, so that Cycles' count."""
+    """Unsets Petzval's own settings, so that Cycles' count."""
     for name in names:
         scene.petzval.property_unset(name)
     # Blender takes no notice of that by itself.

@@ -39,7 +39,7 @@ class Shutter(NamedTuple):
 
 
 def split(time: float) -> tuple[int, float]:
-    """A frame and what is beyond it."""
+    """A time as a whole frame and the part of a frame beyond it."""
     frame = math.floor(time)
     return frame, time - frame
 
@@ -253,7 +253,7 @@ def _same(one: Shape, other: Shape) -> bool:
 
 
 def most_keys(depsgraph: bpy.types.Depsgraph, camera: bpy.types.Object | None) -> int:
-    """The keys of what has most in the graph, the camera among them."""
+    """The largest number of keys of anything in the graph, the camera among it."""
     found = [key_count_of(place) for place in depsgraph.object_instances]
     return max([0 if camera is None else key_count(camera), *found])
 

@@ -76,7 +76,7 @@ def is_pair(render: bpy.types.RenderSettings) -> bool:
 
 
 def turn(camera: bpy.types.Camera, render: bpy.types.RenderSettings, view: str) -> float:
-    """By what tangent a picture's middle lies to the right of the camera's axis, for both eyes to converge without being turned."""
+    """The tangent by which a picture's middle lies to the right of the camera's axis, for both eyes to converge without being turned."""
     stereo = camera.stereo
     share = _share(stereo, is_left=view != RIGHT)
     if not is_pair(render) or camera.type != "PERSP" or stereo.convergence_mode != "OFFAXIS":

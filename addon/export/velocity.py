@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-#: By what it is known, of meshes and point clouds: Blender units a second, object space.
+#: The name of the attribute of meshes and point clouds: Blender units a second, object space.
 _NAME = "velocity"
 
 

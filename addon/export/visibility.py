@@ -9,7 +9,7 @@ from petzval.description import NO_LIMIT, RAYS, Caustics, KindLimits
 
 
 def hidden_from(*holders: bpy.types.Object) -> tuple[str, ...]:
-    """Of an object, a mesh or a light; of several, what any of them is hidden from."""
+    """The kinds of rays that an object, a mesh or a light is hidden from; of several, those that any of them is hidden from."""
     return tuple(kind for kind in RAYS if not all(getattr(holder, f"visible_{kind.lower()}") for holder in holders))
 
 

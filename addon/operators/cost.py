@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures what accuracy costs in this scene, as `petzval cost` does, beside Blender: its window stays alive meanwhile."""
+"""Measures the cost of accuracy in this scene, as `petzval cost` does, beside Blender: its window stays alive meanwhile."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .common import result_of
 _TELL_S = 0.2
 _STATUS = "What accuracy costs: {text}, {part:.0%}    Esc: enough"
 
-#: By the scene's name: what was found last.
+#: The last results, by the scene's name.
 _last: dict[str, dict[str, Any]] = {}
 
 

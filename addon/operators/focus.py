@@ -13,7 +13,7 @@ from ..export import camera as camera_export
 from ..queries import autofocus, sharp_points, viewport_camera
 from .common import result_of, shown_camera
 
-#: The three settings of a camera that name what is to be sharp.
+#: The three settings of a camera that name the objects to be sharp.
 SHARP_OBJECTS = ("sharp_object_1", "sharp_object_2", "sharp_object_3")
 
 
@@ -54,7 +54,7 @@ class PETZVAL_OT_focus_here(LensOperator, bpy.types.Operator):
 
 
 def keep(camera: bpy.types.Camera, scene: bpy.types.Scene, found: dict) -> str:
-    """Writes the focus found into the settings, and says what they are now."""
+    """Writes the focus found into the settings, and reports their new values."""
     own, distance_mm = camera.petzval, found["focus_scale_mm"]
     if distance_mm is None:
         own.focus_mode = "INFINITY"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Focusing on what somebody points at: an object, the 3D cursor, or a place under the mouse."""
+"""Focusing on a target that the user points at: an object, the 3D cursor, or a place under the mouse."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Target:
 
 
 class _Finder(LensOperator):
-    """Keeps what is found."""
+    """Keeps the target's focus."""
 
     def focus(self, context, holder: bpy.types.Object, target: Target | None) -> set[str]:
         if target is None:
@@ -63,7 +63,7 @@ def find(context: bpy.types.Context, holder: bpy.types.Object, target: Target) -
 
 def of_place(context: bpy.types.Context, holder: bpy.types.Object, place: Vector) -> Target | None:
     """A place of the world; None: behind the camera. Where in the picture it is Blender's camera says, which is near enough: the
-    place is taken for what is there."""
+    place is taken for the target."""
     x, y, depth = world_to_camera_view(context.scene, holder, place)
     return Target((x, y), place) if depth > 0.0 else None
 
@@ -94,7 +94,7 @@ def nearest_place(context: bpy.types.Context, holder: bpy.types.Object, subject:
 
 
 def _frame_at_one(holder: bpy.types.Object, scene: bpy.types.Scene) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Left and right, low and high of what Blender's camera frames, at depth one."""
+    """Left and right, low and high of the frame of Blender's camera, at depth one."""
     corners = [corner / -corner.z for corner in holder.data.view_frame(scene=scene)]
     xs, ys = [corner.x for corner in corners], [corner.y for corner in corners]
     return (min(xs), max(xs)), (min(ys), max(ys))

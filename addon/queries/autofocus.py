@@ -2,7 +2,7 @@
 """The autofocus of panels: asked with Blender's own rays, remembered, never while a panel draws.
 
 A render asks the engine's own scene; here Blender's ray casting stands for it, so that nothing has to be exported: it sees
-what the viewport holds.
+the viewport's state of the scene.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _MOST_SKIPPED = 64
 class Finding:
     """The answer of autofocus for a camera, and whether the scene is still as it was then."""
 
-    #: The engine's `autofocus_by_json`, with what was met: `object_name`, and `subject_mm` from the camera along its axis.
+    #: The engine's `autofocus_by_json`, with the hit: `object_name`, and `subject_mm` from the camera along its axis.
     #: Where it fails only `error`, one line.
     answer: dict[str, Any]
     is_current: bool
@@ -46,7 +46,7 @@ def find(
     place: Vector | None = None,
 ) -> dict[str, Any]:
     """Looks now; takes about a tenth of a second. At the camera's own point of the picture, or another; `place`, of the world, is taken
-    for what is there."""
+    for the target."""
     width, height = camera_export.resolution(scene.render)
     met: list[str] = []
 
@@ -114,7 +114,7 @@ LOOKOUT = Lookout(find, _asked)
 
 
 def forget() -> None:
-    """Drops what is remembered."""
+    """Drops the remembered answers."""
     LOOKOUT.forget()
 
 

@@ -67,7 +67,7 @@ class Lookout:
         return None if kept is None else (kept.answer, is_current)
 
     def forget(self) -> None:
-        """Drops what is remembered."""
+        """Drops the remembered answers."""
         self._kept.clear()
         self._wanted, self.quiet_s = None, _QUIET_S
 

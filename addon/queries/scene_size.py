@@ -162,7 +162,7 @@ LOOKOUT = Lookout(measure, _asked)
 
 
 def forget() -> None:
-    """Drops what is remembered."""
+    """Drops the remembered sizes."""
     LOOKOUT.forget()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeps Blender's own camera in step with the lens, so that the camera view frames what will be photographed.
+"""Keeps Blender's own camera in step with the lens, so that the camera view shows the frame of the photograph.
 
 Only cameras whose lens was set up are touched, and they are put back as they were while another engine is chosen. Nothing is written
 while drawing or rendering.
@@ -46,7 +46,7 @@ def is_switching() -> bool:
 
 
 def switched(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
-    """The user has turned Through the Lens: what is seen stays what it was."""
+    """The user has turned Through the Lens: the view stays the same."""
     settings = camera.petzval
     if settings.model in OF_LENS_FILE:
         lens_changed(camera, scene)
@@ -175,7 +175,7 @@ def _file_opened(_path: str) -> None:
 
 
 def _listen() -> None:
-    """Has Blender tell when the engine is changed; what is asked of it is lost when a file is opened."""
+    """Has Blender tell when the engine is changed; the subscription is lost when a file is opened."""
     bpy.msgbus.clear_by_owner(_OWNER)
     key = (bpy.types.RenderSettings, "engine")
     bpy.msgbus.subscribe_rna(key=key, owner=_OWNER, args=(), notify=_engine_of_any_scene_changed)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake of one object: Blender lays out the points of its surface, the engine finds what is there, Blender writes it to images."""
+"""A bake of one object: Blender lays out the points of its surface, the engine renders them, Blender writes the values to images."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Bake:
         self._scene = depsgraph.scene_eval
         self._report = Report()
         self._camera = self._find_camera()
-        #: By whether there is nothing but what catches shadows.
+        #: By whether the scene holds shadow catchers alone.
         self._stages: dict[bool, Any] = {}
         self._images = 0
 

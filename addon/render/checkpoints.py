@@ -103,7 +103,7 @@ class Checkpoint:
             feed(self._scene, piece)
 
     def pieces(self) -> dict[str, str]:
-        """Short digests of the images, materials and meshes, by what they are called."""
+        """Short digests of the images, materials and meshes, by their names."""
         names = {} if self._told is None else self._told.names
         return {
             f"{kind} {index} '{names.get((kind, index), '')}'": digest.hex()[:16]

@@ -58,7 +58,7 @@ class FarmRun:
     asked: Asked
     #: Told of each picture that was merged.
     show: Callable[[Path], None] = lambda _: None
-    #: For the status: what goes on.
+    #: The current step, for the status.
     status: str = ""
     is_done: bool = False
     _process: subprocess.Popen[bytes] | None = None
@@ -85,7 +85,7 @@ class FarmRun:
             self._look()
 
     def stop(self) -> None:
-        """Asks what runs here to keep what it has, and to end. What a scheduler was handed goes on."""
+        """Asks the processes on this machine to keep their work, and to end. Jobs of a scheduler go on."""
         for process in (self._process, self._merging):
             if process is not None and process.poll() is None:
                 processes.ask_to_end(process)
@@ -131,7 +131,7 @@ class FarmRun:
             raise FarmError(f"{address} cannot be reached: {error}") from None
 
     def _look(self) -> None:
-        """Merges what has come; ends when all has."""
+        """Merges the finished parts; ends when all are."""
         is_over = self._process is None or self._process.poll() is not None
         if self._merging is not None:
             if self._merging.poll() is None:

@@ -46,7 +46,7 @@ class Part:
 
     #: The tiles that are rendered: from one slot to before another, of so many; see the engine's `Job`.
     slots: tuple[int, int, int]
-    #: The file that the film is written to. View layers and what they need beside have files of their own, named after it.
+    #: The file that the film is written to. View layers and their auxiliary renders have files of their own, named after it.
     film: str
     #: The file in which it is kept while it goes on, named as `film` is.
     checkpoint: str
@@ -59,7 +59,7 @@ class Part:
 
 @dataclass
 class Share:
-    """Parts of a picture that is rendered on several machines, or what is to be joined of them."""
+    """Parts of a picture that is rendered on several machines, or the films that are to be joined."""
 
     #: The parts that are rendered, one after another of each view layer; none: parts are joined.
     parts: list[Part] = field(default_factory=list)
@@ -101,7 +101,7 @@ class Watch:
         self.checkpoint_every_s: float | None = None
         #: The checkpoints of the renders of such a file: whoever writes the picture deletes them.
         self.written_checkpoints: list[Any] = []
-        #: Instead of a render: is handed what would be rendered, once for each view layer.
+        #: The function that is called instead of a render, with its `Subject`, once for each view layer.
         self.study: Callable[[Subject], None] | None = None
         #: The part of the picture that is rendered; None: all of it.
         self.share: Share | None = None
@@ -154,7 +154,7 @@ def follow(
     limit_s: float = 0.0,
 ) -> bool:
     """Follows a job to its end, or to its stop when asked; True where it was stopped. After `limit_s` seconds, where that is not
-    0, it ends with what it has, but with no less than a sample everywhere; that is no stop.
+    0, it ends with the samples taken, but with no less than one everywhere; that is no stop.
 
     `show` gets the tiles that changed, `tell` the progress and the samples done. What is there at the end is for the
     caller to take: `Job.image`.

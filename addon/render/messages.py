@@ -20,7 +20,7 @@ _viewport: dict[str, list[str]] = {}
 
 
 class Message(NamedTuple):
-    """`kind` and `name` of what it is about, in small letters as it is written: "object", "material"; empty: of nothing."""
+    """A message. `kind` and `name` of its subject, the kind in small letters: "object", "material"; empty: none."""
 
     text: str
     kind: str
@@ -34,7 +34,7 @@ def of_text(text: str) -> Message:
 
 
 def grouped(texts: Iterable[str]) -> list[str]:
-    """Messages that differ only by the name of what they are about, as one: a scene may have hundreds of a kind."""
+    """Messages that differ only by the name of their subject, as one: a scene may have hundreds of a kind."""
     names: dict[tuple[str, str], list[str]] = {}
     for text in dict.fromkeys(texts):
         found = _BEGINS.match(text)

@@ -32,7 +32,8 @@ class KeptScene:
     scene: Any = None
 
     def finish(self, place: tuple[float, float, float], threads: int) -> Callable[[], Any]:
-        """A function that gives the engine's scene, and does not need Blender: the trees of the last one are drawn anew around what moved."""
+        """A function that gives the engine's scene, and does not need Blender: the trees of the last one are refitted around moved
+        objects."""
         if self.shared_settings is None:
             return lambda: self.builder.build(place, threads, self.scene)
         draft = self.builder.draft(place)

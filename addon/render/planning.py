@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The last plan of each scene: what is simulated of its lens, and why. Kept in memory, for panels and programs. No bpy."""
+"""The last plan of each scene: the simulated effects of its lens, and why. Kept in memory, for panels and programs. No bpy."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class Progress:
         return self._per_second
 
     def remaining(self, part: float) -> str:
-        """As Cycles says it, with the bar that parts it from what follows; empty where it is not known."""
+        """The remaining time in Cycles' words, with the bar that separates it from the rest; empty where it is not known."""
         left = self.left_s(part)
         return "" if left is None or part >= 1.0 else f"Remaining:{clock_time(left)} | "
 

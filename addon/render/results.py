@@ -135,8 +135,8 @@ class Results:
 
     def show_all(self, job: Any, pictures: dict[str, np.ndarray], plan: dict, picture_of: dict[str, str]) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it. `pictures` by the names of their
-        passes; those that the job knows are added. `plan` as the engine tells it; `picture_of`: what decides the picture, whichever of its
-        samples it holds."""
+        passes; those that the job knows are added. `plan` as the engine tells it; `picture_of`: the data that decide the picture, whichever
+        of its samples it holds."""
         layer = self._depsgraph.view_layer_eval.name
         width, height = self._window.width, self._window.height
         result = self._host.begin_result(0, 0, width, height, layer=layer, view=self._view)
@@ -170,7 +170,7 @@ class Results:
                 yield one.name, channels[..., 4 * i : 4 * i + 4]
 
     def _name_effects(self, plan: dict) -> None:
-        """Says in the picture's metadata what of the lens was simulated."""
+        """Writes the simulated effects of the lens into the picture's metadata."""
         whole = self._host.get_result()
         for row in plan["effects"]:
             whole.stamp_data_add_field(f"petzval/effects/{row['effect']}", f"{row['decision']}: {row['why']}")
@@ -198,7 +198,7 @@ class Results:
             self._host.get_result().stamp_data_add_field(f"petzval/view/{self._view}/{layer}", f"{zlib.crc32(red):08x}")
 
     def _name_mattes(self, job: Any) -> None:
-        """Says in the picture's metadata what the mattes' numbers stand for."""
+        """Writes the names of the mattes' numbers into the picture's metadata."""
         whole = self._host.get_result()
         for layer in self._mattes:
             name = f"{self._depsgraph.view_layer_eval.name}.{layer.name}"

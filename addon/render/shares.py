@@ -85,7 +85,7 @@ def keep(
     of: tuple[bpy.types.Depsgraph, View],
     beside: str = "",
 ) -> None:
-    """Writes the film of a part that has ended. `beside`: what the render is, where it is none of the picture but of something that the
+    """Writes the film of a part that has ended. `beside`: the name of the render, where it is none of the picture but of something that the
     picture needs."""
     file = of_view(part.film, *of) + beside
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a scene of Blender to what the engine renders: the steps that a render and a measurement share."""
+"""The steps from a scene of Blender to the engine's scene that a render and a measurement share."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int
 
 
 def in_a_line(native: Any, camera: CameraDescription, width: int, height: int, by: str) -> str:
-    """The camera of the picture, in a line; `by`: what has focused it, if not the user."""
+    """The camera of the picture, in a line; `by`: the source of its focus, if not the user."""
     info = None
     if camera.model in OF_LENS_FILE:
         # A complaint comes when the camera is made.

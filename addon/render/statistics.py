@@ -16,7 +16,7 @@ _last: dict[str, LastRender] = {}
 
 @dataclass
 class LastRender:
-    """`stats` is the engine's `Job.stats_json`, with the seconds of `sync` added, and `camera`: what has taken the picture, in a line."""
+    """`stats` is the engine's `Job.stats_json`, with the seconds of `sync` added, and `camera`: the camera of the picture, in a line."""
 
     stats: dict[str, Any]
     warnings: list[str] = field(default_factory=list)

@@ -125,7 +125,7 @@ def _chosen_lens(context, layout) -> None:
 
 
 def _calibration(context, layout) -> None:
-    """The file of calibrations, the camera in it, and what that is; with depth of field or an ST map, Blender's sensor and focal length."""
+    """The file of calibrations, the camera in it, and its facts; with depth of field or an ST map, Blender's sensor and focal length."""
     camera = context.camera
     settings = camera.petzval
     found, chosen = calibrations.of_camera(camera), calibrations.chosen_in(camera)

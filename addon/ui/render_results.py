@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels of what became of a render: Last Render, and Messages with what they are about."""
+"""Panels of a render's results: Last Render, and Messages with their subjects."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .mixin import PetzvalPanel
 
 # More would fill the panel.
 _MOST_MESSAGES = 24
-#: By what a message is about.
+#: By the kind of a message's subject.
 _ICONS = {
     "object": "OBJECT_DATA",
     "material": "MATERIAL",

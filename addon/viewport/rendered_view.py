@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One 3D view in rendered shading: hands on what Blender tells it, and has it drawn."""
+"""One 3D view in rendered shading: hands on Blender's events, and has the picture drawn."""
 
 from __future__ import annotations
 

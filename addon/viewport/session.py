@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders what a view asks for in a thread of its own: a coarse picture at once, then one that is refined. No bpy."""
+"""Renders the request of a view in a thread of its own: a coarse picture at once, then one that is refined. No bpy."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class Session:
             self._wake.notify()
 
     def look(self, wanted: Wanted) -> None:
-        """Renders this from now on, if it is not what was asked for."""
+        """Renders this request from now on, if it differs from the last."""
         if wanted == self._asked:
             return
         with self._wake:

@@ -17,7 +17,7 @@ from ..export import aperture_mask, stereo
 from ..export import camera as camera_export
 from ..export.report import Report
 
-#: Of a view along parallel lines, which shows what lies behind its middle too: how far before that it begins, of its depth.
+#: The distance before its middle at which an orthographic view begins, as a part of its depth: it shows things behind its middle, too.
 _BEFORE = 0.5
 #: Width that a picture of our own perspective is given, mm: only its part of the focal length counts.
 _WIDTH_MM = 36.0

@@ -306,7 +306,7 @@ class DenoisingDescription:
 
 @dataclass
 class MaterialDescription:
-    """A material: its shader nodes, as JSON of what the add-on's `export/graph.py` makes of them."""
+    """A material: its shader nodes, as the JSON of the add-on's `export/graph.py`."""
 
     name: str
     graph: str

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The closed list of effects of a lens, by name, label and tooltip, and what may be said of one. The engine's list is the same
+"""The closed list of effects of a lens, by name, label and tooltip, and the values of a setting. The engine's list is the same
 (`engine/render/src/plan/effects/`)."""
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval glass`: what is known of a glass. Reads arguments, asks the engine, prints or draws its answer. Computes nothing."""
+"""`petzval glass`: the data of a glass. Reads arguments, asks the engine, prints or draws its answer. Computes nothing."""
 
 from __future__ import annotations
 

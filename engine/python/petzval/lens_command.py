@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _with_notes(answer: str, notes: list[str]) -> str:
-    """The JSON object, with what there is to say about it: nothing else than it stands on stdout, and stderr is for errors."""
+    """The JSON object, with its remarks inside: nothing else stands on stdout, and stderr is for errors."""
     return json.dumps({**json.loads(answer), "notes": notes}) if notes else answer
 
 
@@ -313,7 +313,7 @@ def _sum_lines(info: dict[str, Any]) -> list[str]:
 
 
 def _ray_lines(rays: list[dict[str, Any]]) -> str:
-    """One line a ray: what became of it, and where it is then."""
+    """One line a ray: its status, and its place and direction then."""
     lines = []
     for i, ray in enumerate(rays):
         if ray["status"] == "ok":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The drawing of a lens, from what the engine says of its surfaces and rays: by matplotlib, or in Blender by `plotting`."""
+"""The drawing of a lens, from the engine's surfaces and rays: by matplotlib, or in Blender by `plotting`."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def _colours(found: dict[str, Any]) -> list[str]:
 
 
 def _extent(found: dict[str, Any]) -> tuple[float, float, float, float]:
-    """Left, right, low and high of what is drawn, with room about it."""
+    """Left, right, low and high of the drawing, with room about it."""
     places = [place for surface in found["surfaces"] for place in surface["points"]]
     places += [place for field in found["fields"] for ray in field["rays"] for place in ray]
     places += [*found["film"], [found["film_z_mm"], 0.0]]

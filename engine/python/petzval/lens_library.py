@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lenses that come with Petzval, by what they are for."""
+"""The lenses that come with Petzval, by their purpose."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens reality`: a lens beside what photographers have measured of its product. Reads arguments, asks the engine, draws its answer."""
+"""`petzval lens reality`: a lens beside photographers' measurements of its product. Reads arguments, asks the engine, draws its answer."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ def add_parsers(actions: Any, kinds: str) -> None:
 
 
 def _run(report: LensReport, arguments: argparse.Namespace) -> int:
-    """Prints the table, or writes the picture, and says what there is to say."""
+    """Prints the table, or writes the picture, and prints the remarks."""
     from .lens_reports import page
 
     settings = settings_at(arguments, arguments.f_numbers if report.has_f_numbers else [])

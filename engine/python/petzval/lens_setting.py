@@ -104,7 +104,7 @@ def add_focus(parser: argparse.ArgumentParser) -> None:
 
 
 def add_look(parser: argparse.ArgumentParser, fields: str) -> None:
-    """The options of `LensReportSettings`; `fields` says what is shown without --fields."""
+    """The options of `LensReportSettings`; `fields` names the fields without --fields."""
     parser.add_argument(
         "--fields", nargs="+", type=number, default=[], metavar="DEG", help=f"angles to the axis; default: {fields}"
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval plan`: which effects of the lens a picture calls for, how large each is, and what was decided."""
+"""`petzval plan`: which effects of the lens a picture calls for, how large each is, and the decisions."""
 
 from __future__ import annotations
 

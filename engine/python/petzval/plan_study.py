@@ -8,7 +8,7 @@ from typing import Any
 
 
 class PlanStudy:
-    """Called by the engine with what would be rendered; `found` is the plan, if there is one."""
+    """The study that is called by the engine instead of a render; `found` is the plan, if there is one."""
 
     is_long = False
 

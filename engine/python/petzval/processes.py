@@ -25,7 +25,7 @@ def own_group() -> dict[str, Any]:
 
 
 def ask_to_end(process: subprocess.Popen[bytes]) -> None:
-    """Asks a program to keep what it has, and to end. On Windows it must have a group of its own; where it shares no console with this
+    """Asks a program to keep its work, and to end. On Windows it must have a group of its own; where it shares no console with this
     process, it ends at once."""
     if sys.platform != "win32":
         process.send_signal(signal.SIGTERM)
@@ -106,7 +106,8 @@ def has_byte(pipe: int) -> bool:
 
 
 def keep_own_voice() -> None:
-    """From here on stdout and stderr are Python's alone: what other code of the process says, as Blender's, must not stand in the answer."""
+    """From here on stdout and stderr are Python's alone: output of other code of the process, as Blender's, must not stand in the
+    answer."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for name, descriptor in (("stdout", 1), ("stderr", 2)):
         getattr(sys, name).flush()

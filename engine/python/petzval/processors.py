@@ -5,7 +5,7 @@ A wheel for x86-64 holds the engine several times, each compiled for one of the 
 on: `_engines/LEVEL/_native.abi3.so`, on Windows `_native.pyd`. Other wheels hold one engine, for every processor of their
 kind, and need nothing of this.
 
-What the processor can do the system says: that needs no other package, and leaves out what the system has not switched on,
+The flags of the processor come from the system: that needs no other package, and leaves out features that the system has not enabled,
 such as the wide registers. numpy knows too, but under a private name, and it would have to be loaded first.
 """
 
@@ -31,7 +31,7 @@ _PACKAGE = Path(__file__).resolve().parent
 _CPUINFO = Path("/proc/cpuinfo")
 #: Names of compiled modules, by the system.
 MODULES = ("_native.abi3.so", "_native.pyd")
-#: Flags by the numbers of `IsProcessorFeaturePresent` (winnt.h). Windows has a number for AVX2 and none for what came with it: no
+#: Flags by the numbers of `IsProcessorFeaturePresent` (winnt.h). Windows has a number for AVX2 and none for the flags that came with it: no
 #: processor on which Windows 10 runs has the one without the others.
 _WINDOWS_FEATURES = {
     13: {"pni"}, 14: {"cx16", "lahf_lm", "popcnt"}, 36: {"ssse3"}, 37: {"sse4_1"}, 38: {"sse4_2"}, 39: {"avx", "xsave"},
@@ -44,7 +44,7 @@ _MAC_LISTS = ("machdep.cpu.features", "machdep.cpu.extfeatures", "machdep.cpu.le
 
 
 class ProcessorError(ImportError):
-    """There is an engine, but none for this processor, or not the one wished for. One line: what, where, what to do."""
+    """There is an engine, but none for this processor, or not the one wished for. One line: the fault, its place, the remedy."""
 
 
 def engine_file() -> Path:

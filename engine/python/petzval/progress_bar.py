@@ -8,7 +8,7 @@ from typing import TextIO
 
 
 class ProgressBar:
-    """Called with the part that is done, 0 to 1, and what to say of it; drawn no more often than can be read."""
+    """A progress bar: called with the part that is done, 0 to 1, and words on it; drawn no more often than can be read."""
 
     _WIDTH = 30
     _LEAST_SECONDS = 0.1

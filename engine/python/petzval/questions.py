@@ -16,7 +16,7 @@ _LONGEST = 1 << 30
 def read_list(path: str, name: str, example: str) -> tuple[str, dict[str, Any]]:
     """The text of a file (`-`: of stdin) and the object in it, which has a list `name`.
 
-    Raises `CommandError`; `example` is what an item of the list looks like.
+    Raises `CommandError`; `example` is an item of the list as it should be.
     """
     text = _read(path, name)
     try:

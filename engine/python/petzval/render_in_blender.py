@@ -69,7 +69,7 @@ class _Strict:
 
 def render(options: dict[str, Any]) -> int:
     """Renders as `render_command` has checked the options, or plans as `plan_command` has, or measures as `cost_command`
-    has; gives the exit status and has said what went wrong."""
+    has; returns the exit status after the error was printed."""
     from petzval.errors import AGAIN, TryAgain
 
     voice = _own_stderr(options.get("stderr_fd"))
@@ -97,7 +97,7 @@ def finish(status: int) -> None:
 
 
 def _own_stderr(fd: int | None) -> TextIO:
-    """The terminal's stderr for Petzval alone; what Blender says there goes to stdout from here on."""
+    """The terminal's stderr for Petzval alone; Blender's output there goes to stdout from here on."""
     from petzval import processes
 
     own = os.dup(2) if fd is None else processes.taken_over(fd)
@@ -281,7 +281,7 @@ def _study(asked: dict[str, Any] | None, scene: Any, watch: Any) -> Any:
 
 
 def _save(study: Any, file: str, interrupted: bool) -> str | None:
-    """Leaves what was found for the command; the error, if any."""
+    """Writes the results for the command; returns the error, if any."""
     if study.found is None:
         return None if interrupted else "nothing was measured: look at what Blender said"
     with open(file, "w", encoding="utf-8") as out:
@@ -290,7 +290,7 @@ def _save(study: Any, file: str, interrupted: bool) -> str | None:
 
 
 def apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> str | None:
-    """Sets what the command line asked for; the error, if any. What had to be found goes into `found`."""
+    """Sets the options of the command line; returns the error, if any. Values that had to be found go into `found`."""
     r, own = _Strict(scene.render), _Strict(scene.petzval)
     if scene.camera is None:
         return f"no camera in scene '{scene.name}' of {o['scene']}: add one, or make one active"

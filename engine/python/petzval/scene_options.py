@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options that every command has which opens a .blend: which lens, how it is set, what is simulated; and where it runs:
+"""The options that every command has which opens a .blend: the lens, its setting, the simulated effects; and where it runs:
 in this Python's bpy, or in a Blender that is named."""
 
 from __future__ import annotations

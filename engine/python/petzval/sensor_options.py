@@ -17,7 +17,7 @@ RAW_ENDINGS = (".dng", ".png", ".exr")
 
 
 def add_noise(p: argparse.ArgumentParser) -> None:
-    """Adds what decides electrons and noise beside the light, under names that begin as in `exposure_of`."""
+    """Adds the options that decide electrons and noise beside the light, under names that begin as in `exposure_of`."""
     p.add_argument(
         "--mosaic",
         metavar="NAME",

@@ -39,7 +39,7 @@ def seconds_to(row: dict[str, Any], error: float, found: dict[str, Any]) -> floa
 
 
 def advice(found: dict[str, Any]) -> list[str]:
-    """Sentences, the first of which says what to use."""
+    """Sentences; the first names the camera to use."""
     rows = {row["key"]: row for row in found["rungs"] if row["is_measured"]}
     auto, top = rows["auto"], rows["hero"]
     goal = auto["rel_mse"]

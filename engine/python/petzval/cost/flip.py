@@ -23,7 +23,7 @@ _XYZ = ((10135552 / 24577794, 8788810 / 24577794, 4435075 / 24577794),
 
 
 def flip(test: Any, reference: Any) -> float:
-    """Mean FLIP of two linear Rec.709 pictures (height, width, 3), clipped to what a screen can show."""
+    """Mean FLIP of two linear Rec.709 pictures (height, width, 3), clipped to the range of a screen."""
     import numpy as np
 
     vision = _Vision(np)
@@ -68,7 +68,7 @@ class _Vision:
         return abs(d[..., 0]) + self.np.hypot(d[..., 1], d[..., 2])
 
     def colour_difference(self, reference: Any, test: Any) -> Any:
-        """Of what is left when the eye has blurred both."""
+        """The difference of the features that are left when the eye has blurred both."""
         np = self.np
         seen = [self.hunt_lab(np.clip(self.linear(self.blurred(one)), 0.0, 1.0)) for one in (reference, test)]
         green, blue = (self.hunt_lab(np.array(one)) for one in ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))

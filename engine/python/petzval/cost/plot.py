@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""costs.json as a picture: error over time, a curve a camera, a dot where the picture's samples end; and what each effect
+"""costs.json as a picture: error over time, a curve a camera, a dot where the picture's samples end; and the cost of each effect
 changes. Needs matplotlib."""
 
 from __future__ import annotations

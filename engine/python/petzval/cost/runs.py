@@ -73,7 +73,7 @@ class Runs:
 
 
 class Study:
-    """Called by the engine with what would be rendered; `found` is what was found, if something was."""
+    """The study that is called by the engine instead of a render; `found` is its result, if there is one."""
 
     #: Worth a progress bar.
     is_long = True
@@ -96,7 +96,7 @@ class Study:
 
 
 class _Measured:
-    """The rungs of one picture, and what was seen of each."""
+    """The rungs of one picture, and the measurements of each."""
 
     def __init__(self, subject: Any, options: dict[str, Any], watch: Any) -> None:
         from petzval import _native
@@ -207,7 +207,7 @@ class _Measured:
         return effects
 
     def _prepare(self, one: Runs) -> None:
-        """Renders a rung for the first time; what cannot be rendered is left with the reason."""
+        """Renders a rung for the first time; a rung that cannot be rendered is left with the reason."""
         try:
             self._render(one, seed=0)
         except self.native.PetzvalError as error:

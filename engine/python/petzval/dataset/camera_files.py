@@ -73,7 +73,7 @@ def write_colmap(folder: Path, views: Sequence[View], points: Sequence[Point]) -
 
 def write_nerf(file: Path, views: Sequence[View]) -> None:
     """transforms.json of instant-ngp and nerfstudio: camera to world, OpenGL's camera axes, which are Blender's (docs.nerf.studio, "Data
-    conventions"). What all pictures share stands at the top, as instant-ngp reads it; what differs, by picture, too."""
+    conventions"). Shared parameters stand at the top, as instant-ngp reads them; those that differ, by picture, too."""
     shared = views[0].intrinsics if len({one.intrinsics for one in views}) == 1 else None
     frames: list[dict[str, Any]] = []
     for view in views:

@@ -13,7 +13,7 @@ from .poses import FLIP, Matrix
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-#: Blender's depth of what lies infinitely far.
+#: Blender's depth of pixels without a hit.
 FAR = 1e10
 #: Depths from here on are that.
 _BEYOND = 1e9
@@ -67,7 +67,7 @@ def depth_m(passes: Passes, pose: Matrix, along: str, metres_per_unit: float) ->
 
 
 def depth_levels(depth: Array, scale: float) -> npt.NDArray[np.uint16]:
-    """Depths in metres as 16-bit numbers, `scale` to a metre; 0 where there is nothing, and beyond what 16 bits hold."""
+    """Depths in metres as 16-bit numbers, `scale` to a metre; 0 where there is nothing, and beyond the range of 16 bits."""
     levels = np.rint(depth * scale)
     return np.where((levels >= 1) & (levels <= 65535), levels, 0).astype(np.uint16)
 

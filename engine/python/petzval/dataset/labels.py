@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render that ground truth comes from: what is set for it in Blender, and set back. Needs Blender."""
+"""The render that ground truth comes from: its settings in Blender, and their restoration. Needs Blender."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class _Settings:
         setattr(owner, name, value)
 
     def back(self) -> None:
-        """Sets all as they were: what was never set counts as never set again."""
+        """Restores all settings: those that were never set count as never set again."""
         for owner, name, was_set, value in reversed(self._before):
             if was_set:
                 setattr(owner, name, value)

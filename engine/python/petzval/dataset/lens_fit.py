@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
-#: By model: the names of what stands behind fx, fy, cx, cy. Models and their equations: docs.opencv.org, "Camera Calibration and 3D
+#: By model: the names of the parameters behind fx, fy, cx, cy. Models and their equations: docs.opencv.org, "Camera Calibration and 3D
 #: Reconstruction", and "Fisheye camera model".
 DISTORTION = {"PINHOLE": (), "OPENCV": ("k1", "k2", "p1", "p2", "k3"), "OPENCV_FISHEYE": ("k1", "k2", "k3", "k4")}
 

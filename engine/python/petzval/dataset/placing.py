@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Poses by what is in a scene: random ones that stand clear of it, an object's, and those along a curve. Needs Blender."""
+"""Poses by the content of a scene: random ones that stand clear of it, an object's, and those along a curve. Needs Blender."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .spec import Path_, Random
 
 #: Candidates for each pose that is wanted, before it is given up.
 _MOST_TRIES = 200
-#: Ways in which it is looked for what a place is inside of: none along an axis, as sides of boxes are.
+#: Directions of the rays that find whether a place is inside of something: none along an axis, as sides of boxes are.
 _WAYS = np.array([(0.57, 0.43, 0.71), (-0.81, 0.31, 0.5), (0.23, -0.89, 0.39)])
 #: Surfaces on one way, at most.
 _MOST_CROSSED = 1000
 
 
 class Surroundings:
-    """All surfaces of a scene that a render shows, for looking up what is near."""
+    """All surfaces of a scene that a render shows, for looking up the nearest one."""
 
     def __init__(self, depsgraph: Any) -> None:
         from mathutils.bvhtree import BVHTree
@@ -80,7 +80,7 @@ class Surroundings:
 def random(
     asked: Random, centre: Vector, target: Vector | None, around: Surroundings
 ) -> tuple[list[Matrix], Counter[str]]:
-    """The poses, and how many candidates were refused for what. Raises `CommandError` where too few are found."""
+    """The poses, and the number of refused candidates by reason. Raises `CommandError` where too few are found."""
     chance = np.random.default_rng(asked.seed)
     found: list[Matrix] = []
     refused: Counter[str] = Counter()

@@ -31,7 +31,7 @@ class Record:
     #: Distances of this picture's places, as the parameters project them, from the middles of their pixels, pixels: the median and the
     #: largest; None where either is not known.
     reprojection_px: list[float] | None = None
-    #: Files by what is in them, relative to the folder of the data set, with their sizes.
+    #: Files by the kind of their content, relative to the folder of the data set, with their sizes.
     files: dict[str, str] = field(default_factory=dict)
     sizes: dict[str, int] = field(default_factory=dict)
     annotations: list[dict[str, Any]] = field(default_factory=list)
@@ -45,7 +45,7 @@ def key_of(facts: Any) -> str:
 
 
 def hash_of_file(file: Path) -> str:
-    """The hash of what a file holds."""
+    """The hash of a file's content."""
     with file.open("rb") as opened:
         return hashlib.file_digest(opened, "sha256").hexdigest()
 

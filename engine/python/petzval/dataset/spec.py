@@ -63,7 +63,7 @@ class Orbit:
 
 @dataclass(frozen=True)
 class Random:
-    """Poses by chance, in a box or in a shell about a centre, none inside of or near to what is there."""
+    """Poses by chance, in a box or in a shell about a centre, none inside of or near to objects."""
 
     count: int
     seed: int
@@ -81,7 +81,7 @@ class Random:
 
 @dataclass(frozen=True)
 class ClassSpec:
-    """A class of objects: what any of these says."""
+    """A class of objects: those for which any of these conditions holds."""
 
     name: str
     id: int
@@ -144,7 +144,7 @@ _SOURCES = ("pose", "poses", "path", "orbit", "random")
 
 
 def read(file: Path) -> Spec:
-    """The specification of a file. Raises `CommandError` with the line, the key and what to do."""
+    """The specification of a file. Raises `CommandError` with the line, the key and the remedy."""
     table, folder = Table.read(file), file.parent
     scene, output = table.text("scene"), table.text("output")
     if scene is None or output is None:

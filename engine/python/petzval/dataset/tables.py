@@ -20,7 +20,7 @@ _KEY = re.compile(r"^(\s*)([A-Za-z0-9_.\-\"']+)\s*=")
 
 
 class Table:
-    """A table of a TOML file. Each method takes a key out of it; `end` refuses what is left."""
+    """A table of a TOML file. Each method takes a key out of it; `end` refuses keys that are left."""
 
     def __init__(
         self, file: Path, values: dict[str, Any], places: dict[KeyPath, tuple[int, int]], path: KeyPath = ()

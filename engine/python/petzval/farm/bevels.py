@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bevel modifiers of the .blend that is open, applied for a job: Blender's Bevel goes by addresses of memory and makes other corners in each process,
-of which parts could not be joined. A Subdivision Surface behind a Bevel is applied too: what it makes of a Bevel's texture coordinates, of which many lie
-within rounding of each other, differs between processes even where the Bevel is the same."""
+of which parts could not be joined. A Subdivision Surface behind a Bevel is applied too: its result for a Bevel's texture coordinates, of
+which many lie within rounding of each other, differs between processes even where the Bevel is the same."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _OTHERS = ("mirror_object", "offset_object", "curve", "start_cap", "end_cap", "o
 
 def apply_all(bpy: Any, frame: int, *, moves: bool) -> tuple[list[str], list[str]]:
     """Applies each object's modifiers up to its last Bevel and the Subdivision Surface behind it, at a frame, as a render evaluates them. Names of the objects whose modifiers are applied, and
-    of those whose are not; of what is linked, its own .blend is asked. `moves`: more than one time is rendered."""
+    of those whose are not; of linked data, their own .blend is asked. `moves`: more than one time is rendered."""
     done, left = [], []
     wanted: dict[Any, int] = {}
     for one in bpy.data.objects:
@@ -59,7 +59,7 @@ def _is_adaptive(one: Any, made: Any) -> bool:
 
 
 def _can_be_applied(one: Any, last: int, *, moves: bool) -> bool:
-    """True of an object of this file whose mesh may be replaced by what its modifiers make of it."""
+    """True of an object of this file whose mesh may be replaced by the result of its modifiers."""
     if (
         one.type != "MESH"
         or one.library is not None

@@ -20,7 +20,7 @@ NAME, FORMAT = "job.json", "petzval farm job 1"
 #: Of job.json; a million parts take less.
 _MOST_BYTES = 256 << 20
 _BLOCK = 1 << 20
-#: Folders inside of a job's folder: what it reads, finished parts, parts under way, and pictures.
+#: Folders inside of a job's folder: its input, finished parts, parts under way, and pictures.
 SCENE, PARTS, WORK, PICTURES = "scene", "parts", "work", "pictures"
 
 

@@ -88,7 +88,7 @@ def _left(job: jobs.Job, parts: list[int], status: int, tries: Counter[int]) -> 
 
 
 def _end(parts: list[subprocess.Popen[bytes]]) -> None:
-    """Asks processes to keep what they have, and to end."""
+    """Asks processes to keep their work, and to end."""
     for process in parts:
         processes.ask_to_end(process)
     began = time.monotonic()

@@ -19,7 +19,7 @@ _OTHER_PICTURE = "another picture"
 
 
 def merge(folder: Path, *, blender: str | None, threads: int | None, again: bool, as_json: bool) -> int:
-    """Joins what is there; the exit status: 0 where all pictures are whole, `AGAIN` where parts are missing."""
+    """Joins the parts that are there; returns the exit status: 0 where all pictures are whole, `AGAIN` where parts are missing."""
     job = jobs.load(folder)
     running.pin_processor(job)
     running.check_machine(job)
@@ -103,7 +103,7 @@ def _is_merged(frame: dict[str, Any]) -> bool:
 
 
 def _tell(job: jobs.Job, frames: list[dict[str, Any]], refused: dict[int, str], *, as_json: bool) -> None:
-    """Says of each picture what it is made of, and of each part that is missing how it is rendered."""
+    """Prints the parts of each picture, and the command that renders each missing part."""
     missing = [number for one in frames for number in _missing(job, one)]
     if as_json:
         pictures = [

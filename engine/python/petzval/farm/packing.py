@@ -105,7 +105,7 @@ class Packer:
         self._files |= dict.fromkeys(_File(cache, is_sequence=False).files() if os.path.isdir(cache) else [])
 
     def _named(self) -> Iterator[_File]:
-        """The paths that the .blend that is open names, those of what is linked in left to its library."""
+        """The paths that the .blend that is open names, those of linked data left to their library."""
         for block, paths in self._bpy.data.file_path_map(include_libraries=False).items():
             if block.library is not None or type(block).__name__ in _UNREAD or self._is_packed(block):
                 continue

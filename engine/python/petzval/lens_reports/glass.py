@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A glass: its index and what it lets through over the wavelength, and its place among others."""
+"""A glass: its index and its transmittance over the wavelength, and its place among others."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page that a report stands on: what is said of the lens above it, colours, files. Only what writes files needs matplotlib."""
+"""The page that a report stands on: the head with the lens's data, colours, files. Only writing of files needs matplotlib."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 from ..errors import CommandError, writing
 
-#: By ending, what is written.
+#: The formats of the files by ending.
 PICTURES = (".svg", ".png", ".pdf")
 PALE, DARK, GRID = "#8a939a", "#444444", "#e3e7ea"
 #: By field, as designers have them: the axis blue, then green and red.
@@ -19,7 +19,7 @@ FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
 #: From short to long waves.
 _LINES = ("#7b3fa0", "#1f5fae", "#128a8a", "#2d8a3e", "#c77700", "#c0392b", "#7a1f1f")
 _BLUE, _GREEN, _RED = _LINES[1], _LINES[3], _LINES[5]
-#: Of axes, beside what every picture has.
+#: Settings of axes, beside those of every picture.
 _STYLE = {
     "axes.edgecolor": PALE, "axes.labelcolor": DARK, "xtick.color": DARK, "ytick.color": DARK, "axes.titlesize": 9.5,
     "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": GRID,

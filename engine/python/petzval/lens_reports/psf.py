@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point spread: what waves make of a point, by field, bright and in the dark, and how much of its light lies how near."""
+"""Point spread: the image of a point by diffraction, by field, at linear and logarithmic brightness, and its encircled energy."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tolerances: what deviations in making and mounting do to the picture, one by one and all together by the Monte Carlo method."""
+"""Tolerances: the effects of deviations in making and mounting on the picture, one by one and all together by the Monte Carlo method."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _rms(one: dict[str, Any]) -> list[float]:
 
 
 def name_of(one: dict[str, Any]) -> str:
-    """A deviation as it is written: what, of which surfaces, by how much."""
+    """A deviation in words: its kind, its surfaces and its size."""
     surfaces = f"{one['first']}" if one["first"] == one["last"] else f"{one['first']}-{one['last']}"
     unit = _UNITS[one["kind"]]
     return f"{one['kind'].replace('_', ' ')} {surfaces} ±{one['size']:.4g}{f' {unit}' if unit else ''}"

@@ -18,7 +18,7 @@ def size_in(found: dict[str, Any]) -> tuple[float, float]:
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure: on the left what passes, on the right what one surface of each coating reflects."""
+    """Into a figure: on the left the transmittance, on the right the reflectance of one surface of each coating."""
     through, back = figure.subplots(1, 2)
     spectrum = found["spectrum_nm"]
     for i, field in enumerate(field for field in found["fields"] if field["parts"]):

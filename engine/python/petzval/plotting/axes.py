@@ -73,7 +73,7 @@ class _Several:
 
 @dataclass
 class _Scale:
-    """Of one axis: what is seen, and what is written at it."""
+    """One axis: its range, its ticks and its words."""
 
     limits: list[float | None] = field(default_factory=lambda: [None, None])
     is_log: bool = False
@@ -236,7 +236,7 @@ class Axes:
     # Where everything comes to stand.
 
     def margins(self) -> tuple[float, float, float, float]:
-        """Pixels left, below, right and above the box for what is written there."""
+        """Pixels left, below, right and above the box for the words there."""
         px, size = self.figure.pixels, self.figure.font_size
         number, line = px(self._number_size), px(size)
         left = low = right = high = 0.0
@@ -295,7 +295,7 @@ class Axes:
         return (low, high) if high > low else (low, low + (abs(low) or 1.0))
 
     def _fit(self) -> None:
-        """Takes from the box what makes one length as long both ways."""
+        """Shrinks the box so that a length has the same size both ways."""
         if not self._is_equal:
             return
         (x0, x1), (y0, y1) = self._seen("x"), self._seen("y")

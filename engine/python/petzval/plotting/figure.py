@@ -159,7 +159,7 @@ class Figure:
         return pixels
 
     def _place(self) -> None:
-        """Gives the plots of the grid their boxes, all with room for what stands about them."""
+        """Gives the plots of the grid their boxes, all with room for the words about them."""
         if self._grid is None:
             return
         rows, columns, ratios = self._grid
