@@ -112,7 +112,7 @@ pub enum Prefilter {
     Accurate,
 }
 
-/// A picture and what guides the filter. Images hold red, green and blue of each pixel, rows after each other.
+/// A picture and the guides of the filter. Images hold red, green and blue of each pixel, rows after each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
     /// Pixels in a row.
@@ -224,7 +224,7 @@ impl Denoiser {
     /// The library of a file, loaded if it is not yet.
     ///
     /// # Errors
-    /// [`DenoiseError::NoLibrary`], [`DenoiseError::TooOld`], or what its device reports.
+    /// [`DenoiseError::NoLibrary`], [`DenoiseError::TooOld`], or the error that its device reports.
     pub fn open(path: &Path) -> Result<Arc<Self>, DenoiseError> {
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, found)) = loaded.iter().find(|(known, _)| known == path) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Errors of a device, each one line that says what to do.
+//! Errors of a device, each one line with the remedy.
 
 use thiserror::Error;
 

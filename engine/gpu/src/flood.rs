@@ -112,7 +112,7 @@ pub struct Flooded {
     pub rays: u64,
     /// Rays that got through.
     pub passed: u64,
-    /// The sum of what they came to: the same again if nothing changed.
+    /// The sum of their results: the same again if nothing changed.
     pub sum: f64,
     /// From the submission to the end, in seconds.
     pub wall_s: f64,

@@ -52,7 +52,7 @@ pub(crate) struct Stage {
     pub(crate) gradients: [Option<GradientNumbers>; 2],
 }
 
-/// The opening of the diaphragm, in lengths of mm: what a device tests hits on the stop with.
+/// The opening of the diaphragm, in mm: the numbers by which a device tests hits on the stop.
 #[derive(Clone, Debug)]
 pub(crate) struct Opening {
     pub(crate) radius_squared: f64,
@@ -77,7 +77,7 @@ pub(crate) struct MaskTexture {
     pub(crate) sin: f64,
 }
 
-/// A lens for rays of one way of travel, at one wavelength or several: what a device needs of it.
+/// A lens for rays of one way of travel, at one wavelength or several, in the numbers that a device needs.
 #[derive(Clone, Debug)]
 pub struct LensTable {
     pub(crate) stages: Vec<Stage>,

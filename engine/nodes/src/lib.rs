@@ -1,6 +1,6 @@
 //! Shader graphs as compact programs.
 //!
-//! A [`Graph`](graph::Graph) is what Blender's nodes say; [`compile`](compile::compile) makes of it a [`Program`] that
+//! A [`Graph`](graph::Graph) is Blender's node tree; [`compile`](compile::compile) makes of it a [`Program`] that
 //! runs at each point of a surface, without allocating. What it needs to know about the point comes through
 //! [`Context`], images through [`Textures`]; scenes, meshes and lights are unknown here.
 //!

@@ -263,7 +263,7 @@ impl FilmPlane {
     }
 }
 
-/// A curved film ends where the sine of its slope is this: what is steeper is hardly seen from the lens.
+/// A curved film ends where the sine of its slope is this: steeper parts are hardly seen from the lens.
 const STEEPEST: f64 = 0.98;
 
 /// A film's axes in lens space: [`FilmPlane::frame`].

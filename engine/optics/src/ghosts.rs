@@ -25,7 +25,7 @@ pub struct Ghost {
     pub surfaces: [usize; 2],
     /// The product of both reflectances.
     pub reflectance: f64,
-    /// Radius on the film of what a far point on the axis makes, mm.
+    /// Radius on the film of the ghost of a far point on the axis, mm.
     pub radius_mm: f64,
     /// Irradiance of that disc for one of the parallel light before the lens.
     pub irradiance: f64,

@@ -1,4 +1,4 @@
-//! A lens by rays beside what was measured of its product: distortion, vignetting and lateral colour of [`lensfun`](crate::lensfun)'s
+//! A lens by rays beside measurements of its product: distortion, vignetting and lateral colour of [`lensfun`](crate::lensfun)'s
 //! calibrations.
 //!
 //! A calibration of distortion from pictures of straight lines does not know the scale of the picture: rays and measurement are laid over
@@ -91,9 +91,9 @@ fn between(height: &impl Fn(f64) -> Option<f64>, low: RayField, high: RayField, 
 pub struct DistortionBeside {
     /// The focal length that lays one over the other, mm.
     pub scale_mm: f64,
-    /// Root of the mean square of what is left on the film, over its area, mm.
+    /// Root mean square of the residual on the film, over its area, mm.
     pub rms_mm: f64,
-    /// The largest of what is left, mm.
+    /// The largest residual, mm.
     pub worst_mm: f64,
     /// The lens's own distortion: the largest distance, by rays, from the picture without distortion that has the scale of the axis, mm.
     pub own_mm: f64,
@@ -276,7 +276,7 @@ mod tests {
         assert!(found.own_mm > 0.1, "{}", found.own_mm);
     }
 
-    /// One field that lies 50 um off is what is worst, but for what the scale takes of it.
+    /// One field that lies 50 um off is the worst, but for the part that the scale takes of it.
     #[test]
     fn what_is_off_is_told() {
         let off = |i: i32| if i == 10 { 0.05 } else { 0.0 };

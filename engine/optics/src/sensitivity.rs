@@ -1,4 +1,4 @@
-//! Spectral sensitivities of cameras' channels: what red, green and blue of a raw picture are, by wavelength.
+//! Spectral sensitivities of cameras' channels, red, green and blue of a raw picture, by wavelength.
 
 use std::sync::OnceLock;
 
@@ -45,7 +45,7 @@ impl Sensitivities {
         all.iter().find(|(known, _)| *known == word).map(|(_, found)| found)
     }
 
-    /// The wavelengths, nm, and what red, green and blue see of each.
+    /// The wavelengths, nm, and the sensitivities of red, green and blue at each.
     pub fn samples(&self) -> impl Iterator<Item = (f64, [f64; 3])> {
         let channels = self.red.iter().zip(&self.green).zip(&self.blue);
         channels

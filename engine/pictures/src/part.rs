@@ -1,4 +1,4 @@
-//! One of the pictures that are joined: its channels by pass, and what it says of its samples.
+//! One of the pictures that are joined: its channels by pass, and its attributes about samples.
 
 use crate::error::MergeError;
 use exr::meta::MetaData;
@@ -14,7 +14,7 @@ const SAMPLES: &str = "petzval/samples";
 /// Attribute: SEED:FIRST+COUNT, more of them with spaces between.
 const RANGES: &str = "petzval/ranges";
 
-/// Attribute: what decides the picture, whichever of its samples are taken: NAME=VALUE, more of them with "; " between.
+/// Attribute: the data that decide the picture, whichever of its samples are taken: NAME=VALUE, more of them with "; " between.
 const PICTURE: &str = "petzval/picture";
 
 /// Attribute: the checksum of a view's red, behind it the view's name, then its view layer's. A file of one view has those of all.

@@ -1,8 +1,9 @@
 //! The parameters of a model that fit directions seen at points of a picture: least squares of the distances, pixels, between the points and
 //! those at which the model sees the directions.
 //!
-//! The search is made again where the best parameters of a formula fold within the picture, within what the model can turn round: a step
-//! after which a direction of the picture lies beyond a fold is not taken. A model that was found does not fold where it was asked for.
+//! The search is made again where the best parameters of a formula fold within the picture, within the range in which the model can be
+//! inverted: a step after which a direction of the picture lies beyond a fold is not taken. A model that was found does not fold where it
+//! was asked for.
 
 use super::setup::Formula;
 use super::{Calibration, CalibrationError, Model};
@@ -221,8 +222,8 @@ impl Search<'_> {
         (values, steps)
     }
 
-    /// Distances of what a model sees from where it is seen, pixels by the root of the weight: x and y of each, and what a bound costs.
-    /// `None`: some direction has no place.
+    /// Residuals of a model: distances of directions' places by the model from their places by the lens, pixels by the root of the weight:
+    /// x and y of each, and the cost of a bound. `None`: some direction has no place.
     fn residuals(&self, values: &[f64], bound: Bound) -> Option<Vec<f64>> {
         let CameraToFit { model, size_px, .. } = *self.camera;
         let mut all = Vec::with_capacity(3 * self.seen.len());

@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub(super) enum Distortion {
     /// By the distance from the origin alone.
     Radial(Radial),
-    /// Brown's model and what has been added to it.
+    /// Brown's model and its extensions.
     Brown(Brown),
     /// 3DEqualizer's "Radial - Standard, Degree 4".
     TdeRadial(TdeRadial),
@@ -157,7 +157,7 @@ impl TdeRadial {
 pub(super) struct TdeAnamorphic {
     /// Coefficients by `r^2`, `r^2 cos 2 phi`, `r^4`, `r^4 cos 2 phi`, `r^4 cos 4 phi`, of x and of y.
     pub(super) coefficients: [[f64; 5]; 2],
-    /// To the lens's own axes: what undoes its rotation and the pixels' shape.
+    /// The map to the lens's own axes: it undoes the lens's rotation and the pixels' shape.
     pub(super) before: DMat2,
     /// Back: rotation, squeezes, the pixels' shape.
     pub(super) after: DMat2,

@@ -54,7 +54,7 @@ impl StMap {
         Some([place(-1)?, place(0)?, place(1)?, place(2)?])
     }
 
-    /// A pixel's place; beyond the edges what its neighbours point to.
+    /// A pixel's place; beyond the edges extrapolated from its neighbours.
     fn place(&self, [column, row]: [i64; 2]) -> Option<DVec2> {
         let [width, height] = self.size.map(|side| side as i64);
         let beyond = |i: i64, side: i64| if i < 0 { Some((0, 1)) } else { (i >= side).then_some((side - 1, side - 2)) };

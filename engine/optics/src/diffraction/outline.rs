@@ -1,7 +1,7 @@
 //! The clear pupil as a place of the film sees it, in direction cosines: polygons.
 //!
 //! A lattice of rays tells open from closed, and where neighbours differ the edge between them is found by halving. The corners of
-//! the polygons lie on the edge to rounding, so that what was straight stays straight, for the light that goes far aside is
+//! the polygons lie on the edge to rounding, so that straight edges stay straight, for the light that goes far aside is
 //! made by straight edges.
 
 use glam::{DVec2, DVec3};
@@ -11,7 +11,7 @@ use crate::focus::FilmFrame;
 use crate::pupil_map::PupilMap;
 use crate::trace::{Ray, Tracer, Travel};
 
-/// Rays over the width of the pupil: what is narrower than a part in so many of it may be missed.
+/// Rays over the width of the pupil: openings narrower than a part in so many of it may be missed.
 const LATTICE: usize = 384;
 /// Rays by which the pupil is first found.
 const LOOKS: u32 = 1024;
@@ -24,7 +24,7 @@ const HALVINGS: u32 = 34;
 /// A pupil's edge. Direction cosines are those to the film's two directions, right and up, times the index before the film.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
-    /// Closed polygons, one after the other; what lies in an odd number of them is open.
+    /// Closed polygons, one after the other; points in an odd number of them are open.
     pub polygons: Vec<Vec<DVec2>>,
 }
 

@@ -34,7 +34,7 @@ pub struct Focused {
 }
 
 impl Focusing {
-    /// Moves the groups of a lens, which must have such, until a film at the place of infinity shows what is
+    /// Moves the groups of a lens, which must have such, until a film at the place of infinity shows points that are
     /// `distance_mm` away.
     ///
     /// # Errors

@@ -213,8 +213,8 @@ impl<'a> Glasses<'a> {
         Ok(medium)
     }
 
-    /// The glass that comes nearest to one of which the catalogues have no curve, with a remark: pressed glass by what it was before, others
-    /// by nd and Vd.
+    /// The glass that comes nearest to one of which the catalogues have no curve, with a remark: pressed glass by the glass that it was
+    /// before, others by nd and Vd.
     fn stand_in(&self, name: &str, place: Place, remarks: &mut Remarks) -> Option<Medium> {
         let upper = name.to_uppercase();
         if let Some((_, nd, abbe, source)) = BY_NUMBERS.iter().find(|(known, ..)| *known == upper) {

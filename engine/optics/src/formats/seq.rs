@@ -32,7 +32,7 @@ const SILENT: [&str; 51] = [
     "BDC", "CDC", "XDC", "YDC", "ZDC", "TEM", "PRE", "CNT", "WTA", "CRV", "LBL", "DDA", "DDM", "AFC", "PFR", "FFO",
     "RFO",
 ];
-/// Commands that move the frame of a surface, in the order of [`Frame::numbers`], and that say what becomes of the frame behind it.
+/// Commands that move the frame of a surface, in the order of [`Frame::numbers`], and that choose the frame behind it.
 const MOVES: [&str; 6] = ["XDE", "YDE", "ZDE", "ADE", "BDE", "CDE"];
 const FRAMES: [(&str, FrameKind); 3] =
     [("DAR", FrameKind::Return), ("BEN", FrameKind::Bend), ("REV", FrameKind::Reverse)];
@@ -60,7 +60,7 @@ enum FrameKind {
     /// It stays decentred and tilted.
     #[default]
     Stay,
-    /// It returns to what it was before the surface.
+    /// It returns to the frame before the surface.
     Return,
     /// It is tilted once more, as the axis is by a mirror.
     Bend,

@@ -65,7 +65,7 @@ struct ZmxReader<'a> {
     mm_per_unit: f64,
     wavelengths_um: Vec<(usize, f64)>,
     primary: usize,
-    /// `FTYP`'s count of fields, their heights, and what `VCYN` and `VDYN` cut off.
+    /// `FTYP`'s count of fields, their heights, and the parts that `VCYN` and `VDYN` cut off.
     field_count: usize,
     fields: Vec<f64>,
     compressed: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Ghosts without looking for them: rays that part at every surface into what it reflects and what it lets through, and die out
+//! Ghosts without looking for them: rays that split at every surface into a reflected and a refracted one, and die out
 //! by chance. Slow, and the reference for whatever is quicker.
 
 use glam::DVec2;
@@ -65,7 +65,7 @@ pub fn arrived(
     Arrived { light_mm2: sums.map(|sum| sum / n), error_mm2: std::array::from_fn(error) }
 }
 
-/// Follows all that becomes of one ray; calls `each` with what leaves the lens towards the film, its power and how often it was
+/// Follows all parts of one ray; calls `each` with those that leave the lens towards the film, its power and how often it was
 /// reflected.
 fn one(
     system: &System,

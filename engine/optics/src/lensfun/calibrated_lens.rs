@@ -102,7 +102,7 @@ impl CalibratedLens {
         distortions.chain(lights).reduce(nearest).unwrap_or(focal_mm)
     }
 
-    /// The set that was measured with the largest sensor that is no smaller than the camera's, and has what `has` asks for.
+    /// The set that was measured with the largest sensor that is no smaller than the camera's, and fulfils `has`.
     fn set(&self, crop_factor: f64, has: impl Fn(&CalibrationSet) -> bool) -> Option<&CalibrationSet> {
         let ratio = |set: &CalibrationSet| crop_factor / set.sensor.crop_factor;
         self.sets.iter().filter(|set| has(set) && ratio(set) >= SAME_CROP).min_by(|a, b| ratio(a).total_cmp(&ratio(b)))

@@ -29,7 +29,7 @@ pub enum LensfunError {
         /// The folders that were looked for.
         looked: String,
     },
-    /// A place of a file is not what a database has there.
+    /// A place of a file has other content than a database.
     #[error("{file}:{line}:{column}: {what}")]
     Content {
         /// The file.

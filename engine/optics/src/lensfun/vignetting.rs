@@ -52,7 +52,7 @@ pub struct Vignetting {
 
 impl Vignetting {
     /// Light at this distance from the middle of the film, over that in the middle; `None` where the formula leaves none, which is beyond
-    /// what was measured.
+    /// the measurement.
     pub fn illumination(&self, radius_mm: f64) -> Option<f64> {
         let unit_mm = match self.model {
             VignettingModel::Pa(_) => self.sensor.half_diagonal_mm(),

@@ -54,8 +54,8 @@ impl<R: Traced> Tracer<R> {
         Bundle::along(self.way(travel).clone())
     }
 
-    /// Takes the rays of `bundle`, which this tracer or one of the same lens made, through the lens; what became of
-    /// them is what [`Self::from_scene`] or [`Self::from_film`] says, to the last bit.
+    /// Takes the rays of `bundle`, which this tracer or one of the same lens made, through the lens; the fates of
+    /// them are those of [`Self::from_scene`] or [`Self::from_film`], to the last bit.
     pub fn trace(&self, bundle: &mut Bundle<R>) {
         self.trace_with(Level::new(), bundle);
     }

@@ -106,7 +106,7 @@ fn without_distortion(node: &Node, root: &Node, suffix: &str, name: &str) -> Opt
     (!is_there).then(|| format!("camera '{name}' has no distortion coefficients: it is taken for a pinhole"))
 }
 
-/// A camera of the keys of `node` with a suffix; what is said of all cameras stands in `root`.
+/// A camera of the keys of `node` with a suffix; keys of all cameras stand in `root`.
 fn camera(node: &Node, root: &Node, suffix: &str, name: &str) -> Result<CalibratedCamera, Placed> {
     let any = |keys: &[&str]| {
         let own = keys.iter().find_map(|key| node.get(&format!("{key}{suffix}")));

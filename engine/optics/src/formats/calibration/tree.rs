@@ -135,7 +135,7 @@ impl Node {
         if is_count { Ok(value as u32) } else { Err(malformed(self.place, self.shown(), "a number of pixels")) }
     }
 
-    /// The numbers of a list, of a list of lists row by row, of a text, or of what OpenCV and ROS write for a matrix.
+    /// The numbers of a list, of a list of lists row by row, of a text, or of the mapping that OpenCV and ROS write for a matrix.
     pub(super) fn numbers(&self) -> Result<Vec<f64>, Placed> {
         match &self.value {
             Value::Map(_) => match self.get("data") {

@@ -22,7 +22,7 @@ const CATALOGUES: [(&str, &str); 8] = [
     ("other", "MISC"),
 ];
 
-/// The text of a file, and what of the lens cannot stand in one.
+/// The text of a file, and the parts of the lens that cannot stand in one.
 pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>) {
     let mut text = String::new();
     let mut lost = Vec::new();
@@ -169,7 +169,7 @@ struct Glass {
     words: Option<String>,
     /// The catalogue that must be listed.
     listed: Option<&'static str>,
-    /// The name that stands in the file and what it means here, where the name alone would be several glasses.
+    /// The name that stands in the file and its meaning here, where the name alone would be several glasses.
     alias: Option<(String, String)>,
 }
 
