@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ghosts beside brute force, what they cost, and two pictures full of light that strays: tables and pictures of docs/ghosts.md. Run by
+"""Ghosts beside brute force, what they cost, and two pictures full of stray light: tables and pictures of docs/ghosts.md. Run by
 `make ghosts` in an environment that has petzval, bpy, numpy and Pillow."""
 
 from __future__ import annotations

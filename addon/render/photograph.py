@@ -31,7 +31,7 @@ from .results import Results, deliver_black, region
 
 # Samples: with fewer, the time that a forecast takes would be seen.
 _WORTH_A_FORECAST = 1 << 21
-# The part of the light that strays before which a guess of the rest of the time is worth nothing.
+# The part of the stray light before which a guess of the rest of the time is worth nothing.
 _LEAST_PART = 0.02
 
 
@@ -295,7 +295,7 @@ class Photograph:
             job.stop_developing()
 
     def _share_after_samples(self) -> float:
-        """The part of the time that denoising and the light that strays are to take, after the samples."""
+        """The part of the time that denoising and the stray light are to take, after the samples."""
         predicted = self.told.get("predicted")
         return predicted["after_seconds"] / predicted["seconds"] if predicted and predicted["seconds"] else 0.0
 

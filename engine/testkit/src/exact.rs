@@ -1,6 +1,6 @@
 //! One surface and one ray in 320-bit numbers: the truth that a tracer in machine numbers is held against.
 //!
-//! A [`Case`] is plain `f64` data and exact as it stands; [`trace()`] says what becomes of the ray; [`Sensitivity`] says
+//! A [`Case`] is plain `f64` data and exact as it stands; [`trace()`] gives the fate of the ray; [`Sensitivity`] says
 //! how much of an error the data themselves allow, and [`Margins`] how near the outcome was to being another one. The
 //! frame is that of the surface: the origin at its vertex, z along its axis, mm.
 //!

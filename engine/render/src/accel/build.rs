@@ -47,7 +47,7 @@ pub(super) struct NamedLeaves {
 }
 
 impl NamedLeaves {
-    /// Builds a tree over those boxes that are within reach, known by what they name, `most` in each leaf at most.
+    /// Builds a tree over those boxes that are within reach, known by their index, `most` in each leaf at most.
     pub(super) fn new(mut boxes: Vec<Bounds>, most: usize) -> Self {
         boxes.retain(Bounds::is_within_reach);
         let Built { nodes, leaves } = build(&mut boxes, most);

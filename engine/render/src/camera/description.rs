@@ -120,7 +120,7 @@ pub struct Perspective {
     pub film_width_mm: f64,
     /// Shift, in units of the picture's larger side.
     pub shift: [f64; 2],
-    /// Height over width of what is out of focus, as behind an anamorphic lens; 1 is round.
+    /// Height over width of blur discs, as behind an anamorphic lens; 1 is round.
     pub aperture_ratio: f64,
 }
 
@@ -348,7 +348,7 @@ impl CameraDescription {
         f64::from(rows) * self.pixel_aspect
     }
 
-    /// Checks what every model needs.
+    /// Checks the settings that every model needs.
     pub(super) fn check(&self, width: u32, height: u32) -> Result<(), CameraError> {
         if width == 0 || height == 0 {
             return Err(self.error("the picture has no pixels; raise the resolution"));

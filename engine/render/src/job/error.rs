@@ -13,7 +13,7 @@ pub enum RequestError {
     /// A setting is out of range.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// Points are not of what is baked.
+    /// Points are not of the baked object.
     #[error(transparent)]
     Bake(#[from] BakeError),
 }

@@ -159,7 +159,7 @@ impl PreparedLamp {
         self.frame.reaches.all_of(way.finds())
     }
 
-    /// The objects that the lamp lights, and those that throw shadows in its light.
+    /// The objects that the lamp lights, and those that cast shadows in its light.
     pub(super) fn sets(&self) -> LightSets {
         self.frame.sets
     }

@@ -13,7 +13,7 @@ use glam::Vec3A;
 const FEW: usize = 1024;
 
 /// The part of its weight that an emitter keeps where it would light another place of the instance that it is a part of, which emits itself:
-/// the light there is at most a part of what the place emits, and where the instance bulges there is none.
+/// the light there is at most a part of the place's emission, and where the instance bulges there is none.
 const OWN_LIGHT: f32 = 0.02;
 
 /// The tree over all emitters of a scene.

@@ -144,7 +144,7 @@ impl VolumePoint<'_> {
     }
 }
 
-/// A point of space, asked for what changes along a ray.
+/// A point of space, asked for the fields that change along a ray.
 struct AlongRay<'a>(&'a VolumePoint<'a>);
 
 impl AlongRay<'_> {

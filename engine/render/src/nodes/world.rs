@@ -199,8 +199,8 @@ pub fn bake(scene: &mut Scene, previous: Option<&Scene>) {
     scene.textures.push(Arc::new(texture));
 }
 
-/// True if what lets shadow rays through lets rays of closures through, too. Else each kind of sample finds light that the other does not,
-/// and the picture depends on the weights of both: as in Cycles, they are those of the whole image.
+/// True if surfaces that let shadow rays through let rays of closures through, too. Else each kind of sample finds light that the other
+/// does not, and the picture depends on the weights of both: as in Cycles, they are those of the whole image.
 pub fn finds_alike(scene: &Scene) -> bool {
     const INDIRECT: Rays = Rays::BOUNCE.and(Rays::SHADOW).and(Rays::VOLUME_SCATTER);
     /// Blender's default, which no path reaches.

@@ -21,7 +21,7 @@ const TRIES: u32 = 10;
 const OFF_VERTEX: f32 = 1e-4;
 /// Least share of a corner in a point that was moved off a vertex.
 const LEAST_SHARE: f32 = 1e-5;
-/// Least cosine of the view from the camera to the shading normal: what faces away is still seen, at a slant.
+/// Least cosine of the view from the camera to the shading normal: surfaces that face away are still seen, at a slant.
 const LEAST_COSINE: f32 = 0.2;
 /// Least cosine of that view to the triangle's own normal.
 const ABOVE: f32 = 1e-5;

@@ -1,4 +1,4 @@
-//! Ways from the film to the scene and back: which rays are followed, and where what they find is added up.
+//! Ways from the film to the scene and back: which rays are followed, and where their light is added up.
 
 pub mod aiming;
 pub mod bake;
@@ -300,7 +300,7 @@ impl Sample<'_> {
         }
     }
 
-    /// Adds what a ray found to the pixels where it arrives.
+    /// Adds the light of a ray to the pixels where it arrives.
     fn splat(&mut self, lens: &RealLens, splats: &Splats, radiance: Rgb) {
         add_splats(self.light, lens, splats, radiance);
     }

@@ -1,4 +1,4 @@
-//! The report of a plan: what `petzval plan --json` prints, and what is kept with a picture.
+//! The report of a plan: the output of `petzval plan --json`, and the record that is kept with a picture.
 
 use super::{Decision, Effect, Plan};
 use glam::{DVec3, Vec2};

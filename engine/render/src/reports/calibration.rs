@@ -136,7 +136,7 @@ fn entry(lens: &CalibratedLens) -> LensEntry {
     }
 }
 
-/// Reports what a file of calibrations holds.
+/// Reports the content of a file of calibrations.
 pub fn report(file: &CalibrationFile) -> CalibrationReport {
     let cameras = file.cameras.iter().map(|camera| of_camera(&camera.name, &camera.calibration)).collect();
     let (lenses, bodies) = (Vec::new(), Vec::new());

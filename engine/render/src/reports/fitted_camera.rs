@@ -73,7 +73,7 @@ pub struct FittedCameraReport {
     free: Vec<&'static str>,
     /// The part of the picture that the lens lights by its chief rays, where the model was fitted.
     lit: f64,
-    /// Residuals: the model's sight of what the lens shows at a point, from that point.
+    /// Residuals: the place where the model sees the lens's direction of a point, from that point.
     rms_px: f64,
     worst_px: f64,
     worst_at_px: [f64; 2],
@@ -275,8 +275,8 @@ impl FittedCamera {
         ]
     }
 
-    /// The residual map: for each pixel where the model sees what the lens shows in it, from its middle, pixels to the right and down, and an
-    /// A of 1; all 0 where the lens lights nothing or the model sees nothing.
+    /// The residual map: for each pixel the place where the model sees the lens's direction of it, from its middle, pixels to the right and
+    /// down, and an A of 1; all 0 where the lens lights nothing or the model sees nothing.
     pub fn residual_map(&self, pixels: &[Option<PictureRay>]) -> MapChannels {
         let of = |ray: &PictureRay| {
             let is_flat = self.calibration.model().is_flat();

@@ -28,7 +28,7 @@ pub enum GapTolerance {
     Part(f64),
 }
 
-/// A calibration, and what is adjusted to it.
+/// A calibration, and the options of a lens's fit to it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FittedLensOptions {
@@ -90,7 +90,7 @@ pub struct FittedLensReport {
     size_px: [u32; 2],
     pixel_pitch_um: [f64; 2],
     wavelength_nm: f64,
-    /// The part of the picture that was compared: what both see.
+    /// The part of the picture that was compared: the part that both see.
     compared: f64,
     points: usize,
     before: Compared,

@@ -1,5 +1,5 @@
 //! Reports on a lens, each in a file of its own. Adding one is a file here with a [`LensReport`], and a line in [`REPORTS`]; the command
-//! line and Blender offer what `petzval/lens_reports` draws.
+//! line and Blender offer those that `petzval/lens_reports` draws.
 //!
 //! A report's options come as JSON, and its result goes as JSON: lengths in mm, angles in degrees, null where there is no finite number.
 

@@ -1,4 +1,4 @@
-//! A lens beside what photographers have measured of its product, by a lensfun database.
+//! A lens beside photographers' measurements of its product, by a lensfun database.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Tolerances: what deviations of radii, thicknesses, indices and places of elements do to the picture, one by one and all together.
+//! Tolerances: the effects of deviations of radii, thicknesses, indices and places of elements on the picture, one by one and all together.
 //!
 //! All together is by the Monte Carlo method: lenses whose deviations are drawn at random within their tolerances, each refocused as it
 //! would be in use. The same seed gives the same lenses for any number of threads.
@@ -188,7 +188,7 @@ struct Bench<'a> {
     focus: Focus,
     /// The film from the last vertex.
     film_mm: f64,
-    /// Depth of focus in which a spot grows by what a pixel would show, mm.
+    /// Depth of focus in which a spot grows by as much as a pixel would show, mm.
     aside_mm: f64,
     wavelengths_nm: Vec<f64>,
     main: usize,

@@ -1,4 +1,4 @@
-//! The pixels of a picture as places where samples fall: by what density, and to which pixel a place belongs.
+//! The pixels of a picture as places where samples fall: their density, and the pixel that a place belongs to.
 //!
 //! Pixel j's value is the mean of the light weighted by the pixel filter f about its centre. Where each pixel has one
 //! sample of density f, their places together have the density S = Σ f. Light that is known at any place is given to
@@ -376,7 +376,7 @@ mod tests {
         }
     }
 
-    /// Inside, the table says what the filter says.
+    /// Inside, the table has the filter's values.
     #[test]
     fn the_table_is_the_filter() {
         use Filter::{BlackmanHarris, Gaussian};

@@ -146,7 +146,7 @@ pub struct Mesh {
     pub points: Option<Box<Points>>,
     /// The mesh's shapes while the shutter is open.
     pub poses: Option<Box<Poses>>,
-    /// True if the mesh has curves, points or several shapes: one test for what most meshes do not have.
+    /// True if the mesh has curves, points or several shapes: one test for features that most meshes do not have.
     pub is_special: bool,
 }
 

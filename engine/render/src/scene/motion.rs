@@ -27,7 +27,7 @@ pub fn moment(part: f32) -> u16 {
     (part * 65536.0) as u16
 }
 
-/// An affine map taken apart, so that what is between two of them turns rather than shrinks (Shoemake and Duff 1992, "Matrix
+/// An affine map taken apart, so that a map between two of them turns rather than shrinks (Shoemake and Duff 1992, "Matrix
 /// Animation and Polar Decomposition").
 #[derive(Clone, Copy, Debug)]
 struct AffineParts {

@@ -1,4 +1,4 @@
-//! Albedo of a rough boundary, by roughness and angle: tables that tell one layer what another leaves, and restore the
+//! Albedo of a rough boundary, by roughness and angle: tables for the light that one layer leaves to another, and to restore the
 //! energy that single scattering between facets loses.
 
 use super::fresnel;

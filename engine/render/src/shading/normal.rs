@@ -2,7 +2,7 @@
 
 use glam::Vec3A;
 
-/// A unit normal about which what comes from `wo` is mirrored to above the triangle: `normal` itself wherever that is
+/// A unit normal about which `wo` is mirrored to above the triangle: `normal` itself wherever that is
 /// so, else turned towards the triangle's own just as far as it must be. Without this the rims of coarse smooth surfaces
 /// mirror into themselves, and their light is lost.
 #[inline]

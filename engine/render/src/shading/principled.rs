@@ -138,7 +138,7 @@ impl Bsdf {
         bsdf
     }
 
-    /// Metal, glass and coat, and what they leave to the diffuse base.
+    /// Metal, glass and coat, and the light that they leave to the diffuse base.
     fn add_facets(
         &mut self,
         tables: &PrincipledTables,

@@ -132,7 +132,7 @@ fn side(one: &Candidate) -> usize {
     (((one.bounds[1] - one.bounds[0]).max_element() / cell_px) as usize).clamp(least, MOST_CELLS)
 }
 
-/// Number of rays of a ghost, about: what its simulation costs.
+/// Number of rays of a ghost, about: the measure of its cost.
 fn work(one: &Candidate) -> f64 {
     bands(one) as f64 * (side(one) as f64).powi(2)
 }

@@ -273,7 +273,7 @@ fn lamps_of_all_kinds() {
     agree("lamps", &scenes::many_lamps(), &description(FIGURE_3), 12, 5);
 }
 
-/// The near and the far part of a scene are left out in the same way; the parts left out still emit, and throw shadows.
+/// The near and the far part of a scene are left out in the same way; the parts left out still emit, and cast shadows.
 #[test]
 fn what_is_clipped() {
     let stage = scenes::box_under_a_lamp();

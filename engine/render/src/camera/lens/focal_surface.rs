@@ -1,6 +1,6 @@
 //! The surface of the scene that is sharp, as a map from the picture: where rays are aimed at that start in the scene.
 //!
-//! The surface serves to choose rays, so it need not be where the lens is sharpest; it must cover what the picture sees, no place twice,
+//! The surface serves to choose rays, so it need not be where the lens is sharpest; it must cover the field of view, no place twice,
 //! and its density must be known exactly. A film point is projected through the exit pupil onto an upright film; the chief rays say at what
 //! angle from the axis the lens sees a point there, by its distance from the axis; and in that direction the surface lies at the distance
 //! that is focused on: a plane, far off the axis a ball.
@@ -172,7 +172,7 @@ impl FocalSurface {
 mod tests {
     use crate::camera::{Camera, CameraDescription, tests};
 
-    /// The element of the surface is what neighbouring points span, on upright and turned films.
+    /// The element of the surface is the area that neighbouring points span, on upright and turned films.
     #[test]
     fn elements_are_what_neighbours_span() {
         for (file, width_mm, tilt) in [

@@ -1,4 +1,4 @@
-//! A real lens of which something is taken out of the picture: its distortion, its aberrations, the blur of what is out of
+//! A real lens of which something is taken out of the picture: its distortion, its aberrations, the blur of points out of
 //! focus, or one of the two ways in which it parts colours.
 //!
 //! Something makes the rays: the lens itself, the middle of its pupil alone, or its Gaussian optics. What each place

@@ -4,7 +4,7 @@
 //! Fans of rays leave through the lens from places all over the picture. What one place sees of the scene, a ray of the fan sees somewhat
 //! aside: how far, in pixels of this picture, is found by how the same rays move over the scene when the place moves a little. By
 //! reciprocity a point of the scene is spread as far over the picture. Beside each exact fan goes that of Gaussian optics, which has
-//! defocus and nothing else: what is left between the two are the aberrations.
+//! defocus and nothing else: the difference of the two are the aberrations.
 
 use crate::Rgb;
 use crate::accel::Ray;
@@ -71,7 +71,7 @@ impl Worst {
 /// The effects of a lens in one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct LensMeasures {
-    /// Radius of the blur disc that Gaussian optics give what is farthest out of focus, px: the largest distance on the film
+    /// Radius of the blur disc that Gaussian optics give the point farthest out of focus, px: the largest distance on the film
     /// between a ray of a point and its chief ray.
     pub defocus: Worst,
     /// The largest distance between where a ray lands and where Gaussian optics would have it land, both counted from their
@@ -280,7 +280,7 @@ impl Survey {
     }
 }
 
-/// The fans of a lens, before it is known what is seen.
+/// The fans of a lens, before the scene is known.
 pub struct Fans<'a> {
     survey: &'a Survey,
     fans: Vec<Fan>,

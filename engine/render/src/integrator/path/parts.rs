@@ -1,5 +1,5 @@
 //! The parts of a path's light that are kept beside the whole, and features of the first surface: the passes of light and colour, as Cycles
-//! parts them (its manual, "Render Passes"). [`super::by_part`] says what goes where.
+//! parts them (its manual, "Render Passes"). [`super::by_part`] puts light into the parts.
 
 use glam::{DMat4, Mat3A, Vec3A};
 
@@ -34,9 +34,9 @@ pub enum LightPass {
     Catches,
     /// Texture coordinates and 1, of the first surface.
     Uv,
-    /// 1 less what mist leaves, three times.
+    /// Mist: 1 less its transmittance, three times.
     Mist,
-    /// 1 for every path that counts as data: what these are relative to.
+    /// 1 for every path that counts as data: the base of data.
     Ray,
     /// Ambient occlusion: the part of rays, spread by the cosine about the first surface's diffuse normal, that nothing near stops.
     Occlusion,
@@ -109,7 +109,7 @@ impl LightPass {
     }
 }
 
-/// Axes and place of the camera, render space, for what is counted from it.
+/// Axes and place of the camera, render space, for values that are counted from it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seen {
     to_camera: Mat3A,
@@ -140,7 +140,7 @@ impl Seen {
         self.to_camera * direction * Vec3A::new(1.0, 1.0, -1.0)
     }
 
-    /// 1 less what mist leaves of a place.
+    /// The transmittance of the mist from the camera to a place.
     pub fn clear(&self, position: Vec3A) -> f32 {
         let from = self.to_camera * (position - self.place);
         let distance = if self.is_flat { -from.z } else { from.length() };

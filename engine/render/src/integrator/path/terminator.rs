@@ -1,7 +1,7 @@
 //! The shadow terminator of coarse smooth meshes: shadow rays start a little above the faces.
 //!
 //! A smooth normal sees light that the flat triangles of the mesh hide. As in Cycles, a ray to a light that grazes starts on a
-//! curved surface over the triangle (Hanika 2021, "Hacking the shadow terminator", Ray Tracing Gems II), and what is lit at a
+//! curved surface over the triangle (Hanika 2021, "Hacking the shadow terminator", Ray Tracing Gems II), and a surface that is lit at a
 //! grazing angle may be dimmed.
 
 use crate::accel::{Ray, offset_origin};

@@ -1,4 +1,4 @@
-//! The shape of a lamp: the operations by which kinds of lamp differ, and what they share.
+//! The shape of a lamp: the operations by which kinds of lamp differ, and their shared code.
 
 use super::super::bounds::LightBounds;
 use super::super::sample::LightSample;

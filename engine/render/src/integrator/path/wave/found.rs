@@ -135,7 +135,7 @@ impl Path {
         );
     }
 
-    /// Notes how much of what the camera sees there is a hole; true if all of it is.
+    /// Adds the part of a surface seen by the camera that is a hole (holdout); true if all of it is.
     #[cold]
     #[inline(never)]
     fn falls_into(

@@ -63,7 +63,7 @@ impl MediumState {
         self.bounces <= limits.kinds.volume
     }
 
-    /// Follows a path to what its ray hits, and adds the light of lamps on the way.
+    /// Follows a path to its next hit, and adds the light of lamps on the way.
     #[expect(clippy::too_many_lines, clippy::too_many_arguments, reason = "a kernel")]
     pub(super) fn bring<N: AovSink>(
         &mut self,
@@ -324,7 +324,7 @@ impl MediumState {
         });
     }
 
-    /// Notes what the shadow ray goes through that was just added at a surface, if one was.
+    /// Keeps the media of the shadow ray that was just added at a surface, if one was.
     pub(super) fn veil<Of>(
         &self,
         scene: &Scene,
