@@ -227,7 +227,7 @@ def other_peoples_scenes() -> Path:
 
 
 def pytest_terminal_summary(terminalreporter):
-    """Hands what could not run to `make test`, which says it once at the end."""
+    """Hands the tests that could not run to `make test`, which lists them once at the end."""
     notes = os.environ.get("PETZVAL_NOT_RUN")
     if not notes:
         return

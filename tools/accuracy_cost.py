@@ -26,7 +26,7 @@ sys.path.insert(0, str(ROOT / "engine/python"))
 from petzval.cost import plot, tables  # noqa: E402
 from petzval.cost.advice import percent, seconds  # noqa: E402
 
-#: Scene: options that go with it, and what it is.
+#: The options of each scene, and its description.
 SCENES = {
     "demo": (["--resolution", "120x68"], "the desk of the demo scene: defocus from near to far, many lamps, noisy"),
     "landscape": (

@@ -6,9 +6,9 @@ Run it in an environment of its own, for it needs neither Blender nor the engine
     python3 -m venv packages && packages/bin/pip install rayoptics optiland
     packages/bin/python tools/foreign-figures.py
 
-tolerances.json holds what deviations of two of these lenses do by optiland, at fields that no rim cuts.
+tolerances.json holds the effects of deviations of two of these lenses by optiland, at fields that no rim cuts.
 
-reports.json holds what optiland says of lenses of tests/reference/lenses: distortion and field curvature, their indices at d as the
+reports.json holds the results of optiland for lenses of tests/reference/lenses: distortion and field curvature, their indices at d as the
 reference has them, rays aimed at the stop.
 
 Focal lengths are those at the file's reference wavelength. Rays start 10 units before the first surface; of each the hit on every
@@ -93,7 +93,7 @@ def _spot(optic: Any, part: float) -> dict:
 
 
 def by_optiland(path: Path) -> dict:
-    """Focal lengths, of what it reads, and spots on the axis and at half of the field, of 127 rays."""
+    """Focal lengths of the lenses that it reads, and spots on the axis and at half of the field, of 127 rays."""
     from optiland import fileio
 
     read = {".zmx": "load_zemax_file", ".len": "load_oslo_file", ".seq": "load_codev_file"}[path.suffix]

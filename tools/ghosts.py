@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ghosts beside brute force, what they cost, and two pictures full of stray light: tables and pictures of docs/ghosts.md. Run by
+"""Ghosts beside brute force, their cost, and two pictures full of stray light: tables and pictures of docs/ghosts.md. Run by
 `make ghosts` in an environment that has petzval, bpy, numpy and Pillow."""
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def priced(folder: Path, scenes: dict[str, Path], rounds: int, samples: int) -> 
 
 
 def foretold(folder: Path, scene: Path, rounds: int) -> list[str]:
-    """The table of what the plan says that stray light takes, and what it takes."""
+    """The table of the plan's forecast of the time of stray light, and the measured time."""
     rows = [
         "| lens | picture | samples, s | foretold after them, s | after them, s | ghosts | left out, of the tolerance |",
         "|---|---|---:|---:|---:|---:|---:|",

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Adds to lenses/glass/*.json what the glasses let through inside: `through_10mm`, pairs of wavelength in µm and transmittance of 10 mm.
+"""Adds to lenses/glass/*.json the internal transmittance of the glasses: `through_10mm`, pairs of wavelength in µm and transmittance of 10
+mm.
 
     git clone https://github.com/polyanskiy/refractiveindex.info-database
     python3 tools/glass-transmittance.py refractiveindex.info-database/database/data/glass

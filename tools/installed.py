@@ -3,7 +3,7 @@
 """Tries the Petzval that is installed in this Python, as its users do, on any system: installed.py [SCENE.blend]
 
 Lens files with the line ends of Windows, in folders with spaces, of names that are no ASCII; and where this Python has bpy, the scene is
-rendered through a lens. Says what it found, and ends with 1 where something is wrong. Needs nothing of a checkout but the scene.
+rendered through a lens. Prints its findings, and ends with 1 where something is wrong. Needs nothing of a checkout but the scene.
 """
 
 from __future__ import annotations

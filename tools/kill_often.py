@@ -4,7 +4,7 @@ whether the picture is that of a render which was left alone.
 
     python tools/kill_often.py [--kills 10] [--every S]     # some minutes; --every: default interval of checkpoints
 
-A checkpoint holds the work that is in it, in seconds of rendering; what is lost is what was rendered since it was taken.
+A checkpoint holds the work that is in it, in seconds of rendering; the work since then is lost.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes docs/lens-speed.md: runs the lens benches, tabulates them, and counts what their inner loop is made of.
+"""Writes docs/lens-speed.md: runs the lens benches, tabulates them, and counts the instructions of their inner loop.
 
 tools/lens-speed.py [--no-run] [--quick]    --no-run: tabulates the last run again; --quick: to try, with few repetitions
 """

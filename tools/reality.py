@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shipped lenses beside what photographers have measured of their products: docs/reality.md. Run by `make reality LENSFUN=FOLDER` in an
+"""Shipped lenses beside photographers' measurements of their products: docs/reality.md. Run by `make reality LENSFUN=FOLDER` in an
 environment that has petzval and matplotlib. Lenses that are compared name their product in the header: `# lensfun: NAME`."""
 
 from __future__ import annotations
@@ -166,7 +166,7 @@ def spread(lensfun: str) -> list[str]:
 
 @dataclass(frozen=True)
 class Case:
-    """A lens at a setting: what is asked of the engine."""
+    """A lens at a setting: the arguments of the engine."""
 
     name: str
     text: str

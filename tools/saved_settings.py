@@ -47,7 +47,7 @@ def _between(default: float, low: float, high: float) -> float:
 
 
 def _set(holder: bpy.types.PropertyGroup) -> dict[str, object]:
-    """Sets every setting, and says what they are afterwards: some round, some change others."""
+    """Sets every setting, and returns their values afterwards: some round, some change others."""
     names = []
     for setting in holder.bl_rna.properties:
         name = setting.identifier

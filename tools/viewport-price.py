@@ -35,7 +35,7 @@ def part(name: str):
 
 
 class Clock:
-    """One view of a scene, and what it takes."""
+    """One view of a scene, and the times of its edits."""
 
     def __init__(self, size: tuple[int, int]) -> None:
         self.native, self.size, self.is_denoised = part("native").engine(), size, False

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes that are edited: what the 3D view's rendered shading sends of them, and what it shows. The window itself: test_window.py."""
+"""Scenes that are edited: the data that the 3D view's rendered shading sends of them, and its pictures. The window itself:
+test_window.py."""
 
 from __future__ import annotations
 

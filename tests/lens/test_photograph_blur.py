@@ -19,7 +19,7 @@ FOCAL_MM, FOCUS = 50.0, 2.0
 
 
 class Lamp:
-    """A lamp whose image is about so large, and what that adds to the covariance of its spot."""
+    """A lamp whose image is about so large, and its addition to the covariance of its spot."""
 
     def __init__(self, exact: Camera, at: np.ndarray, diameter_px: float) -> None:
         scale = exact.scale_at(at)

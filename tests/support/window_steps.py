@@ -195,7 +195,7 @@ def escape_after(seconds):
 
 
 def failing_render(info):
-    """A render without a lens: what Blender tells its user, as its Info editor lists it."""
+    """A render without a lens: Blender's message to its user, as its Info editor lists it."""
     yield writable, 10.0
     bpy.context.scene.camera.data.petzval.lens_file = "no-such.lens"
     try:

@@ -55,7 +55,7 @@ def focal_length(radius: np.ndarray, thickness: np.ndarray, behind: np.ndarray) 
 
 
 def read(path: Path, info: dict) -> Lens:
-    """From a lens file of spheres, and what `petzval lens info --json` says of it at the wanted size and focus."""
+    """The lens from a file of spheres, and the answer of `petzval lens info --json` at the wanted size and focus."""
     lines = [line.split() for line in path.read_text().splitlines() if line.strip() and not line.startswith("#")]
     radius, thickness, diameter = (np.array([float(line[k]) for line in lines]) for k in (0, 1, 3))
     behind = np.array([glass_index(line[2], path.parent / "glass") for line in lines])

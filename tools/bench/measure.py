@@ -59,7 +59,7 @@ NOISE_SEED = 5
 
 
 class Experiments:
-    """Runs all, and keeps what was found as plain data."""
+    """Runs all, and keeps the results as plain data."""
 
     def __init__(self, bench: Bench, plan: Plan) -> None:
         self.bench, self.plan = bench, plan
@@ -212,7 +212,7 @@ def beside(
     petzval: list[list[dict]], cycles: list[list[dict]], samples: int, size: tuple[int, int]
 ) -> dict[str, float]:
     """Microseconds of a sample of both, and Petzval's noise variance and time to equal noise over Cycles'. A render's own time is the
-    quickest of all; the first one is of a single sample, and what it takes is done once."""
+    quickest of all; the first one is of a single sample, and its time is that of work done once."""
     count = size[0] * size[1]
     sample_us, variance, means = [], [], []
     for rounds in (petzval, cycles):
@@ -237,7 +237,7 @@ def _converged(pictures: list[np.ndarray]) -> np.ndarray:
 
 
 def middle(rounds: list[dict], key: str) -> float | None:
-    """The median of what every round has found."""
+    """The median of the rounds' results."""
     values = [one[key] for one in rounds if key in one]
     return median(values) if values else None
 

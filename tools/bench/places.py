@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three places as .blend files, after what scenes by others are made of: a meadow under a sun, a room lit by its window, and a street at
+"""Three places as .blend files, made as scenes by others are: a meadow under a sun, a room lit by its window, and a street at
 night. Imported where bpy is. Metres, z up; all numbers are drawn from fixed seeds.
 """
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The programs that are compared, what each can do here, and one measurement in a process of its own."""
+"""The programs that are compared, the cameras of each, and one measurement in a process of its own."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class Bench:
         return [program for program in NAMES if program != LLVM or "DRJIT_LIBLLVM_PATH" in self._environment]
 
     def run(self, job: Job) -> list[dict]:
-        """Runs the process; what it has found for each render."""
+        """Runs the process; returns its results for each render."""
         return self._process(f"{NAMES.get(job.program, job.program)}, {job.camera}, {job.scene}", job)
 
     def _process(self, title: str, job: Job) -> list[dict]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene that all programs render, as plain data: one .npz a size, with what describes it in scene.json beside it.
+"""The scene that all programs render, as plain data: one .npz a size, with its description in scene.json beside it.
 
 Metres, z up. The camera stands at (0, 0, 1.2) and looks along +y over five rows of bodies, each row farther away, on a
 ground before a wall. 24 small lamps hang between them under a sky that is lighter at the horizon.

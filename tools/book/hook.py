@@ -115,7 +115,7 @@ def page_of(path, docs):
 
 
 def outside(text, folder):
-    """The files and folders outside of docs/ that a page in `folder` links to; what does not exist is left for the builder to find."""
+    """The files and folders outside of docs/ that a page in `folder` links to; missing ones are left for the builder to find."""
     found = []
 
     def note(line):

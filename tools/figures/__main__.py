@@ -2,7 +2,7 @@
 """`python -m figures [--size smallest|small|full|large] [--only KEY ...] [--keep] [--check]`, where petzval and bpy are, tools/ on the path.
 
 Takes the photographs into output/figures, reads them, and writes docs/figures.md and its pictures; with --check or --only no page is
-written, with --keep what was rendered with the same wishes is not rendered again.
+written, with --keep pictures rendered with the same wishes are not rendered again.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ def _shots() -> list[Shot]:
 def foretold(
     strip: np.ndarray, lens: str, f_number: float, swing_rad: float, mm_per_px: float
 ) -> tuple[np.ndarray, ...]:
-    """Places along the film, mm to the right of the picture's middle; what exact rays leave there of the contrast of detail some pixels
+    """Places along the film, mm to the right of the picture's middle; the contrast by exact rays there of detail some pixels
     wide in the strip; and the size (root mean square, mm) of their spots."""
     rays = Rays(lens, FOCUS_MM, focal_length_mm=FOCAL_MM, f_number=f_number)
     waves = 2.0 * np.pi / (mm_per_px * np.array([4.0, 6.0, 9.0]))

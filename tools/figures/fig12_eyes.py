@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure 12: what relaxed schematic eyes see of charts six metres away, straight ahead and to the sides; and a thin lens."""
+"""Figure 12: the view of relaxed schematic eyes of charts six metres away, straight ahead and to the sides; and a thin lens."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Contradiction(AssertionError):
-    """A picture that does not show what the numbers say."""
+    """A picture that contradicts the numbers."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Shot:
     aspect: float = 1.5
     width: float = 1.0
     samples: float = 1.0
-    #: So many times as wide as it was taken is it shown: what an anamorphic lens squeezed.
+    #: The factor of width by which the picture is shown, for an anamorphic lens that squeezed it.
     widened: float = 1.0
     #: Taken for a check, and not shown.
     is_hidden: bool = False

@@ -17,7 +17,7 @@ Figures 8 to 12 of Wu et al. 2011, and three that the paper could not make, phot
 `tests/scenes/gallery`. Numbers below a figure are computed, by exact rays through the prescription or
 from the picture itself, and the build fails where a picture contradicts them; `tools/figures` says how.
 """
-#: Between pictures, and for what stands below one, pixels.
+#: The space between pictures, and that for the line below one, pixels.
 GAP, FOOT = 8, 30
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Takes the photographs: builds a scene once, renders it by the command `petzval render`, and reads what came of it. Needs bpy."""
+"""Takes the photographs: builds a scene once, renders it by the command `petzval render`, and reads the picture. Needs bpy."""
 
 from __future__ import annotations
 

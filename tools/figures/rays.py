@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exact rays through a lens, by the command line's own numbers: what the captions are computed from. Needs petzval, no bpy.
+"""Exact rays through a lens, by the command line's own numbers: the numbers of the captions. Needs petzval, no bpy.
 
 Lens space: millimetres, z along the axis in the direction of the light, z = 0 at the first vertex.
 """

@@ -22,14 +22,14 @@ def box(values: np.ndarray, radius: int) -> np.ndarray:
 
 
 def detail(light: np.ndarray, radius: int) -> np.ndarray:
-    """Relative differences of pixels from what is around them."""
+    """Relative differences of pixels from the mean around them."""
     grey = luminance(light)
     around = box(grey, radius)
     return (grey - around) / np.maximum(around, 1e-6)
 
 
 def contrast(light: np.ndarray, sharp: np.ndarray, mask: np.ndarray | slice | tuple, radius: int) -> float:
-    """Of fine detail, what is left of that of the sharp picture: 1 if as sharp, 0 if nothing. Noise of the two has nothing in common,
+    """The contrast of fine detail relative to that of the sharp picture: 1 if as sharp, 0 if none. Noise of the two has nothing in common,
     so it adds nothing."""
     mine, full = detail(light, radius)[mask], detail(sharp, radius)[mask]
     return float((mine * full).sum() / (full * full).sum())

@@ -195,7 +195,7 @@ def lens_surfaces(scene: bpy.types.Scene, count: int) -> None:
 
 
 class Kind(NamedTuple):
-    """A number that grows: what it counts, its values, and how a scene of so many is built."""
+    """A number that grows: the things that it counts, its values, and how a scene of so many is built."""
 
     title: str
     values: tuple[int, ...]

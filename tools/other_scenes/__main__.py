@@ -34,13 +34,13 @@ PAGE = TOP / "docs" / "other-scenes.md"
 #: The known facts about scenes: their sources, and why they differ.
 KNOWN = Path(__file__).with_name("known.toml")
 PROGRAMS = ("petzval", "cycles")
-#: Samples of the short render: what is done once is taken off by it.
+#: Samples of the short render: the time of work done once is subtracted by it.
 FEW = 8
-#: Processor time, s, that samples must take to be timed, and no less than what is done once, which varies by a tenth of itself and more.
+#: Processor time, s, that samples must take to be timed, and no less than work done once, which varies by a tenth of itself and more.
 #: Where they take less, a longer render is timed, but of no more than so many times the samples.
 LEAST_S = 4.0
 MOST_LONGER = 32
-#: Processor time of a sample below which it is lost in what is done once, even so.
+#: Processor time of a sample below which it is lost in work done once, even so.
 LEAST_US = 0.05
 #: Two pictures of each program are enough where they give the noise within this part; else there are more, as long as renders are short, s
 #: of processor time.
@@ -228,7 +228,7 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
 
 
 def pixels_of(file: Path, pictures: dict[str, list[Path]]) -> dict[str, list[np.ndarray]]:
-    """The pixels of each program's pictures, out of what the step `read` has written."""
+    """The pixels of each program's pictures, out of the files of the step `read`."""
     found = np.load(file)
     return {program: [found[one.stem].astype(np.float64) for one in own] for program, own in pictures.items()}
 

@@ -24,7 +24,7 @@ from . import compare
 from .job import opened, pixels_of, without_what_differs
 
 SEEDS = (1, 2)
-#: From the middle of what is seen to the camera.
+#: The distance from the middle of the seen objects to the camera.
 TOWARDS_CAMERA = Vector((0.6, -0.9, 0.5)).normalized()
 SHAPES = {"MESH", "CURVE", "FONT", "SURFACE", "META", "CURVES", "VOLUME", "POINTCLOUD"}
 

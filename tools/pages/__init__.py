@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The generated pages of docs/: which they are, what each of them measures, and the line at a page's end that says where it came from.
+"""The generated pages of docs/: their names, the sources that each of them measures, and the line at a page's end that says where it came
+from.
 
 That line is the page's footer: the make target, the commit, the date, the machine and the time taken. `registry` lists the pages,
 `history` finds the commits since then, `python3 -m pages` (tools/ on the path) prints them and remakes stale pages. Standard library only:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The state of a page: the commits after the one in its footer that touch what it measures."""
+"""The state of a page: the commits after the one in its footer that touch the sources that it measures."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 the screen.
 
 Started by __main__.py: blender --in-window demo.blend --python steps.py -- FOLDER ADD-ON. What was seen goes to FOLDER/seen.json: for
-each picture the part of the screen, or, at the end, what went wrong.
+each picture the part of the screen, or, at the end, the error.
 """
 
 import importlib
@@ -42,7 +42,7 @@ PICTURES = (
 )
 #: The objects in which three points are made sharp.
 SHARP = ("Pocket watch", "Decanter", "Desk lamp")
-#: Of the view's width that the panels leave: those of effects have room for what each costs.
+#: Of the view's width that the panels leave: those of effects have room for the cost of each.
 VIEW_SHARE = 0.62
 LONGEST_PLAN_S = 240.0
 seen = {}

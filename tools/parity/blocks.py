@@ -11,7 +11,7 @@ PICTURE, PASS = 0.01, 1.0
 
 
 def floor_of(look: str) -> float:
-    """The floor of a look, `PICTURE` or `PASS`, by what `photograph.looks` names it."""
+    """The floor of a look, `PICTURE` or `PASS`, by its name in `photograph.looks`."""
     return PICTURE if look.startswith(("picture", "frame")) else PASS
 
 

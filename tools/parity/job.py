@@ -57,7 +57,7 @@ class Halves:
 
 
 def photographed(addon, name: str, folder: Path, width: int, height: int, samples: int, most: int) -> dict:
-    """A scene by both programs; what is said of it."""
+    """A scene by both programs; returns the findings."""
     one = SCENES.get(name)
     if one:
         one.open()

@@ -45,7 +45,7 @@ def write(
     most: int,
     now: pages.Made,
 ) -> None:
-    """The page, from what was found. `limits`: of `parity.limits`; `now`: the origin of scenes that were rendered just now."""
+    """The page, from the findings. `limits`: of `parity.limits`; `now`: the origin of scenes that were rendered just now."""
     pictures = docs / "images" / "parity"
     pictures.mkdir(parents=True, exist_ok=True)
     for old in pictures.glob("*.jpg"):

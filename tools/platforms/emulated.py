@@ -71,8 +71,8 @@ def environment(folder: Path, emulator: Emulator, platform: Platform) -> dict[st
 
 
 def test(name: str, filters: list[str], crates: list[str] | None = None) -> bool:
-    """Compiles and runs the tests for a platform, of these crates or all that are named above; tells what each program found; whether all
-    passed."""
+    """Compiles and runs the tests for a platform, of these crates or all that are named above; prints the findings of each program; whether
+    all passed."""
     platform, emulator = PLATFORMS[name], EMULATORS[name]
     runner = command_of(emulator)
     building.add_target(platform)

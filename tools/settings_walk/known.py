@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 FILE = Path(__file__).with_name("known.toml")
-#: The context of what acts in the stage as it is.
+#: The context of settings that act in the stage as it is.
 PLAIN = "stage"
 
 

@@ -110,7 +110,7 @@ def others(one: bpy.types.Property, now: Any) -> list[Any]:
 
 
 def put(owner: str, name: str, value: Any) -> str:
-    """Gives a property a value; says what is wrong if it does not take it."""
+    """Gives a property a value; returns the fault if it does not take it."""
     holder = (OWNERS | NOT_WALKED)[owner]()
     try:
         if isinstance(value, str) and value.startswith("@"):

@@ -153,7 +153,7 @@ def _strands() -> None:
 
 
 def _fog() -> None:
-    """Even: Cycles takes seconds for each picture of what is not. Smoke, thicker to one side, is for settings that need it."""
+    """Even: Cycles takes seconds for each picture of an uneven medium. Smoke, thicker to one side, is for settings that need it."""
 
     def filled(density: Callable[[Tree], object]) -> Callable[[Tree], None]:
         def nodes(t: Tree) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walk: what is asked of the programs, and what the answers say of each setting."""
+"""The walk: the questions to the programs, and the verdicts of the answers on each setting."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from . import compare
 from .known import PLAIN, Known, Rule
 from .worker import all_asked
 
-#: Looks with four times the samples each, of what few samples leave open.
+#: Looks with four times the samples each, of settings that few samples leave open.
 LOOKS = 3
 #: The verdicts, the worst last.
 ORDER = ("nothing", "alike", "here alone", "apart", "failed")
@@ -19,7 +19,7 @@ ORDER = ("nothing", "alike", "here alone", "apart", "failed")
 
 @dataclass
 class Row:
-    """A setting and what is known of it."""
+    """A setting and the facts about it."""
 
     owner: str
     name: str
@@ -67,7 +67,7 @@ def rows(settings: list[tuple[str, str, list[Any]]], known: Known) -> list[Row]:
 
 
 def walked(all_rows: list[Row], known: Known, samples: int, said: Callable[[str], None], looks: int = LOOKS) -> None:
-    """Fills in what is found of all."""
+    """Fills in the findings of all."""
     quiet = _together(all_rows, known, samples, said)
     alone = [row for row in all_rows if row.reason is None or (not row.reason.never and id(row) not in quiet)]
     asked = [

@@ -159,7 +159,7 @@ def normal(name: str) -> str:
 
 
 def _numbers(version: str) -> tuple[int, ...]:
-    """A version's numbers; what comes before a release, as 1.0-rc.1, is less than it."""
+    """A version's numbers; a version before a release, as 1.0-rc.1, is less than it."""
     main, _, before = version.partition("-")
     numbers = [int(part) for part in re.findall(r"\d+", main.partition("+")[0])][:4]
     return (*numbers, *[0] * (4 - len(numbers)), -1 if before else 0)
@@ -189,7 +189,7 @@ def advisories() -> dict[str, Any]:
 
 
 def vulnerable() -> list[str]:
-    """The advisories that hold for what is locked, each in a line; those of `ACCEPTED` are left out."""
+    """The advisories that hold for locked packages, each in a line; those of `ACCEPTED` are left out."""
     told, found = advisories(), []
     for name, version in locked_crates():
         for one in _of(told["rust"], name):

@@ -133,7 +133,7 @@ def _marble():
 
 
 def build(view: str) -> Stage:
-    """The bust, and what is behind it."""
+    """The bust, and the background."""
     stage = Stage("Bust")
     stone = _marble()
     body = surface(head, (-0.24, -0.14, -0.29), (0.24, 0.20, 0.27), 0.0016)

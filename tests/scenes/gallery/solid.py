@@ -43,7 +43,7 @@ def cut(a, b, k):
 
 
 def within(a, b, k):
-    """Only what both share."""
+    """The part that both share."""
     return -join(-a, -b, k)
 
 
