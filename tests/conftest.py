@@ -39,7 +39,7 @@ _exit_status: int | None = None
 _addon_registered = False
 
 
-#: Where pytest keeps how long each file took, in seconds, and how long files take of which it knows nothing.
+#: The cache key of pytest for the time of each file, s, and the time of a file without one.
 _KEPT, _UNKNOWN_S = "petzval/seconds", 10.0
 #: Of this run, by test; kept by the process that starts the others, which hears of every test.
 _seconds: dict[str, float] = {}

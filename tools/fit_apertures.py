@@ -89,7 +89,7 @@ class Lens:
         return z + sum(a * r**p for p, a in zip(self.powers, self.terms[i], strict=True))
 
     def _hit(self, i: int, start: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Points on a surface, its slope over the radius there, and which rays meet it."""
+        """Points on a surface, its slope over the radius there, and the rays that hit it."""
         c, k = self.curvature[i], self.conic[i]
         x, y, z = start.T
         dz = way[:, 2]

@@ -4,7 +4,7 @@
 
 In the gradients the canonical equations of rays with z as the parameter (Luneburg, Mathematical Theory of Optics, section 2),
 dx/dz = p / h, dp/dz = n n_x / h, h = sqrt(n^2 - p^2 - q^2), are solved by the method of Runge and Kutta with 4000 steps; the
-surfaces are met by bisection on the last step. Plain Python, no libraries, no code of the engine.
+hits are found by bisection on the last step. Plain Python, no libraries, no code of the engine.
 """
 
 from __future__ import annotations

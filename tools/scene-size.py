@@ -29,7 +29,7 @@ def resident_bytes() -> int:
 
 
 def forest(triangles: int) -> int:
-    """Instances of one tree at the vertices of another mesh; how many triangles they come to."""
+    """Instances of one tree at the vertices of another mesh; returns their number of triangles."""
     tree = bpy.data.objects.new("Tree", waves("Tree", TREE_TRIANGLES, 2.0))
     each = 2 * len(tree.data.polygons)
     side = max(round((triangles / each) ** 0.5), 1)

@@ -21,7 +21,7 @@ STRETCH = ("Anisotropic", "Anisotropy")
 #: The engine's names for attributes of edges, by the output of a Geometry node that shows it.
 _OF_EDGES = {"Pointiness": ".pointiness", "Random Per Island": ".random_per_island"}
 
-#: By Blender's type of an attribute: the name of its values, and how many numbers each has.
+#: By Blender's type of an attribute: the name of its values, and the count of numbers of each.
 KINDS = {
     "FLOAT": ("value", 1),
     "INT": ("value", 1),

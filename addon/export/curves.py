@@ -24,7 +24,7 @@ class CurveArrays:
 
     #: Place and radius, object space.
     keys: np.ndarray
-    #: By strand the index of its first key; then how many keys there are.
+    #: By strand the index of its first key; then the number of keys.
     first_keys: np.ndarray
     shape: dict[str, Any]
     first_number: int = 0

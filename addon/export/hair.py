@@ -94,7 +94,7 @@ def extract(
 
 
 def _radii(at: np.ndarray, settings: bpy.types.ParticleSettings) -> np.ndarray:
-    """By strand and key: from the root's radius to the tip's, by how far along the key is."""
+    """The radii by strand and key: from the root's to the tip's, by the key's place along the strand."""
     steps = np.linalg.norm(np.diff(at, axis=1), axis=2)
     along = np.concatenate([np.zeros((len(at), 1), np.float32), steps.cumsum(1)], 1)
     share = along / np.where(along[:, -1:] > 0.0, along[:, -1:], 1.0)

@@ -161,7 +161,7 @@ class Blur:
 
     def __init__(self, report: Report, seconds: float) -> None:
         self._report = report
-        #: For how long the shutter is open.
+        #: The time for which the shutter is open, s.
         self._seconds = seconds
         self._keys: list[dict[Key, Standing]] = []
 

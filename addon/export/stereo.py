@@ -85,7 +85,7 @@ def turn(camera: bpy.types.Camera, render: bpy.types.RenderSettings, view: str) 
 
 
 def _share(stereo: bpy.types.CameraStereoData, *, is_left: bool) -> float:
-    """Of the interocular distance, how far an eye stands to the left of its camera."""
+    """The distance of an eye to the left of its camera, as a part of the interocular distance."""
     if stereo.pivot == "CENTER":
         return 0.5 if is_left else -0.5
     return 0.0 if (stereo.pivot == "LEFT") == is_left else 1.0 if is_left else -1.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The kinds of ray that things are hidden from, and how often light may bounce in each way."""
+"""The kinds of ray that things are hidden from, and the limits of bounces by kind."""
 
 from __future__ import annotations
 

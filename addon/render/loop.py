@@ -72,7 +72,7 @@ class Share:
     joined: list[tuple[int, str, tuple[int, int, int]]] = field(default_factory=list)
     #: True if the films that are joined are to be the whole picture: only then is it denoised, and stray light laid over it.
     is_whole: bool = False
-    #: Parts that were not taken, each with the reason; and how many films were.
+    #: Parts that were not taken, each with the reason; and the number of films that were.
     refused: dict[int, str] = field(default_factory=dict)
     taken: int = 0
     #: The reason why a film could not be written.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The camera's Scale panel: millimetres to a Blender unit, and how large the scene then is for the lens."""
+"""The camera's Scale panel: millimetres to a Blender unit, and the size of the scene for the lens."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ class PETZVAL_CAMERA_PT_tools(LensPart, bpy.types.Panel):
 
 
 def _costs(layout, found) -> None:
-    """The time that each camera takes for the picture, and how far pixels are off."""
+    """The time that each camera takes for the picture, and the error of its pixels."""
     from petzval.cost import page
     from petzval.cost.advice import percent, seconds
 

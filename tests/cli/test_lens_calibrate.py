@@ -63,7 +63,7 @@ def test_a_shifted_film_shifts_the_principal_point(calibrate):
 
 @pytest.mark.parametrize("case", [WIDE, FISHEYE])
 def test_rays_of_the_map_come_back(calibrate, petzval_cli, tmp_path, case):
-    """Every twelfth ray, sent from the scene through the lens, meets the film in the middle of its pixel: to the rounding of 32 bits."""
+    """Every twelfth ray, sent from the scene through the lens, hits the film in the middle of its pixel: to the rounding of 32 bits."""
     found = calibrate(*case, "--map", tmp_path / "rays.exr")
     origin, direction, is_lit = rays_of(tmp_path / "rays.exr")
     assert is_lit.mean() == pytest.approx(found["lit"], abs=0.01)

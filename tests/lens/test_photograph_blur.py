@@ -88,7 +88,7 @@ def symmetry_moment(spot: Spot, fold: int) -> complex:
 
 def test_a_pentagon_turns_over_where_the_focus_is_passed(blender, tmp_path):
     """Without exact rays: one corner of the opening points to the right as the lens is seen from behind. Nearer than the
-    focus the film is met before the rays have crossed, and the picture is the film turned by half a turn."""
+    focus the rays hit the film before they have crossed, and the picture is the film turned by half a turn."""
     moments = {}
     for depth, film_mm in ((0.6, 3.0), (8.0, 1.0)):
         studio = Studio(blender, tmp_path, (36, 36), samples=128)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The comparison of two pictures by `make parity`: how far blocks are apart, and how far noise brings them."""
+"""The comparison of two pictures by `make parity`: the differences of blocks, and the part of them by noise."""
 
 from __future__ import annotations
 

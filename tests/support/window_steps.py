@@ -44,7 +44,7 @@ def set_preferences():
 
 
 def open_panels():
-    """Every panel of the add-on unfolded, and how long each takes to draw written down."""
+    """Every panel of the add-on unfolded, and the time to draw each written down."""
     names = ("camera", "render", "effects", "render_shapes", "render_film", "render_results", "light", "material")
     for module in [part(f"ui.{name}") for name in (*names, "objects", "world", "view_layer")]:
         module.unregister()

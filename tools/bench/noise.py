@@ -38,7 +38,7 @@ def rel_mse(picture: np.ndarray, reference: np.ndarray, samples: int = 0, refere
 
 
 def difference(first: Sequence[np.ndarray], second: Sequence[np.ndarray]) -> tuple[float, float]:
-    """Trimmed relMSE of two pictures, each given in two halves, and how much of it is noise.
+    """Trimmed relMSE of two pictures, each given in two halves, and the part of it that is noise.
 
     The noise is taken over the pixels that the error keeps, and relative to the same reference.
     """

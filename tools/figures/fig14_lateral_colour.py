@@ -76,7 +76,7 @@ def foretold_um(lens: str) -> float:
 
 
 def seen_um(picture: Taken) -> float:
-    """By how much blue lies to the right of red in the picture, micrometres on the film: the shift that makes them most alike."""
+    """The shift of blue to the right of red in the picture, micrometres on the film: the one that makes them most alike."""
     columns, lines = picture.size
     red, _, blue = (picture.light[..., k] for k in range(3))
     radius = max(columns // 40, 3)

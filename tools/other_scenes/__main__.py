@@ -105,7 +105,7 @@ def main() -> int:
 
 
 def look(scenes: list[Path], width: int, height: int, samples: int) -> int:
-    """Tells how far the programs are apart in each scene; those that take Blender down are told, too."""
+    """Prints the difference of the programs in each scene; those that take Blender down are told, too."""
     left, apart = list(scenes), 0
     while left:
         some = left[:LOOKED_AT_TOGETHER]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A first look at scenes, several in one Blender, about a second each: `python -m other_scenes.look WIDTH HEIGHT SAMPLES SCENE ...` prints a
-line of JSON a scene, with how far Petzval and Cycles are apart. A scene without a camera is seen from a corner of the box about all that
+line of JSON a scene, with the difference of Petzval and Cycles. A scene without a camera is seen from a corner of the box about all that
 it shows, under a sun if it has no light.
 """
 

@@ -20,7 +20,7 @@ PICTURES = ROOT / "docs/images"
 ADDON = "bl_ext.user_default.petzval"
 #: Rows of a picture at most: longer panels are cut off below.
 MOST_ROWS = 760
-#: Of the area, where it meets others; and the line with the scene's or the camera's name, above the panels.
+#: The border of the area; and the line with the scene's or the camera's name, above the panels.
 _BORDER_PX, _CONTEXT_PX = 12, 38
 
 

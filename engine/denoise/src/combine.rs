@@ -87,7 +87,7 @@ fn sign(pixel: usize) -> f32 {
 }
 
 /// The noisy picture with each pixel moved by a tenth of its standard deviation, up or down by chance: the filter's result tells
-/// [`remaining`] how much of the noise the filter lets pass. The variance is summed over the channels.
+/// [`remaining`] the part of the noise that the filter lets pass. The variance is summed over the channels.
 pub fn moved(noisy: &[[f32; 3]], variance: &[f32]) -> Vec<[f32; 3]> {
     let one = |(i, (pixel, variance)): (usize, (&[f32; 3], &f32))| {
         let step = STEP * (variance / 3.0).sqrt() * sign(i);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays without end, made and summed up on the device: how many a second go through a lens.
+//! Rays without end, made and summed up on the device, for the number a second that goes through a lens.
 
 use std::marker::PhantomData;
 use std::time::Instant;

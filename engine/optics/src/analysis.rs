@@ -94,7 +94,7 @@ impl<'a> Analysis<'a> {
         self
     }
 
-    /// The film where the spot of the axis is smallest, all wavelengths together, instead of where paraxial rays meet.
+    /// The film where the spot of the axis is smallest, all wavelengths together, instead of the paraxial image.
     ///
     /// # Errors
     /// [`AutofocusError`].

@@ -232,7 +232,7 @@ mod tests {
         System::new(&lens, &LensSettings::default()).unwrap()
     }
 
-    /// Rays run back from the scene to the film point, and meet the axis at the stop's middle.
+    /// Rays run back from the scene to the film point, and cross the axis at the stop's middle.
     #[test]
     fn chief_rays_come_back() {
         for name in ["double-gauss-f2-tronnier.lens", "laikin-fisheye-170.lens"] {

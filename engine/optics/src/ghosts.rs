@@ -1,6 +1,6 @@
 //! Light that is reflected twice inside of a lens.
 //!
-//! Here to first order: how bright the disc is that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright
+//! Here to first order: the brightness of the disc that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright
 //! each is, [`brute`] finds all of them without looking.
 //!
 //! The reflectance of a surface near the axis is that of its coating. A path that is reflected at surface j and then at i < j goes through

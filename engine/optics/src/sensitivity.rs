@@ -58,8 +58,8 @@ impl Sensitivities {
 mod tests {
     use super::Sensitivities;
 
-    /// The middle of each channel lies where a camera's filters are: published curves peak at about 460, 530 and 600 nm; what the filters let
-    /// through beside that draws red's middle down.
+    /// The middle of each channel lies where a camera's filters are: published curves peak at about 460, 530 and 600 nm; the light that the
+    /// filters let through beside that draws red's middle down.
     #[test]
     fn channels_see_their_colours() {
         for word in Sensitivities::words() {

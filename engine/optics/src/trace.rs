@@ -49,7 +49,7 @@ pub struct Lost {
 /// The direction in which rays go through a lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Travel {
-    /// The way of the light, from the scene to the film.
+    /// The direction of the light, from the scene to the film.
     FromScene,
     /// Back, from the film to the scene.
     FromFilm,

@@ -277,7 +277,7 @@ mod tests {
         }
     }
 
-    /// A surface that meets all light at right angles is the same to the whole beam, wherever the film is.
+    /// A surface that all light hits at normal incidence is the same to the whole beam, wherever the film is.
     #[test]
     fn the_middle_of_the_film_sees_a_mean() {
         let text = "# coating: none\n50 6 1.5168/64.17 25 0 1\n-50 46 air 25 0 0";

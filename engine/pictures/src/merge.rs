@@ -1,4 +1,4 @@
-//! Renders of the same picture with other samples, joined into one: each pixel by how many samples it has in each.
+//! Renders of the same picture with other samples, joined into one: each pixel by its number of samples in each.
 //!
 //! A pass is the mean over a pixel's samples, so the whole is the mean of the parts by their counts. Where all parts hold the remainders
 //! that their numbers leave out of the sums (the passes "Remainder" and "Remainder Fine") in files without loss, the joined picture is that

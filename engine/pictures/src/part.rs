@@ -7,7 +7,7 @@ use exr::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The pass that holds how many samples each pixel has, as Cycles names it.
+/// The pass that holds the number of samples of each pixel, as Cycles names it.
 pub(crate) const COUNTS: &str = "Debug Sample Count";
 /// Attribute: samples that every pixel has; missing where they have different ones.
 const SAMPLES: &str = "petzval/samples";
@@ -29,7 +29,7 @@ pub(crate) struct PicturePart {
     pub(crate) picture: Picture,
     /// Layer and place in it of each channel, by its whole name ("ViewLayer.Combined.R").
     places: BTreeMap<String, (usize, usize)>,
-    /// Names of view layers that say how many samples each pixel has.
+    /// Names of view layers that hold the number of samples of each pixel.
     pub(crate) view_layers: Vec<String>,
     /// Samples that every pixel has; `None` where pixels have different counts.
     samples: Option<f64>,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One line on a terminal: how much is done, and how long the rest will take."""
+"""One line on a terminal: the part that is done, and the time that the rest will take."""
 
 from __future__ import annotations
 

@@ -236,7 +236,7 @@ impl Accel {
     }
 }
 
-/// A start just off a surface, on the side that `normal` points to: `error` away, which bounds how far rounding
+/// A start just off a surface, on the side that `normal` points to: `error` away, which bounds the distance that rounding
 /// may have put `p` from the surface.
 #[inline]
 pub fn offset_origin(p: Vec3A, normal: Vec3A, error: f32) -> Vec3A {

@@ -1,4 +1,5 @@
-//! Fans: how far the rays of a line across the pupil land from the ray through its middle, and how far their light is ahead.
+//! Fans: transverse aberrations of the rays of a line across the pupil, from the ray through its middle, and their optical path
+//! differences.
 
 use glam::{DVec2, DVec3};
 

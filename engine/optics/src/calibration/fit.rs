@@ -37,7 +37,7 @@ pub struct CameraToFit {
     pub size_px: [u32; 2],
     /// Focal lengths across and down, pixels, at which the search starts.
     pub focal_px: [f64; 2],
-    /// The point at which the axis meets the picture, pixels from its upper left corner.
+    /// The point where the axis intersects the picture, pixels from its upper left corner.
     pub centre_px: [f64; 2],
     /// True if nothing but the distance from the axis counts, and pixels are square: then one focal length serves for both directions, and the
     /// principal point stays on the axis.

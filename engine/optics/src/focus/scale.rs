@@ -15,7 +15,7 @@ pub enum Anchor {
     EntrancePupil,
     /// The vertex of the first surface: the film moves.
     FrontVertex,
-    /// The point at which the axis meets the film: the lens moves as a whole (unit focusing), and distances are those on the scale of its
+    /// The point where the axis intersects the film: the lens moves as a whole (unit focusing), and distances are those on the scale of its
     /// barrel.
     Film,
 }

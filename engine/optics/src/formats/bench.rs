@@ -21,7 +21,7 @@ use super::text::{Token, finite, not_a_number};
 
 /// Radii of the two tables that differ by more, relative, are of different surfaces.
 const SAME_RADIUS: f64 = 1e-3;
-/// The line that says how wide the diaphragm is.
+/// The line that gives the diameter of the diaphragm.
 const STOP: &str = "Aperture Diameter";
 /// A table of more positions is none.
 const MOST_POSITIONS: usize = 100;

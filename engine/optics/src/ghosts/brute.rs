@@ -15,7 +15,7 @@ const MOST_TURNS: usize = 8;
 /// Russian roulette: of rays that have less than this part of their power left only some go on, with that power.
 const LEAST_POWER: f64 = 1e-6;
 
-/// Light that arrives at the film, by how often it was reflected.
+/// Light that arrives at the film, by its number of reflections.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arrived {
     /// Light for irradiance one in the middle of the beam's disc, mm², by the number of reflections.

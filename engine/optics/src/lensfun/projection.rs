@@ -1,4 +1,4 @@
-//! Projections that lensfun's lenses are said to have: how far from the middle a field is, without distortion.
+//! Projections that lensfun's lenses are said to have: the distance from the middle by field angle, without distortion.
 
 /// A projection by angle from the axis. Panoramic and equirectangular pictures have none, so they are read as unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

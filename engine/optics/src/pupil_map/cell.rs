@@ -138,7 +138,7 @@ impl Cell {
         (sector.corner + sector.edge * across) * out
     }
 
-    /// The sector that `u` chooses, and how far along its edge.
+    /// The sector that `u` chooses, and the part of its edge.
     #[inline]
     fn sector(&self, u: f64) -> (&Sector, f64) {
         let part = ((u * GUIDE as f64) as i32 as usize).min(GUIDE - 1);

@@ -253,7 +253,7 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Every shape that a sphere can be written as meets rays where the sphere does.
+    /// Every shape that a sphere can be written as has the sphere's hits.
     #[test]
     fn a_sphere_by_any_name() {
         let sphere = Conic::new(40.0, 0.0);

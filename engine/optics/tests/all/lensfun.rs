@@ -1,4 +1,4 @@
-//! Lensfun's calibrations beside what lensfun's own library makes of them (`tests/reference/lensfun`), and names of lenses.
+//! Lensfun's calibrations beside the results of lensfun's own library (`tests/reference/lensfun`), and names of lenses.
 
 use std::path::Path;
 

@@ -23,7 +23,7 @@ SURE = 3.0
 
 
 class Sums:
-    """Of pictures with independent noise: how many, their sum, the sum of their squares."""
+    """The sums of pictures with independent noise: their count, their sum, the sum of their squares."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -83,7 +83,7 @@ def error(pictures: Sums, truth: tuple[Sums, Sums]) -> Error:
 
 
 def change(parts: Sums, truth: Any) -> Error:
-    """The error of a picture without a part of its light, against the truth with it: how large the part is. It is known by itself, so
+    """The error of a picture without a part of its light, against the truth with it: the size of the part. It is known by itself, so
     the noise of the rest does not hide it. Needs it from two pictures."""
     import numpy as np
 

@@ -17,7 +17,7 @@ SURELY = 2.0
 
 
 def percent(rel_mse: float) -> str:
-    """An error as people think of it: how far a pixel is off, of its brightness."""
+    """An error in readable form: that of a pixel relative to its brightness."""
     part = 100.0 * math.sqrt(max(rel_mse, 0.0))
     return f"{part:.2g} %" if part < 9.95 else f"{part:.0f} %"
 

@@ -100,7 +100,7 @@ def effect_of(rung_key: str) -> str | None:
 
 
 def is_camera(row: dict[str, Any]) -> bool:
-    """Of a row of costs.json: a camera to choose, and neither one with an effect taken out nor one with stray light added."""
+    """True if a row of costs.json is a camera to choose, and neither one with an effect taken out nor one with stray light added."""
     return row["group"] in ("camera", "auto")
 
 

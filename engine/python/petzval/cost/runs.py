@@ -2,10 +2,10 @@
 """Renders the rungs, interleaved, until their times have settled. Runs where Blender is; the scene is read once.
 
 A round renders the rungs for about as long each, in an order that is drawn anew, and a part of the truth (the top rung with
-random numbers of its own, in two halves). What the machine does beside meets all rungs of a round alike, so times are
+random numbers of its own, in two halves). Other work of the machine affects all rungs of a round alike, so times are
 compared within rounds. Effects taken out, and strays, that take long to set up have their turn in every `SLOW_STRIDE`th round, with as
-many more samples. The first round is not counted: it warms up, and says how many samples fit. It ends when the interval of every rung's
-median ratio to the pinhole is narrower than `SETTLED`, but not before `LEAST_ROUNDS`; or when the time given is over, or
+many more samples. The first round is not counted: it warms up, and gives the number of samples that fit. It ends when the interval of every
+rung's median ratio to the pinhole is narrower than `SETTLED`, but not before `LEAST_ROUNDS`; or when the time given is over, or
 the rounds asked for are done.
 """
 

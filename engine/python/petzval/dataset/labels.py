@@ -20,7 +20,8 @@ from .spec import Labels
 _NARROW_PX = 0.01
 #: Old names of the pass of indices.
 _INDICES = ("Object Index", "IndexOB")
-#: Renders for the pixels whose rays were lost: of a lens that loses a tenth of its rays, 1e-8 are lost in all; and how far seeds lie apart.
+#: Renders for the pixels whose rays were lost: of a lens that loses a tenth of its rays, 1e-8 are lost in all; and the distance of their
+#: seeds.
 _MOST_ROUNDS, _BETWEEN_SEEDS = 8, 7919
 _LAYER_PASSES = ("use_pass_z", "use_pass_position", "use_pass_normal", "use_pass_object_index")
 

@@ -20,7 +20,7 @@ def size_in(found: dict[str, Any]) -> tuple[float, float]:
 
 
 def draw(found: dict[str, Any], figure: Any, key: str = "error_mm") -> None:
-    """Into a figure: `error_mm`, where rays land, or `path_waves`, how long they take; all to one scale."""
+    """Into a figure: `error_mm`, transverse aberrations, or `path_waves`, optical path differences; all to one scale."""
     fields = found["fields"]
     lit = [line for f in fields if not f["is_dark"] for kind in ("tangential", "sagittal") for line in f[kind]]
     largest = max((abs(value) for line in lit for value in line[key]), default=0.0)

@@ -45,7 +45,7 @@ def size_in(_found: dict[str, Any]) -> tuple[float, float]:
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure: how many of the lenses are as good, and the deviations that do most."""
+    """Into a figure: the cumulative part of lenses by quality, and the deviations with the largest effect."""
     chance, single = figure.subplots(1, 2)
     _by_chance(found, chance)
     _one_by_one(found, single)

@@ -27,7 +27,7 @@ class Lettering(Protocol):
     """The source of letters' outlines."""
 
     def outline(self, text: str) -> tuple[list[Polygon], float]:
-        """The outlines of a line of text, capitals as high as 1, from the origin of its first letter; and how wide it is."""
+        """The outlines of a line of text, capitals as high as 1, from the origin of its first letter; and its width."""
 
 
 class GridSpec:

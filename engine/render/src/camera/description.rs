@@ -76,7 +76,7 @@ impl Spectrum {
 /// The effects of a traced lens that the picture shows; by default all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EnabledEffects {
-    /// Blur of subjects out of focus; if false, everything is seen through the middle of the pupil.
+    /// Blur of subjects out of focus; if false, all rays go through the middle of the pupil.
     pub defocus: bool,
     /// Aberrations; if false, Gaussian optics make the image, with all else of the lens.
     pub aberration: bool,

@@ -170,7 +170,7 @@ fn a_white_world_is_white() {
     assert!((mean - glam::DVec3::ONE).abs().max_element() < 0.01, "{mean}");
 }
 
-/// Rays of one film point meet where the focus says, upright: the right of the picture looks to the right.
+/// Rays of one film point converge at the focus, upright: the right of the picture looks to the right.
 #[test]
 fn the_lens_looks_where_the_picture_says() {
     let d = description(Model::Lens);

@@ -88,7 +88,7 @@ impl Half {
             && self.far.iter().all(|&(pixel, _)| (pixel as usize) < picture_pixels)
     }
 
-    /// Adds a batch: samples for the picture, and others behind them for the error alone, each with how many a pixel. The
+    /// Adds a batch: samples for the picture, and others behind them for the error alone, each with their number a pixel. The
     /// error is of the batch as a whole, so that it does not depend on where the count ends. `width` is the picture's.
     pub(super) fn add(
         &mut self,

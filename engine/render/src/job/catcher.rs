@@ -24,7 +24,7 @@ pub struct Laying {
 /// A pixel of the two renders.
 #[derive(Clone, Copy)]
 struct Pixel {
-    /// Light that the surfaces that catch shadows scatter, and how much of it they do alone.
+    /// Light that the surfaces that catch shadows scatter, and the light that they scatter when alone.
     caught: Rgb,
     lit: Rgb,
     /// The picture of everything.

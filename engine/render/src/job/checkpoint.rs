@@ -164,7 +164,7 @@ impl Keeper {
 }
 
 impl Shared {
-    /// The state of the render, `before` s having passed before it, and how long the threads stood still for it, s.
+    /// The state of the render, `before` s having passed before it, and the time that the threads stood still for it, s.
     pub(super) fn body(&self, before: f64) -> (CheckpointBody, f64) {
         let _alone = self.gate.write().unwrap_or_else(PoisonError::into_inner);
         let began = Instant::now();

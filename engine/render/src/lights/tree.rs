@@ -1,4 +1,4 @@
-//! Choosing one of many emitters by how much light it may send to a place: a tree whose nodes bound position,
+//! Choosing one of many emitters by the light that it may send to a place: a tree whose nodes bound position,
 //! power and direction (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting", without the splitting), eight children a node, weighed at once in the lanes of a register.
 

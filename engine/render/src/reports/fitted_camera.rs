@@ -1,4 +1,4 @@
-//! A camera model fitted to a lens: its calibration, and how far it is from the lens's own rays.
+//! A camera model fitted to a lens: its calibration, and its distance from the lens's own rays.
 
 use crate::camera::CameraDescription;
 use crate::camera::tools::picture_rays::{Centre, PictureRay, PictureRays, PictureRaysError};

@@ -1,4 +1,4 @@
-//! A lens adjusted to a measured calibration: how far it is from it before and after, and its file.
+//! A lens adjusted to a measured calibration: the residuals before and after, and its file.
 
 use petzval_optics::formats;
 use petzval_optics::formats::calibration::{self, CalibrationFileError};

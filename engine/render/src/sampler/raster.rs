@@ -235,7 +235,7 @@ impl Raster {
 const FEW: usize = 4;
 const _: () = assert!(size_of::<Vec4>() == FEW * size_of::<f32>());
 
-/// The sums of the filter over the pixels that it reaches, by how far the first of them is.
+/// The sums of the filter over the pixels that it reaches, by the distance of the first of them.
 struct Columns {
     /// The sums at equal steps of the distance from the beginning of the reach to the first pixel's centre, 0 to 1.
     sums: Vec<Vec4>,

@@ -119,7 +119,7 @@ fn between(eta: f32, value: impl Fn(&Dielectric) -> f32) -> f32 {
     value(&dielectrics[step]) * (1.0 - part) + value(&dielectrics[step + 1]) * part
 }
 
-/// The step below an index, and how far it is to the next.
+/// The step below an index, and the part of the way to the next.
 fn place(eta: f32) -> (usize, f32) {
     let eta = if eta < 1.0 { 1.0 / eta.max(1e-5) } else { eta };
     // The fourth root of the reflectance: most indices lie near 1.

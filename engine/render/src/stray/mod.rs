@@ -19,7 +19,7 @@ use diffraction::Diffraction;
 use glare::Glare;
 use std::time::Instant;
 
-/// The outside of a long computation: who may stop it, and is told how far it is.
+/// The callbacks of a long computation: one stops it, the other takes its progress.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
     /// True once the computation is to end without a result.

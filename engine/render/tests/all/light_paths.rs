@@ -212,7 +212,7 @@ fn light_alone_makes_the_same_picture_of_matte_things() {
     check("light alone", &compare(&a, &b));
 }
 
-/// A small square off the axis: where light paths put it, and how bright.
+/// A small square off the axis: its place and brightness by light paths.
 #[test]
 fn a_point_is_where_the_camera_sees_it() {
     let stage = scenes::small_square();

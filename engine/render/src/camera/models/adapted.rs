@@ -50,7 +50,7 @@ pub struct Adapted {
     spectrum: FilmSpectrum,
     /// True if the maker has one wavelength for all of the film's.
     is_grey: bool,
-    /// True if everything is seen through the middle of the pupil.
+    /// True if all rays go through the middle of the pupil.
     is_sharp: bool,
     /// The part of the maker's picture that this one is, in width and height.
     part: f32,

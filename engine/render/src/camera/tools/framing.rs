@@ -35,7 +35,7 @@ pub struct Framing {
     pub reaches_edges: bool,
 }
 
-/// Steps by which a bracket is widened, and how far.
+/// The factor by which a step widens a bracket, and the limit of widening.
 const WIDER: f64 = 1.25;
 const FARTHEST: f64 = 1e3;
 /// Steps by which the bracket is narrowed, at most: halvings to rounding.

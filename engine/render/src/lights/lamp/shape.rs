@@ -49,7 +49,7 @@ pub(super) trait LampShape {
     /// Light of the lamp at `from`, before the lamp's nodes.
     fn sample(&self, frame: &LampFrame, from: Vec3A, u: [f32; 2]) -> Option<LightSample>;
 
-    /// Radiance along a ray that hits the lamp before `t_max`, the density of [`Self::sample`], and how far it is.
+    /// Radiance along a ray that hits the lamp before `t_max`, the density of [`Self::sample`], and its distance.
     fn hit(&self, _frame: &LampFrame, _origin: Vec3A, _d: Vec3A, _t_max: f32) -> Option<(Rgb, f32, f32)> {
         None
     }

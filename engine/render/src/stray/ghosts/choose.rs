@@ -83,7 +83,7 @@ pub(super) fn candidates(
     (!watch.is_stopped()).then(|| found.concat())
 }
 
-/// Measures how far the images of these ghosts lie apart by wavelength and by place of the source.
+/// Measures the separation of the images of these ghosts by wavelength and by place of the source.
 pub(super) fn measure_spread(
     lens: &StrayLens,
     paths: &[Vec<usize>],

@@ -45,7 +45,7 @@ struct Difference {
     worst_mm: f64,
     /// Part of the rays that only one of the two lets through.
     at_odds: f64,
-    /// Largest difference in what rays count.
+    /// Largest difference in the weights of rays.
     worst_weight: f64,
 }
 

@@ -98,7 +98,7 @@ impl Path {
         });
     }
 
-    /// Adds the light of the world and of suns; notes how much of the film is seen through glass.
+    /// Adds the light of the world and of suns; adds the part of a transparent film that is seen through glass.
     #[inline(always)]
     pub(super) fn sky<N: AovSink>(&self, stage: &PreparedScene, limits: &Limits, found: &mut Found<'_, N>) {
         let to = self.chosen.receiver();
