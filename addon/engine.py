@@ -70,7 +70,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         self._rendered_view().update(context, depsgraph)
 
     def view_draw(self, context, depsgraph):
-        """Such a view is to be drawn."""
+        """Draws a view in rendered shading."""
         self._rendered_view().draw(context, depsgraph)
 
     def _rendered_view(self) -> RenderedView:

@@ -41,7 +41,7 @@ _addon_registered = False
 
 #: The cache key of pytest for the time of each file, s, and the time of a file without one.
 _KEPT, _UNKNOWN_S = "petzval/seconds", 10.0
-#: Of this run, by test; kept by the process that starts the others, which hears of every test.
+#: The times of this run, by test; kept by the process that starts the others, which hears of every test.
 _seconds: dict[str, float] = {}
 
 
@@ -251,7 +251,7 @@ def pytest_sessionfinish(session, exitstatus):
 
 
 def _keep_seconds(config) -> None:
-    """For the order of the next run. A file of which a part has run takes at least half as long as was known of it."""
+    """Keeps the times for the order of the next run. A file of which a part has run takes at least half as long as was known of it."""
     files: dict[str, float] = {}
     for test, seconds in _seconds.items():
         name = test.partition("::")[0].rpartition("/")[2]

@@ -41,9 +41,9 @@ LENSES = {
     "double-gauss-f2-tronnier": ["--focal-length", "50", "--film-diagonal", "38", "--f-number", "2.8", "--blades", "6"],
     "cellphone-5.6mm-f3.5": ["--film-diagonal", "5.6"],
 }
-#: Of these lenses, for the reader.
+#: The openings of these lenses, for the reader.
 OPENINGS = {"double-gauss-f2-tronnier": "at f/2.8, with six blades"}
-#: These have their picture on the page.
+#: The scenes and lenses with a picture on the page.
 DRAWN = (("demo", "wide-angle-smith-f3.4"), ("landscape", "cellphone-5.6mm-f3.5"), ("room", "double-gauss-f2-tronnier"))
 SECONDS = 75
 

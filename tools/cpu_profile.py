@@ -62,7 +62,7 @@ class Look(NamedTuple):
 class Source(NamedTuple):
     """A place in the engine's sources."""
 
-    #: From engine/ on; empty where none is known.
+    #: The source file from engine/ on; empty where none is known.
     file: str
     function: str
     line: int

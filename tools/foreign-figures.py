@@ -74,7 +74,8 @@ def by_rayoptics(path: Path) -> dict:
 
 
 def _spot(optic: Any, part: float) -> dict:
-    """Of a part of the field: of rays to the middle of the paraxial entrance pupil and six rings in it, the last at 0.95 of its radius."""
+    """The spot at a part of the field: of rays to the middle of the paraxial entrance pupil and six rings in it, the last at 0.95 of its
+    radius."""
     import numpy as np
 
     places = [(0.0, 0.0)]

@@ -41,7 +41,7 @@ FORETOLD = (
     ("takumar-35-1970", "8", "320x180", 16),
     ("nikkor-z-50-f1.8", "8", "960x540", 64),
 )
-#: Of the renders that are timed, whose last ones are the page's pictures: at 1536 x 1024 with 256 samples the page took an hour.
+#: The size of the renders that are timed, whose last ones are the page's pictures: at 1536 x 1024 with 256 samples the page took an hour.
 RESOLUTION = "1152x768"
 COATINGS = ("none", "mgf2", "triple")
 

@@ -133,7 +133,7 @@ def readme(found: dict[str, Any], before: str) -> str:
 
 
 def compact(svg: str) -> str:
-    """The same drawing in fewer bytes: places to a tenth of a point, nothing about the program."""
+    """The drawing in fewer bytes: places to a tenth of a point, nothing about the program."""
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r"<!DOCTYPE[^>]*>\s*", "", svg)
 

@@ -21,7 +21,7 @@ LENSES = ROOT / "tests/reference/lenses"
 D_NM = 587.5618
 #: Files in inches; all others are in millimetres.
 MM_PER_UNIT = {"questar35.seq": 25.4}
-#: Not compared, and why.
+#: The files that are not compared, and why.
 LEFT_OUT = {
     ("landscape_lens.seq", "optiland"): "optiland takes CODE V's curvatures for radii where RDM does not say",
 }

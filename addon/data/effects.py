@@ -7,7 +7,7 @@ from typing import Any
 
 from petzval.effects import EFFECTS
 
-#: Those that are laid over the finished picture.
+#: The effects that are laid over the finished picture.
 STRAYS = ("ghosts", "glare", "diffraction")
 #: The values of an effect's setting: identifier, name, tooltip, icon, number in saved files.
 WORDS = (

@@ -47,7 +47,7 @@ def entry_of(lens_key: str) -> dict[str, Any] | None:
 
 
 def groups() -> list[str]:
-    """Their groups, in the order of lists. Raises `EngineMissing`."""
+    """The groups of the library's lenses, in the order of lists. Raises `EngineMissing`."""
     from ..native import engine
 
     return engine().lens_groups()

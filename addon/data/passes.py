@@ -10,7 +10,7 @@ import numpy as np
 
 
 class Pass(NamedTuple):
-    """As `RenderEngine.register_pass` takes it."""
+    """A pass, as `RenderEngine.register_pass` takes it."""
 
     name: str
     channels: int
@@ -35,7 +35,7 @@ DATA = (
 class Light(NamedTuple):
     """A pass of light or colour, or another part that the engine keeps (`Job.part`)."""
 
-    #: As Blender 5 names it, and as it did before.
+    #: The names in Blender 5, and before.
     name: str
     old_name: str
     channel_names: str
@@ -66,7 +66,7 @@ def _of_light() -> Iterator[Light]:
 #: environment are the picture.
 LIGHT = tuple(_of_light())
 
-#: Of the first surface.
+#: Passes of the first surface.
 SURFACE = (
     Light("Mist", "Mist", "Z", "VALUE", "use_pass_mist", "MIST"),
     Light("UV", "UV", "UVA", "VECTOR", "use_pass_uv", "UV"),
@@ -116,7 +116,7 @@ STRAYS = (
 
 
 def wanted_strays(view_layer: object) -> tuple[Pass, ...]:
-    """Those that a view layer asks for."""
+    """The passes of stray light that a view layer asks for."""
     return tuple(one for one in STRAYS if getattr(view_layer.petzval, one.switch, False))
 
 

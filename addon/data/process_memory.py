@@ -8,7 +8,7 @@ import sys
 
 
 def used_bytes() -> int | None:
-    """Now; None where the system does not say."""
+    """The memory of this process now, bytes; None where the system does not say."""
     if sys.platform == "linux":
         try:
             with open("/proc/self/statm", encoding="ascii") as file:

@@ -20,12 +20,12 @@ _DARK: Colour = (0.86, 0.86, 0.88, 1.0)
 _AXIS: Colour = (0.6, 0.6, 0.6, 0.7)
 _PLANE: Colour = (0.75, 0.75, 0.75, 1.0)
 _PUPIL: Colour = (0.8, 0.5, 0.95, 1.0)
-#: Of the fields, from the axis on.
+#: The colours of the fields, from the axis on.
 FIELDS: tuple[Colour, ...] = ((0.35, 0.62, 1.0, 1.0), (0.35, 0.82, 0.47, 1.0), (0.98, 0.48, 0.36, 1.0))
 # As in the drawings of `petzval lens draw`: of the lens's height, and the room about all, of its.
 _MARK, _ROOM = 0.09, 0.06
 _ROOM_FOR_RAYS = 0.12
-#: Of the picture's height.
+#: The height of letters, as a part of the picture's.
 _LETTERS = 0.04
 
 

@@ -33,7 +33,7 @@ _QUIET_S = 0.12
 # While a render runs, until it is asked again.
 _BUSY_S = 1.0
 _RAYS = 7
-#: Of the three fields, in parts of the picture's half diagonal.
+#: The three fields, as parts of the picture's half diagonal.
 _FIELDS = (0.0, 0.7, 1.0)
 #: The most pixels of the drawing's side: more are shown larger.
 MOST_PX = 512
@@ -230,7 +230,7 @@ def forget() -> None:
 
 
 def register() -> None:
-    """Nothing is drawn until a panel asks."""
+    """Does nothing: no drawing is made until a panel asks."""
 
 
 def unregister() -> None:

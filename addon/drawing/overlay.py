@@ -67,7 +67,7 @@ def _autofocus(holder: bpy.types.Object, scene: bpy.types.Scene) -> dict | None:
 
 
 def surface(answer: dict[str, Any], which: str) -> list[Vector | None]:
-    """By grid point, where it is "sharp", "near" or "far" in the world; None where that is nowhere, or infinitely far."""
+    """The places of a surface ("sharp", "near" or "far") by grid point, world space; None where it is nowhere, or infinitely far."""
     points: list[Vector | None] = []
     for one in answer["points"]:
         distance = None if one is None else one[which]

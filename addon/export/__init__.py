@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From Blender's evaluated scene to the engine's builder: one file per kind of datablock.
+"""The export of Blender's evaluated scene to the engine's builder: one file per kind of datablock.
 
 Reads only; nothing here changes the scene, and the report lists, once each, the things that cannot be handed over.
 """

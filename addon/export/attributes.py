@@ -21,7 +21,7 @@ STRETCH = ("Anisotropic", "Anisotropy")
 #: The engine's names for attributes of edges, by the output of a Geometry node that shows it.
 _OF_EDGES = {"Pointiness": ".pointiness", "Random Per Island": ".random_per_island"}
 
-#: By Blender's type of an attribute: the name of its values, and the count of numbers of each.
+#: The name of an attribute's values, and the count of numbers of each, by Blender's type.
 KINDS = {
     "FLOAT": ("value", 1),
     "INT": ("value", 1),
@@ -114,7 +114,7 @@ def four(attribute: bpy.types.Attribute) -> np.ndarray:
 
 
 def _of_edges(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
-    """By vertex."""
+    """The numbers of an attribute of edges, by vertex."""
     edges = np.empty((len(mesh.edges), 2), np.int32)
     mesh.edges.foreach_get("vertices", edges.reshape(-1))
     if name == _OF_EDGES["Random Per Island"]:
@@ -128,7 +128,7 @@ def _of_edges(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
 
 
 def _in_box(mesh: bpy.types.Mesh) -> np.ndarray:
-    """By vertex, as Cycles has it: 0 to 1 over the texture space, before modifiers moved anything."""
+    """Generated coordinates by vertex, as in Cycles: 0 to 1 over the texture space, before modifiers moved anything."""
     places = np.empty((len(mesh.vertices), 3), np.float32)
     mesh.vertices.foreach_get("undeformed_co", places.reshape(-1))
     return in_box(mesh, places)

@@ -36,7 +36,7 @@ from .stereo import Eye, is_pair
 
 MILLIMETRES_PER_METRE = 1000.0
 
-#: As lens files write them.
+#: The names of coatings in lens files.
 _COATINGS = {"NONE": "none", "MGF2": "MgF2", "DOUBLE": "double", "TRIPLE": "triple"}
 
 

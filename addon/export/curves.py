@@ -24,13 +24,13 @@ class CurveArrays:
 
     #: Place and radius, object space.
     keys: np.ndarray
-    #: By strand the index of its first key; then the number of keys.
+    #: The index of the first key, by strand; then the number of keys.
     first_keys: np.ndarray
     shape: dict[str, Any]
     first_number: int = 0
-    #: By name: (strands, 2).
+    #: UV maps by name: (strands, 2).
     uv_maps: dict[str, np.ndarray] = field(default_factory=dict)
-    #: By name: whether by key, else by strand; and (keys or strands, 4).
+    #: Attributes by name: True if by key, else by strand; and (keys or strands, 4).
     attributes: dict[str, tuple[bool, np.ndarray]] = field(default_factory=dict)
 
     def send(self, builder: Any, name: str, moved: tuple[np.ndarray, np.ndarray] | None) -> int:

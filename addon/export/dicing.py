@@ -11,8 +11,8 @@ import bpy
 from .memory import Room
 from .report import Report
 
-#: For pixels of Blender's own camera, else for units of the mesh's space; the length of an edge; the off-screen scale; the most times that
-#: an edge is halved; the triangles that there is room for.
+#: The settings of dicing: True for pixels of Blender's own camera, else units of the mesh's space; the length of an edge; the off-screen
+#: scale; the most times that an edge is halved; the triangles that there is room for.
 Dicing = tuple[bool, float, float, int, int]
 #: Cycles' own least dicing rate, pixels.
 LEAST_PIXELS = 0.1

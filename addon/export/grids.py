@@ -41,7 +41,7 @@ class Box:
     grids: list[Grid] = field(default_factory=list)
 
     def shape(self) -> tuple[np.ndarray, np.ndarray]:
-        """As a mesh whose front is outside."""
+        """The box as a mesh whose front is outside."""
         positions = np.array([corner[:] for corner in self.corners], np.float32)
         quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
         triangles = np.array([part for a, b, c, d in quads for part in ([a, b, c], [a, c, d])], np.int32)
@@ -123,7 +123,7 @@ def _read(vdb: ModuleType, holder: bpy.types.Object, owner: str, report: Report)
 
 
 def _values(grid: Any, first: np.ndarray, size: np.ndarray, owner: str, report: Report) -> np.ndarray | None:
-    """By z, y, x and channel."""
+    """The values of a grid by z, y, x and channel."""
     channels = {"float": 1, "double": 1, "half": 1, "int32": 1, "int64": 1, "bool": 1, "vec3s": 3, "vec3d": 3}
     count = channels.get(grid.valueTypeName)
     if count is None:

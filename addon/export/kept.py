@@ -43,11 +43,11 @@ class Kept:
 
     builder: Any
     images: dict[ImageKey, int] = field(default_factory=dict)
-    #: By material, world or light: the frames of sequences and movies that it shows, and how they follow the scene's.
+    #: The frames of sequences and movies that a material, world or light shows, with their timing.
     timed: dict[int, dict[ImageKey, Timing]] = field(default_factory=dict)
-    #: By datablock.
+    #: The index of a material by datablock.
     materials: dict[int, int] = field(default_factory=dict)
-    #: By material: the attributes that it asks of meshes.
+    #: The attributes that a material asks of meshes.
     wanted: dict[int, frozenset[str]] = field(default_factory=dict)
     #: Meshes, curves, points and boxes.
     meshes: dict[Hashable, Piece] = field(default_factory=dict)

@@ -10,7 +10,7 @@ class LightGroups:
     """The groups of a view layer, from number 1 on. What is in a group that it does not name is in none, as in Cycles."""
 
     def __init__(self, view_layer: bpy.types.ViewLayer) -> None:
-        #: In the order of their numbers.
+        #: The names in the order of their numbers.
         self.names = [one.name for one in view_layer.lightgroups]
         self._numbers = {name: number for number, name in enumerate(self.names, 1)}
 

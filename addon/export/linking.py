@@ -9,7 +9,7 @@ import bpy
 
 from .report import Report
 
-#: As many as Cycles has, the first of which is everything.
+#: The number of sets, as in Cycles; the first of them is everything.
 MOST_SETS = 64
 ROLES = ("receiver", "blocker")
 _ALL = (1 << 64) - 1
@@ -48,7 +48,7 @@ class Links:
         return tuple(self._sets[role].get(_collection(holder, role), 0) for role in ROLES)
 
     def of(self, holder: bpy.types.Object) -> tuple[int, int, int, int] | None:
-        """Of an object: the sets of receivers and of blockers that it is in, a bit each, and its own as an emitter. None
+        """The sets of an object: those of receivers and of blockers that it is in, a bit each, and its own as an emitter. None
         where nothing is linked."""
         if not self.any:
             return None

@@ -54,7 +54,7 @@ class Materials:
         self._kept.changes += 1
 
     def volume_index(self, material: bpy.types.Material | None) -> int:
-        """The same for a volume object, which without one is smoke."""
+        """The engine's index of a volume object's material; without one it is smoke."""
         material = self.override or material
         if material is not None:
             return self.index(material)

@@ -11,7 +11,7 @@ from .errors import ExportError
 BYTES_A_TRIANGLE = 250
 #: Memory that each triangle that was handed over still takes when the trees over them are built.
 BYTES_OF_TREES = 100
-#: Fewer need no question.
+#: The number of triangles below which memory is not checked.
 MANY_TRIANGLES = 100_000
 
 

@@ -35,7 +35,7 @@ class MeshArrays:
 
     @property
     def loops_if_asked(self) -> np.ndarray | None:
-        """None where nothing is kept by corners."""
+        """The loops of the triangles; None where nothing is kept by corners."""
         normals = [self.corner_normals] if self.corner_normals else []
         found = any(domain == "CORNER" for domain, _ in (*normals, *self.uv_maps.values(), *self.attributes.values()))
         return self.loops if found else None
@@ -114,7 +114,7 @@ def _attribute(mesh: bpy.types.Mesh, name: str, value: str, shape: tuple[int, ..
 
 
 def normals(mesh: bpy.types.Mesh) -> Values | None:
-    """By vertex, or by corner where that is not the same; None where all faces are flat."""
+    """The normals by vertex, or by corner where these differ; None where all faces are flat."""
     if mesh.normals_domain == "FACE":
         return None
     if mesh.normals_domain == "POINT":

@@ -31,9 +31,9 @@ class Placed(NamedTuple):
     """One instance at one frame."""
 
     matrix: Matrix4
-    #: Of the mesh's vertices, curves' keys or points, object space; shared by all instances. None where they cannot move.
+    #: The positions of the mesh's vertices, curves' keys or points, object space; shared by all instances. None where they cannot move.
     positions: np.ndarray | None
-    #: Of the keys of hair, by particle system.
+    #: The positions of the keys of hair, by particle system.
     hair: dict[str, np.ndarray]
 
 

@@ -11,7 +11,8 @@ _MASK = 0xFFFFFFFF
 
 
 class Numbers:
-    """For a program that drives Blender from outside: another number for each instance than its object's pass index."""
+    """The numbers of instances for a program that drives Blender from outside: another number for each instance than its object's pass
+    index."""
 
     #: Gives the number, 0 to 2^24; None: pass indices count.
     of: Callable[[bpy.types.DepsgraphObjectInstance], int] | None = None

@@ -22,7 +22,7 @@ class PointArrays:
 
     #: Place and radius, object space.
     points: np.ndarray
-    #: By name: (points, 4).
+    #: Attributes by name: (points, 4).
     attributes: dict[str, np.ndarray] = field(default_factory=dict)
 
     def send(

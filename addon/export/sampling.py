@@ -25,9 +25,9 @@ _ENDLESS = 1 << 16
 class Sampling:
     """The samples of a picture."""
 
-    #: Of a pixel; with a noise threshold, at most.
+    #: The samples of a pixel; with a noise threshold, at most.
     samples: int
-    #: In Petzval's unit; 0: all pixels get the same.
+    #: The noise threshold in Petzval's unit; 0: all pixels get the same number.
     noise_threshold: float
     min_samples: int
     time_limit_s: float
@@ -120,7 +120,7 @@ def follow_cycles(scene: bpy.types.Scene, names: tuple[str, ...]) -> None:
 
 
 def _of_cycles(cycles: object, which: str, samples: int, time_limit_s: float = 0.0, offset: int = 0) -> Sampling:
-    """As Cycles takes its own settings of final renders, or of views (`preview_`)."""
+    """The sampling by Cycles' own settings of final renders, or of views (`preview_`)."""
     threshold, least = 0.0, 0
     if getattr(cycles, f"use_{which}adaptive_sampling"):
         # Cycles' own rules for zeros, intern/cycles/scene/integrator.cpp.

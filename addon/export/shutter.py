@@ -72,7 +72,7 @@ def openness(render: bpy.types.RenderSettings) -> list[float]:
 
 
 def rolling(scene: bpy.types.Scene) -> float | None:
-    """For which part of the exposure each row is exposed, of a shutter that rolls from the top down."""
+    """The part of the exposure for which each row is exposed, of a shutter that rolls from the top down; None: no rolling shutter."""
     cycles = getattr(scene, "cycles", None)
     if getattr(cycles, "rolling_shutter_type", "NONE") != "TOP":
         return None
@@ -106,7 +106,7 @@ class Shape(NamedTuple):
     """A mesh at one key, the keys of strands, or points with their radii."""
 
     positions: np.ndarray
-    #: None where it has none, or all faces are flat.
+    #: The normals; None where there are none, or all faces are flat.
     normals: mesh.Values | None = None
 
 
@@ -116,7 +116,7 @@ class Standing(NamedTuple):
     matrix: Matrix4
     #: Shared by all instances; None where it keeps its shape.
     shape: Shape | None
-    #: Of the keys of hair, by particle system.
+    #: The positions of the keys of hair, by particle system.
     hair: dict[str, np.ndarray]
 
 

@@ -41,7 +41,7 @@ class Eye:
     matrix: Matrix
     #: Blender's own shift of its picture, with that of the convergence plane.
     shift_x: float
-    #: The same of a real lens: tangent of the angle between its axis and the middle of its picture, to the right.
+    #: The shift of a real lens: tangent of the angle between its axis and the middle of its picture, to the right.
     turn: float = 0.0
     #: Each ray has its own eye.
     spherical: SphericalStereo | None = None
@@ -143,7 +143,7 @@ def cameras(scene: bpy.types.Scene) -> list[bpy.types.Camera]:
 
 
 def camera_of_view(holder: bpy.types.Object, scene: bpy.types.Scene, view: str) -> bpy.types.Object:
-    """In multiview the camera of the same name with the view's suffix; the scene's own where there is none."""
+    """The camera of a view in multiview: the one of the same name with the view's suffix; the scene's own where there is none."""
     views = scene.render.views
     ends = [one.camera_suffix for one in views if holder.name.endswith(one.camera_suffix)]
     chosen = views.get(view)

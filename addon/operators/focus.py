@@ -18,7 +18,7 @@ SHARP_OBJECTS = ("sharp_object_1", "sharp_object_2", "sharp_object_3")
 
 
 class LensOperator:
-    """For a camera of this file with a lens."""
+    """A mixin of operators for a camera of this file with a lens."""
 
     @classmethod
     def poll(cls, context):

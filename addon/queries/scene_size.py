@@ -137,7 +137,7 @@ def _of_axis(camera: CameraDescription) -> dict[str, Any]:
 
 
 def _front_diameter_mm(lens: dict[str, Any]) -> float:
-    """Of the foremost glass or mirror."""
+    """The diameter of the foremost glass or mirror, mm."""
     surfaces = lens["surfaces"]
     glass = next((one for one in surfaces if one["points"] and (one["glass_behind"] or one["is_mirror"])), surfaces[0])
     return 2.0 * max((abs(place[1]) for place in glass["points"]), default=0.0)

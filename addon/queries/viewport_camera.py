@@ -23,7 +23,7 @@ from . import lens_info
 _SAME = 1e-5
 
 
-#: Of the defaults of a camera's settings: 0.1 had others, and no number.
+#: The version of the defaults of a camera's settings: 0.1 had others, and no number.
 SETTINGS_VERSION = 2
 
 _switches = 0

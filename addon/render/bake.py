@@ -36,7 +36,7 @@ class Bake:
         self._scene = depsgraph.scene_eval
         self._report = Report()
         self._camera = self._find_camera()
-        #: By whether the scene holds shadow catchers alone.
+        #: The prepared scenes; True: that of shadow catchers alone.
         self._stages: dict[bool, Any] = {}
         self._images = 0
 

@@ -21,9 +21,9 @@ from ..native import engine
 from . import loop
 from .persistent import KeptScene
 
-#: From the end of one writing to the next: with the time of writing, less than ten seconds of work are lost.
+#: Time from the end of one writing to the next, s: with the time of writing, less than ten seconds of work are lost.
 EVERY_S = 8.0
-#: After so many days a stopped render in the user's own folder is not gone on with any more.
+#: Days after which a stopped render in the user's own folder is no longer resumed.
 KEPT_DAYS = 30.0
 
 

@@ -43,11 +43,11 @@ class Asked:
     folder: Path
     engine: str
     parts: int
-    #: Such as 1-250; empty: the frame of the file.
+    #: The frames, such as 1-250; empty: the frame of the file.
     frames: str = ""
     #: Parts at a time on this machine.
     at_a_time: int = 1
-    #: Of Dask's scheduler, or Flamenco's Manager.
+    #: The address of Dask's scheduler, or Flamenco's Manager.
     address: str = ""
 
 

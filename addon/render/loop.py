@@ -90,7 +90,7 @@ class Beside:
 
 
 class Watch:
-    """For a program that drives Blender from outside: it may ask to stop, and be told of the progress."""
+    """The interface of a program that drives Blender from outside: it may ask to stop, and be told of the progress."""
 
     def __init__(self) -> None:
         self.stop = threading.Event()
@@ -105,10 +105,10 @@ class Watch:
         self.study: Callable[[Subject], None] | None = None
         #: The part of the picture that is rendered; None: all of it.
         self.share: Share | None = None
-        #: Before and after, instead of the frames that lie beside the one that is rendered.
+        #: The frames before and after, instead of the neighbours of the one that is rendered.
         self.beside: tuple[Beside, Beside] | None = None
-        #: Is handed each pass of a finished picture: the names of its view layer, of its view and of the pass, and its pixels (height,
-        #: width, channels), first row at the bottom.
+        #: The function that gets each pass of a finished picture: the names of its view layer, of its view and of the pass, and its pixels
+        #: (height, width, channels), first row at the bottom.
         self.taken: Callable[[str, str, str, Any], None] | None = None
         #: The reason why a raw file could not be written; the picture is there all the same.
         self.raw_problem = ""

@@ -15,7 +15,7 @@ _BEGINS = re.compile(r"(\w+) '(.+?)'(?=[:,\s]|$)")
 # More would fill a line.
 _MOST_NAMES = 3
 
-#: By the scene's name.
+#: The viewport's warnings by the scene's name.
 _viewport: dict[str, list[str]] = {}
 
 
@@ -57,7 +57,7 @@ def keep_viewport(scene_name: str, warnings: list[str]) -> bool:
 
 
 def all_of(scene_name: str) -> list[Message]:
-    """Of a scene, the last render's first, grouped."""
+    """The messages of a scene, the last render's first, grouped."""
     render = statistics.last(scene_name)
     texts = [*(render.warnings if render is not None else ()), *_viewport.get(scene_name, ())]
     return [of_text(text) for text in grouped(texts)]

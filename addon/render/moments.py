@@ -126,7 +126,7 @@ class Moments:
         return stereo.eye_of_render(self.host, self.scene, self.view)
 
     def described(self, width: int, height: int) -> CameraDescription:
-        """The same as the engine takes it, without a mask."""
+        """The camera as the engine takes it, without an aperture mask."""
         eye = self.eye()
         holder = self.scene.camera if eye is None else eye.holder
         return camera_export.describe(holder, self.scene, width, height, self.report, eye=eye)

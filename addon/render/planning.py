@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-#: By the scene's name: the engine's `Plan.json` as a dictionary.
+#: The engine's `Plan.json` as a dictionary, by the scene's name.
 _last: dict[str, dict[str, Any]] = {}
 
 

@@ -15,7 +15,7 @@ _LEAST_PART = 0.003
 
 
 class Progress:
-    """Of one job, from when it is made; `limit_s` is the time that it has, 0 for no limit."""
+    """The progress of one job, from its making; `limit_s` is the time that it has, 0 for no limit."""
 
     def __init__(self, job: Any, limit_s: float = 0.0, clock: Callable[[], float] = time.monotonic) -> None:
         self._job, self._limit_s, self._clock = job, limit_s, clock
@@ -58,7 +58,7 @@ class Progress:
 
 
 def clock_time(seconds: float) -> str:
-    """As Blender writes a time: minutes and seconds with hundredths, hours where there are any."""
+    """A time as Blender writes it: minutes and seconds with hundredths, hours where there are any."""
     minutes, rest = divmod(max(seconds, 0.0), 60.0)
     hours, minutes = divmod(int(minutes), 60)
     return f"{hours}:{minutes:02d}:{int(rest):02d}" if hours else f"{minutes:02d}:{rest:05.2f}"

@@ -27,7 +27,7 @@ def region(render: bpy.types.RenderSettings) -> tiles.Window:
 
 
 def views(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> list[stereo.View]:
-    """Those that are to be rendered."""
+    """The views that are to be rendered."""
     if not depsgraph.scene_eval.render.use_multiview or loop.WATCH.study is not None:
         return [stereo.ONLY]
     result = host.begin_result(0, 0, 1, 1, layer=depsgraph.view_layer_eval.name)

@@ -10,7 +10,7 @@ from .progress import in_short
 
 #: The words for the place where camera rays are lost that no lens takes, by the camera model.
 _OUTSIDE = {"panoramic": "outside of the projection", "calibrated": "outside of the calibration"}
-#: By the scene's name.
+#: The last renders by the scene's name.
 _last: dict[str, LastRender] = {}
 
 
@@ -23,7 +23,7 @@ class LastRender:
     stopped: bool = False
 
     def lines(self) -> list[str]:
-        """For people."""
+        """The statistics in words."""
         seconds = self.stats["seconds"]
         lost = self.stats["camera_rays_lost"] / max(self.stats["camera_rays"], 1)
         where = _OUTSIDE.get(self.stats["lens"], "lost in the lens")

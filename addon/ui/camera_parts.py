@@ -11,7 +11,7 @@ LENS_PANEL = "PETZVAL_CAMERA_PT_lens"
 
 
 class CameraPanel(PetzvalPanel):
-    """For a panel of the camera."""
+    """A mixin of panels of the camera."""
 
     bl_context = "data"
 

@@ -14,7 +14,7 @@ from .mixin import PetzvalPanel
 
 # More would fill the panel.
 _MOST_MESSAGES = 24
-#: By the kind of a message's subject.
+#: The icons by the kind of a message's subject.
 _ICONS = {
     "object": "OBJECT_DATA",
     "material": "MATERIAL",
@@ -69,7 +69,7 @@ class PETZVAL_RENDER_PT_messages(_RenderPanel, bpy.types.Panel):
 
 
 def _messages(context) -> list[messages.Message]:
-    """Those of the scene, and the notes on its camera's lens that no render has told."""
+    """The messages of the scene, and the notes on its camera's lens that no render has told."""
     found = messages.all_of(context.scene.name)
     told = {message.text for message in found}
     return found + [messages.of_text(note) for note in _notes_on_lens(context) if note not in told]

@@ -64,6 +64,6 @@ def length(own: float, units: bpy.types.UnitSettings) -> str:
 
 
 def millimetres(value: float) -> str:
-    """In the lens's world, with thin spaces between thousands."""
+    """A length in the lens's world in words, mm, with thin spaces between thousands."""
     digits = 0 if value >= 100.0 else 1 if value >= 1.0 else 4
     return f"{value:,.{digits}f} mm".replace(",", "\u2009")

@@ -83,7 +83,7 @@ def _costs(layout, found) -> None:
 
 
 def _entry(menu, context) -> None:
-    """At the end of Blender's own menus, while Petzval is the engine and the scene's camera has a lens."""
+    """Draws the entry at the end of Blender's own menus, while Petzval is the engine and the scene's camera has a lens."""
     holder = context.scene.camera
     if context.engine != ENGINE or holder is None or holder.type != "CAMERA":
         return

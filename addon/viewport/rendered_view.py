@@ -161,7 +161,7 @@ class RenderedView:
 
 
 def _threads(render: bpy.types.RenderSettings) -> int:
-    """As the scene says; else all but one, which Blender's window needs."""
+    """The number of threads by the scene's setting; else all but one, which Blender's window needs."""
     return render.threads if render.threads_mode == "FIXED" else max((os.cpu_count() or 1) - 1, 1)
 
 

@@ -22,7 +22,7 @@ FIRST_S = 0.05
 _DIVIDERS = (1, 2, 4, 8, 16)
 #: Pixels in a second, before that is known.
 _GUESSED_RATE = 1e5
-#: From one picture to the next, s, while it is refined: soon at first.
+#: Time from one picture to the next, s, while it is refined: short at first.
 _SHOW_S, _SHOW_LATER_S = 0.1, 0.5
 _POLL_S = 0.02
 
@@ -32,9 +32,9 @@ class Wanted:
     """The request of a view."""
 
     camera: CameraDescription
-    #: With the picture's size, the part of it that is seen, and the most samples.
+    #: The settings, with the picture's size, the part of it that is seen, and the most samples.
     settings: SettingsDescription
-    #: Of the effects: as the engine's `Plan` takes them.
+    #: The wishes for effects, as the engine's `Plan` takes them.
     wishes: dict[str, Any] = field(default_factory=dict)
     #: The denoising of pictures, from `denoise_from` samples on; None: off.
     denoising: DenoisingDescription | None = None
@@ -113,7 +113,7 @@ class Session:
 
     @property
     def is_busy(self) -> bool:
-        """More is to come."""
+        """True if more samples are to come."""
         return (self._is_busy or self._is_new) and not self._is_closed
 
     def close(self) -> None:
@@ -123,7 +123,7 @@ class Session:
             self._wake.notify()
 
     def wait(self, seconds: float) -> bool:
-        """Until nothing more is to come; False where that takes longer. For tests and tools."""
+        """Waits until the last picture is there; False where that takes longer. For tests and tools."""
         end = time.monotonic() + seconds
         while self.is_busy:
             if time.monotonic() > end:

@@ -68,7 +68,7 @@ class Viewer:
         return self.session.picture.pixels
 
     def afresh(self, samples=8):
-        """The same, of a scene that is sent anew."""
+        """The picture of a scene that is sent anew."""
         other = self.session_of(self.native)
         depsgraph = self.bpy.context.evaluated_depsgraph_get()
         other.build(self.sync_of(self.native).update(depsgraph, self.changes_of(depsgraph), None, ORIGIN))

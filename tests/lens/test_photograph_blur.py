@@ -34,7 +34,7 @@ class Lamp:
 
 
 def diameter(covariance: np.ndarray) -> float:
-    """Of a disc with this covariance."""
+    """The diameter of a disc with this covariance."""
     return 4.0 * sqrt(max(np.trace(covariance) / 2.0, 0.0))
 
 

@@ -15,7 +15,7 @@ from support.places import ROOT
 pytestmark = pytest.mark.once
 
 PAGE = (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
-#: Of a small picture with few samples, settings that change it by less say little.
+#: The least change that counts: in a small picture with few samples smaller ones say little.
 LEAST = 0.05
 #: Samples of a pixel, and of one where those leave a doubt.
 SAMPLES = (8, 64, 256)

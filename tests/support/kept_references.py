@@ -66,7 +66,7 @@ def _place() -> Path | None:
 
 
 def digest(*more: object) -> str:
-    """Of all that decides what Cycles' next picture in the running test shows; `more` tells the pictures of a test apart."""
+    """The digest of all data that decide Cycles' next picture in the running test; `more` tells the pictures of a test apart."""
     test = os.environ["PYTEST_CURRENT_TEST"]
     made = hashlib.blake2b(digest_size=12)
     for part in (*_state(), _meshes(), sources.digest(sources.file_of(test))):
@@ -96,7 +96,7 @@ def _meshes() -> bytes:
     return digest.digest()
 
 
-#: In place of names of meshes.
+#: The value in place of names of meshes.
 EVERY = frozenset({""})
 
 

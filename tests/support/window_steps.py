@@ -32,7 +32,7 @@ def part(name):
 
 
 def picture(name):
-    """Of the whole screen: bpy's own screenshot is black without a graphics card."""
+    """A picture of the whole screen: bpy's own screenshot is black without a graphics card."""
     subprocess.run(["import", "-window", "root", str(FOLDER / f"{name}.png")], check=True)
 
 
@@ -283,7 +283,7 @@ def lens_pictures():
 
 
 def other_tabs():
-    """Of a light, a shape, its material and the world."""
+    """Shows the tabs of a light, a shape, its material and the world."""
     scene = bpy.context.scene
     light = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "AREA"))
     scene.collection.objects.link(light)

@@ -31,7 +31,7 @@ class Lens:
 
 
 def glass_index(name: str, catalogues: Path) -> float:
-    """At the wavelength of the script."""
+    """The index of a glass at the wavelength of the script."""
     if name == "air":
         return 1.0
     for file in sorted(catalogues.glob("*.json")):
@@ -45,7 +45,7 @@ def glass_index(name: str, catalogues: Path) -> float:
 
 
 def focal_length(radius: np.ndarray, thickness: np.ndarray, behind: np.ndarray) -> float:
-    """By a paraxial ray along the axis."""
+    """The focal length by a paraxial ray along the axis."""
     height, slope, index = 1.0, 0.0, 1.0
     for r, t, after in zip(radius, thickness, behind, strict=True):
         bend = 0.0 if r == 0.0 else height * (after - index) / r

@@ -21,7 +21,7 @@ class Plan:
 
     scenes: tuple[str, ...]
     cameras: tuple[str, ...]
-    #: Those whose noise is measured.
+    #: The cameras whose noise is measured.
     noise_cameras: tuple[str, ...]
     rounds: int
     size: tuple[int, int]
@@ -31,11 +31,11 @@ class Plan:
     reference_samples: int
     #: Programs render with so many threads, one after the other, to be compared; none: it is not measured.
     threads: tuple[int, ...]
-    #: Of `places.MAKERS`.
+    #: Names of `places.MAKERS`.
     places: tuple[str, ...]
 
 
-#: As `places.MAKERS` has them, which only a Python with bpy can import.
+#: The names of `places.MAKERS`, which only a Python with bpy can import.
 PLACES = ("meadow", "room", "night")
 FULL = Plan(
     ("small", "large"),
@@ -52,7 +52,7 @@ FULL = Plan(
 )
 QUICK = Plan(("small",), ("thin", "lens-one"), ("thin",), 1, (160, 90), 2, (48, 27), (4, 16), 32, (), PLACES[-1:])
 
-#: Of the two halves of a converged picture: their difference is its noise.
+#: The seeds of the two halves of a converged picture: their difference is its noise.
 REFERENCE_SEEDS = (77, 78)
 #: Seeds of the pictures whose noise is measured; one is enough for 20,000 pixels.
 NOISE_SEED = 5
@@ -91,7 +91,7 @@ class Experiments:
         print(f"petzval: {time.perf_counter() - self._began:5.0f} s  {text}", file=sys.stderr, flush=True)
 
     def memory(self) -> None:
-        """Of Blender with the scene loaded, before anybody renders."""
+        """Measures the memory of Blender with the scene loaded, before a render."""
         for scene in self.plan.scenes:
             done = self._run(Job("blender", "", scene=scene))
             if done:
@@ -155,7 +155,7 @@ class Experiments:
         self._agreement(pixels)
 
     def _agreement(self, pixels: dict) -> None:
-        """Of Petzval's converged pictures with the others', the noise of both taken off."""
+        """Measures the agreement of Petzval's converged pictures with the others', the noise of both subtracted."""
         mitsuba = LLVM if LLVM in self.bench.programs() else SCALAR
         pairs = [(PETZVAL, CYCLES), (PETZVAL, mitsuba), (CYCLES, mitsuba)]
         for camera in self.plan.noise_cameras:

@@ -10,7 +10,7 @@ import numpy as np
 
 #: Part of the pixels, the worst ones, that is left out: a few sparks would decide it all.
 TRIMMED = 1e-3
-#: Of the reference's mean: keeps black pixels from deciding.
+#: The floor of brightness as a part of the reference's mean: keeps black pixels from deciding.
 FLOOR = 0.01
 
 

@@ -16,7 +16,7 @@ from . import scene
 
 #: Blades of a cluster of grass, clusters in the meadow, and leaves of a tree.
 BLADES, CLUSTERS, LEAVES = 30, 4000, 1500
-#: Of the street at night.
+#: The number of lamps of the street at night.
 LAMPS = 70
 
 

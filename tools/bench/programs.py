@@ -86,7 +86,7 @@ class Bench:
             self._find_llvm()
 
     def programs(self) -> list[str]:
-        """Those that can run here."""
+        """The programs that can run here."""
         return [program for program in NAMES if program != LLVM or "DRJIT_LIBLLVM_PATH" in self._environment]
 
     def run(self, job: Job) -> list[dict]:

@@ -92,7 +92,7 @@ def icosahedron() -> tuple[np.ndarray, np.ndarray]:
 
 
 def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """At each vertex the mean of its triangles' normals, weighted by their angles there, as Blender has it."""
+    """The mean of the triangles' normals at each vertex, weighted by their angles there, as Blender has it."""
     corners = vertices[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)

@@ -86,7 +86,7 @@ class Result:
     """The measurements of a scene."""
 
     scene: Scene
-    #: By program, samples, quality and guides.
+    #: The errors by program, samples, quality and guides.
     errors: dict[tuple[str, int, str, str], Error] = field(default_factory=dict)
     #: Processor time of samples and denoising, s, likewise.
     seconds: dict[tuple[str, int, str, str], float] = field(default_factory=dict)

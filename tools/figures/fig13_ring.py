@@ -14,7 +14,7 @@ from .scene import in_lens_space, places_mm
 LENS, FOCUS_MM = "reflex-nikkor-500-f8", 9000.0
 #: A lamp that no other's blur touches, its width, and the place of its image on the film, mm.
 LAMP, LAMP_RADIUS_MM, AT_MM, FILM_MM = "Lamp in the hedge 23", 6.0, (3.77, 4.06), 5.4
-#: Of the profile: its limit as a part of the blur's radius, and its rings.
+#: The limit of the profile as a part of the blur's radius, and its number of rings.
 LIMIT, RINGS = 1.4, 28
 _PLAIN = ("--effect", "ghosts=off", "--effect", "glare=off", "--effect", "diffraction=off")
 

@@ -20,7 +20,7 @@ class Shot:
     """One photograph. `options` are those of `petzval render`."""
 
     name: str
-    #: Of a scene in tests/scenes/gallery, and its view.
+    #: The name of a scene in tests/scenes/gallery, and its view.
     scene: str
     lens: str | None
     options: tuple[str, ...] = ()
@@ -69,7 +69,7 @@ class Caption:
 class Figure:
     """`read` makes the caption of the photographs by name, and raises `Contradiction`."""
 
-    #: Of the file and the anchor: fig-09.
+    #: The key of the file and the anchor: fig-09.
     key: str
     title: str
     shots: tuple[Shot, ...]
@@ -79,7 +79,7 @@ class Figure:
 
 
 def luminance(light: np.ndarray) -> np.ndarray:
-    """Of scene-linear Rec. 709 colours."""
+    """The luminance of scene-linear Rec. 709 colours."""
     return light[..., :3] @ np.array([0.2126, 0.7152, 0.0722])
 
 

@@ -48,7 +48,7 @@ def montage(figure: Figure, taken: dict[str, Taken], folder: Path) -> Image.Imag
 
 
 def chapter(figure: Figure, caption: Caption) -> str:
-    """Of the page."""
+    """The chapter of a figure on the page."""
     lines = [
         f"## {figure.title}",
         "",
@@ -63,7 +63,7 @@ def chapter(figure: Figure, caption: Caption) -> str:
 
 
 def save(sheet: Image.Image, path: Path) -> None:
-    """As a JPEG that a page can hold."""
+    """Saves a sheet as a JPEG that a page can hold."""
     path.parent.mkdir(parents=True, exist_ok=True)
     if sheet.width > 1940:
         sheet = sheet.resize((1940, round(sheet.height * 1940 / sheet.width)), Image.LANCZOS)

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GALLERY = ROOT / "tests/scenes/gallery"
 #: Pixels of width, samples of a shot that is hidden, and of one that is shown: a reader sees noise that a check does not mind.
 SIZES = {"smallest": (120, 16, 16), "small": (240, 24, 24), "full": (480, 64, 128), "large": (960, 192, 512)}
-#: Those of a shot that asks for more are so many times as many at most, but where noise decides.
+#: The largest factor of samples of a shot that asks for more, but where noise decides.
 MOST = {"smallest": 4.0, "small": 4.0, "full": 1.0, "large": 1.0}
 
 
@@ -80,7 +80,7 @@ def read(exr: Path) -> np.ndarray:
 
 
 def developed(taken: Taken, png: Path) -> np.ndarray:
-    """As the scene's view shows it: (height, width, 3), 0 to 255."""
+    """The picture as the scene's view shows it: (height, width, 3), 0 to 255."""
     import bpy
     from PIL import Image
 

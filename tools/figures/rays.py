@@ -16,7 +16,7 @@ from petzval.lens_loading import load
 
 #: Rays are handed over so far before the first vertex.
 BEFORE_MM = 100.0
-#: Of captions, where they name none.
+#: The wavelength of captions that name none.
 LINE_NM = 550.0
 
 

@@ -36,7 +36,7 @@ def contrast(light: np.ndarray, sharp: np.ndarray, mask: np.ndarray | slice | tu
 
 
 def contrast_by_column(light: np.ndarray, sharp: np.ndarray, rows: slice, radius: int, around: int) -> np.ndarray:
-    """The same of each column, with so many to both sides of it."""
+    """The contrast of each column, relative to the sharp picture, with so many columns to both sides of it."""
     mine, full = detail(light, radius)[rows], detail(sharp, radius)[rows]
     above, below = ((mine * full).sum(0), (full * full).sum(0))
     window = np.hanning(2 * around + 3)[1:-1]

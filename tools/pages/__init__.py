@@ -60,7 +60,7 @@ class Made(NamedTuple):
     part: str = ""
 
     def took(self, seconds: float) -> Made:
-        """The same, with the time that it took."""
+        """The origin with the time that the target took."""
         return self._replace(time=f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min")
 
 

@@ -67,7 +67,7 @@ def main() -> int:
 
 
 def _trimmed(picture: Image.Image) -> Image.Image:
-    """Without the line above the panels, and the empty rows below the last."""
+    """The picture without the line above the panels, and the empty rows below the last."""
     width, height = picture.size
     picture = picture.crop((0, _CONTEXT_PX, width, height - _BORDER_PX))
     ground = Image.new("RGB", picture.size, picture.getpixel((_BORDER_PX, picture.height - 1)))

@@ -42,7 +42,7 @@ PICTURES = (
 )
 #: The objects in which three points are made sharp.
 SHARP = ("Pocket watch", "Decanter", "Desk lamp")
-#: Of the view's width that the panels leave: those of effects have room for the cost of each.
+#: The view's part of the width; the panels of effects have room for the cost of each.
 VIEW_SHARE = 0.62
 LONGEST_PLAN_S = 240.0
 seen = {}

@@ -36,7 +36,7 @@ class Halves:
         self.looks: list[dict[str, np.ndarray]] = [{}, {}]
 
     def add(self, samples: int) -> None:
-        """So many more to a pixel of each half."""
+        """Adds so many samples to a pixel of each half."""
         scene = bpy.context.scene
         began = time.process_time()
         for half in self.looks:

@@ -12,7 +12,7 @@ from PIL import Image
 
 from .compare import shown
 
-#: In the order of the scenes; others are called by their module.
+#: The chapters in the order of the scenes; others are called by their module.
 CHAPTERS = {
     "surfaces": "Surfaces",
     "textures": "Textures and colours",

@@ -29,7 +29,7 @@ class Module:
     imports: set[str] = field(default_factory=set)
     #: The names that it exports.
     exports: set[str] = field(default_factory=set)
-    #: On a Mac: whether the signature, by nobody in particular, is that of these bytes.
+    #: True if the ad hoc signature of a Mac's module is that of these bytes.
     is_signed: bool = False
 
 

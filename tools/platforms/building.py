@@ -47,7 +47,7 @@ def cross_environment(platform: Platform) -> dict[str, str]:
 
 
 def add_target(platform: Platform) -> None:
-    """Has rustup fetch the standard library of a platform. Raises `BuildError`."""
+    """Fetches by rustup the standard library of a platform. Raises `BuildError`."""
     sysroot = subprocess.run(["rustc", "--print", "sysroot"], capture_output=True, text=True, check=True).stdout.strip()
     if (Path(sysroot) / "lib/rustlib" / platform.triple / "lib").is_dir():
         return

@@ -25,7 +25,7 @@ class Emulator:
     """The emulator of a platform's programs."""
 
     name: str
-    #: As tools/setup-emulators.sh calls it.
+    #: The program's name in tools/setup-emulators.sh.
     program: str
     flags: str
     #: Crates whose tests are run; None: all.

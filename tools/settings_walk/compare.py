@@ -57,7 +57,7 @@ class Change:
 
 @dataclass
 class Found:
-    """Of one value of a setting."""
+    """The changes by one value of a setting."""
 
     here: Change
     cycles: Change
@@ -79,7 +79,7 @@ class Found:
 
     @property
     def is_clear(self) -> bool:
-        """More samples would change nothing that is said."""
+        """True if more samples would not change the verdict."""
         if self.verdict == "nothing":
             return max(self.cycles.least, self.here.least) < 0.02
         return self.verdict == "alike" and self.apart.least < max(0.3 * self.cycles.size, LEAST)
@@ -92,7 +92,7 @@ Pictures = list[np.ndarray]
 
 
 def found(here: tuple[Pictures, Pictures], cycles: tuple[Pictures, Pictures]) -> Found:
-    """Of each program the pictures before and after, (height, width, 4), by seed."""
+    """The comparison of each program's pictures before and after, (height, width, 4), by seed."""
     mean = float(np.mean([one[..., :3].mean() for one in cycles[0]]))
     scale = np.array([mean, mean, mean, 1.0])
     changes = [

@@ -46,7 +46,7 @@ class Walk:
         return [f"{owner}.{name}: {said}" for owner, name, value in values if (said := owners.put(owner, name, value))]
 
     def pictures(self, look: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Of two seeds by Petzval and by Cycles, of the stage that is open."""
+        """The pictures of two seeds by Petzval and by Cycles, of the stage that is open."""
         taken: list[list[np.ndarray]] = []
         scene = bpy.context.scene
         for engine in ("PETZVAL", "CYCLES"):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import bpy
 
-#: Those that have settings, by a name that the page shows.
+#: The owners of settings, by a name that the page shows.
 OWNERS: dict[str, Callable[[], Any]] = {
     "scene": lambda: bpy.context.scene,
     "scene.render": lambda: bpy.context.scene.render,
@@ -38,7 +38,7 @@ for _name in ("Point", "Sun", "Spot", "Area"):
 for _name in ("Floor", "Veil", "Glow", "Relief", "Fog"):
     OWNERS[f"material ({_name.lower()})"] = lambda name=_name: bpy.data.materials[name]
     OWNERS[f"material ({_name.lower()}).cycles"] = lambda name=_name: bpy.data.materials[name].cycles
-#: Those that only contexts set: Petzval's own.
+#: The settings that only contexts set: Petzval's own.
 NOT_WALKED = {
     "camera.petzval": lambda: bpy.context.scene.camera.data.petzval,
     "scene.petzval": lambda: bpy.context.scene.petzval,

@@ -52,7 +52,7 @@ def build() -> bpy.types.Scene:
 
 
 def _settings(scene: bpy.types.Scene) -> None:
-    """Both programs as they are exact, each setting of Petzval's own that has one of Cycles' in its place left unset."""
+    """Sets both programs to be exact, each setting of Petzval's own that has one of Cycles' in its place left unset."""
     render, cycles = scene.render, scene.cycles
     render.resolution_x, render.resolution_y, render.resolution_percentage = WIDTH, HEIGHT, 100
     render.threads_mode, render.threads = "FIXED", 1

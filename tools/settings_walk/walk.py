@@ -24,7 +24,7 @@ class Row:
     owner: str
     name: str
     values: list[Any]
-    #: By context and value: the answer of a job.
+    #: The answers of jobs by context and value.
     found: list[dict[str, Any]] = field(default_factory=list)
     reason: Rule | None = None
     cause: Rule | None = None

@@ -150,7 +150,7 @@ def run_command(argv: Sequence[str] | None = None) -> int:
 
 
 def _mute_stdout() -> None:
-    """Has the interpreter's own flush at its end go nowhere."""
+    """Sends the interpreter's own flush at its end to the null device."""
     with contextlib.suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

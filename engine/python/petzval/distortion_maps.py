@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-#: Of maps for each colour, by the names of their layers: where most of a film's red, green and blue comes from, nm.
+#: The wavelengths of maps for each colour, by the names of their layers: those of most of a film's red, green and blue, nm.
 COLOURS_NM = (("red", 611.4), ("green", 549.1), ("blue", 464.2))
 
 

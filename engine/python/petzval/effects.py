@@ -16,7 +16,7 @@ class Effect(NamedTuple):
     is_available: bool = True
 
 
-#: In the order of panels and reports.
+#: The effects in the order of panels and reports.
 EFFECTS = (
     Effect("defocus", "Defocus", "Blur of what is not at the distance of focus"),
     Effect("aberration", "Aberrations", "Spherical aberration, coma, astigmatism and field curvature"),

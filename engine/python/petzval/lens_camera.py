@@ -11,7 +11,7 @@ from .description import IDENTITY, CameraDescription, FilmSettings, FocusSetting
 from .lens_setting import add_focus, add_setting, setting_of
 from .places import find_lens
 
-#: As the engine's description has it, in units of which a thousand millimetres make one.
+#: Millimetres of a unit of the engine's description.
 _SCALE = 1000.0
 
 

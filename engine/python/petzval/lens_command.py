@@ -236,7 +236,7 @@ def _value_text(value: Any, null: str) -> str:
     return f"{value:.6f}" if isinstance(value, float) else str(value)
 
 
-#: The same of the x-z plane, where an anamorphic lens has another: key in `section_x`, words, unit, words for null.
+#: The rows of the x-z plane, which differ for an anamorphic lens: key in `section_x`, words, unit, words for null.
 _ROWS_ACROSS = (
     ("efl_mm", "across (x): focal length", "mm", "infinite"),
     ("f_number", "across (x): f-number", "", "none"),

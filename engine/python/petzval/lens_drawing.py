@@ -13,7 +13,7 @@ _Line = list[list[float]]
 
 _GLASS, _RIM, _MIRROR = "#d3e5f2", "#33566f", "#20262b"
 _WIDTH_IN, _LEAST_IN, _MOST_IN = 10.0, 3.2, 8.0
-#: Above and below the lens.
+#: Room above and below the lens.
 _BESIDE_IN = 1.0
 #: The stop's marks, of the lens's height, and the room about all, of its.
 _MARK, _ROOM = 0.09, 0.06
@@ -33,7 +33,7 @@ def write(found: dict[str, Any], out: Path) -> None:
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
-    """Of the page."""
+    """The size of the page."""
     left, right, low, high = _extent(found)
     return _WIDTH_IN, min(max(_WIDTH_IN * (high - low) / (right - left), _LEAST_IN), _MOST_IN) + _BESIDE_IN
 
@@ -50,7 +50,7 @@ def lay_out(found: dict[str, Any], figure: Any) -> None:
 
 
 def draw(found: dict[str, Any], axes: Any) -> None:
-    """Into a matplotlib axes."""
+    """Draws the lens into a matplotlib axes."""
     left, right, low, high = _extent(found)
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)

@@ -44,7 +44,7 @@ def entries() -> list[dict[str, Any]]:
 
 
 def number(value: float | None, digits: int = 5) -> str:
-    """So many digits, without an exponent."""
+    """A number in so many digits, without an exponent."""
     if value is None:
         return "none"
     text = f"{value:.{digits}g}"

@@ -138,7 +138,7 @@ def _named(what: str, found: Any) -> str:
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure: full lines by rays, dashes as measured."""
+    """Draws into a figure: full lines by rays, dashes as measured."""
     distortion, light, colour = figure.subplots(1, 3)
     for axes in (distortion, colour):
         axes.axhline(0.0, color=PALE, linewidth=0.6)

@@ -106,7 +106,7 @@ def has_byte(pipe: int) -> bool:
 
 
 def keep_own_voice() -> None:
-    """From here on stdout and stderr are Python's alone: output of other code of the process, as Blender's, must not stand in the
+    """Keeps stdout and stderr for Python alone from here on: output of other code of the process, as Blender's, must not stand in the
     answer."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for name, descriptor in (("stdout", 1), ("stderr", 2)):

@@ -44,7 +44,8 @@ _MAC_LISTS = ("machdep.cpu.features", "machdep.cpu.extfeatures", "machdep.cpu.le
 
 
 class ProcessorError(ImportError):
-    """There is an engine, but none for this processor, or not the one wished for. One line: the fault, its place, the remedy."""
+    """The error of an installation without an engine for this processor, or without the one wished for. One line: the fault, its place, the
+    remedy."""
 
 
 def engine_file() -> Path:

@@ -255,7 +255,7 @@ def check_apart(written: Mapping[str, Path | None], read: Mapping[str, str | Pat
 
 
 def study(blender: str | None, options: dict[str, Any], tell: Callable[[dict[str, Any], TextIO, TextIO], None]) -> int:
-    """Has the study in the options made where Blender is, and told by `tell(found, stdout, stderr)`, if something was found;
+    """Runs the study in the options where Blender is, and told by `tell(found, stdout, stderr)`, if something was found;
     the exit status. Without a Blender that is named, the process ends here."""
     # Blender says what it likes on stdout: that is kept for the answer.
     own_stdout, voice = os.dup(1), os.dup(2)

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 #: Part of the pixels, the worst ones, that is left out: a few sparks would decide it all.
 TRIMMED = 1e-3
-#: Of the truth's mean: keeps black pixels from deciding. Larger than where one camera's noise is measured: a simple camera is
-#: bright where the lens leaves corners black, and there any relative error would be one of the floor.
+#: The floor of brightness as a part of the truth's mean: keeps black pixels from deciding. Larger than where one camera's noise is
+#: measured: a simple camera is bright where the lens leaves corners black, and there any relative error would be one of the floor.
 FLOOR = 0.1
 #: The pixel filter makes neighbours alike: the mean over pixels is less sure than if each stood alone. A filter of 1.5
 #: pixels (Blackman-Harris) spreads a sample's light as over 1 / sum of squared weights, about 2, pixels.
@@ -45,7 +45,7 @@ class Sums:
         return self.sum / self.count
 
     def variance(self) -> Any:
-        """Of one picture, for each pixel and colour."""
+        """The variance of one picture, for each pixel and colour."""
         import numpy as np
 
         return np.maximum(self.squares - self.sum**2 / self.count, 0.0) / (self.count - 1)
@@ -115,5 +115,5 @@ def _pairs(pictures: Sums) -> Any:
 
 
 def _scale(reference: Any) -> Any:
-    """Of a squared error, to be relative."""
+    """The factor that makes a squared error relative."""
     return 1.0 / (reference**2 + (FLOOR * reference.mean()) ** 2)

@@ -10,7 +10,7 @@ from .ladder import is_camera
 
 #: Times closer than this are called the same.
 ALIKE = 0.05
-#: Of an error, the part that may be bias without being seen beside the noise.
+#: The part of an error that may be bias without being seen beside the noise.
 UNSEEN = 0.1
 #: Standard errors.
 SURELY = 2.0
@@ -29,7 +29,7 @@ def seconds(value: float) -> str:
 
 
 def seconds_to(row: dict[str, Any], error: float, found: dict[str, Any]) -> float | None:
-    """Until a rung's error is down to this; None where it never is."""
+    """The time until a rung's error is down to `error`, s; None where it never is."""
     left = error - row["bias"]
     if left <= 0.0:
         return None

@@ -98,7 +98,7 @@ class _Vision:
         return np.stack(channels, -1)
 
     def feature_difference(self, reference: Any, test: Any) -> Any:
-        """Of edges and points in lightness."""
+        """The difference of edges and points in lightness."""
         np = self.np
         deviation = 0.5 * _FEATURE_WIDTH_DEG * PIXELS_PER_DEGREE
         radius = math.ceil(3.0 * deviation)
@@ -119,7 +119,7 @@ class _Vision:
 
 
 def _balanced(np: Any, kernel: Any) -> Any:
-    """Its positive weights add up to 1, its negative ones to -1."""
+    """The kernel normalized: its positive weights add up to 1, its negative ones to -1."""
     return np.where(kernel > 0.0, kernel / kernel[kernel > 0.0].sum(), -kernel / kernel[kernel < 0.0].sum())
 
 

@@ -9,10 +9,10 @@ from statistics import median
 
 #: The chance that an interval holds the true median is at least this.
 CONFIDENCE = 0.9
-#: Fewer values have no interval: of five, the least and the largest hold the median with 94 %.
+#: The least number of values with an interval: of five, the least and the largest hold the median with 94 %.
 LEAST = 5
 
-#: Of a median, the width of its interval at which it has settled.
+#: The relative width of a median's interval at which it has settled.
 SETTLED = 0.03
 
 

@@ -21,7 +21,7 @@ _COLOURS = {
     "pinhole": _SIMPLE, "thin": _SIMPLE, "thick": _SIMPLE, "paraxial": _SIMPLE, "one-f32": _ONE, "one-f64": _ONE,
     "rgb": _ONE, "film": _FULL, "scene": _FULL, "hero": _FULL, "auto": _AUTO,
 }  # fmt: skip
-#: Of letters, in points.
+#: Sizes of letters, points.
 _LABEL, _TEXT = 8.5, 9.5
 
 

@@ -27,7 +27,7 @@ from .ladder import AUTO, PINHOLE, TOP, Rung, effect_of, ladder
 LEAST_ROUNDS = 2 * LEAST
 #: Rounds that should fit into the time given.
 WANTED_ROUNDS = 14
-#: Of a round's time, the part that goes into the truth.
+#: The part of a round's time that goes into the truth.
 TRUTH_PART = 0.4
 #: Set-up that takes longer than this is not paid in every round, s.
 SLOW_SETUP_S = 0.1
@@ -57,14 +57,14 @@ class Runs:
     rounds: list[int] = field(default_factory=list)
     plan: dict[str, Any] = field(default_factory=dict)
     setup_s: list[float] = field(default_factory=list)
-    #: Of a render: by the clock, and of all threads together.
+    #: Times of a render: by the clock, and of all threads together.
     wall_s: list[float] = field(default_factory=list)
     processor_s: list[float] = field(default_factory=list)
     predicted_s: list[float] = field(default_factory=list)
     #: Time of the forecast, s.
     forecast_s: list[float] = field(default_factory=list)
     pictures: Sums = field(default_factory=Sums)
-    #: Of a rung with stray light: that light, and the time to find it, by the clock.
+    #: The stray light of a rung with some, and the time to find it, by the clock.
     strayed: Sums = field(default_factory=Sums)
     stray_s: list[float] = field(default_factory=list)
     stats: dict[str, Any] = field(default_factory=dict)
@@ -116,7 +116,7 @@ class _Measured:
         self.truth_each = 0
         self.rounds = 0
         self.began = time.monotonic()
-        #: Of the screen that the scene is looked at on.
+        #: The exposure of the scene's view transform, stops.
         self.exposure_stops = options["exposure_stops"]
 
     def run(self) -> None:

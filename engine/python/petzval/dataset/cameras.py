@@ -17,7 +17,7 @@ from . import lens_fit
 
 #: Blender's cameras without a lens file that project centrally.
 _CENTRAL = ("PINHOLE", "THIN")
-#: Of the rays that ground truth goes by, nm: the d line.
+#: The wavelength of the rays of ground truth: the d line.
 WAVELENGTH_NM = 587.5618
 #: The f-number of a lens for rays that go through the middle of its diaphragm. At larger ones rays that are aimed at the diaphragm
 #: begin to miss.
@@ -58,7 +58,7 @@ class Intrinsics:
         return cls(told["model"], parameters, told["width"], told["height"], told["fit_rms_px"], told["fit_largest_px"])
 
     def as_json(self) -> dict[str, Any]:
-        """As it stands in cameras.json."""
+        """The intrinsics as they stand in cameras.json."""
         return {
             "model": self.model, "width": self.width, "height": self.height, **self.named,
             "fit_rms_px": self.rms_px, "fit_largest_px": self.largest_px,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the passes of a render to depth, normals and flow. Arrays have their first row at the top; the pose is a camera's, Blender's axes."""
+"""Depth, normals and flow from the passes of a render. Arrays have their first row at the top; the pose is a camera's, Blender's axes."""
 
 from __future__ import annotations
 

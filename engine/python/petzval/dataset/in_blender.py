@@ -337,7 +337,7 @@ class _Run:
         return record
 
     def _intrinsics(self, one: Picture, sharp: Any, width: int, height: int) -> dict[str, Any]:
-        """Those of a camera, looked up once for each way in which it is set."""
+        """The intrinsics of a camera, computed once for each of its settings."""
         export = self._addon.export
         described = export.camera.describe(sharp, self._scene, width, height, export.report.Report())
         base = self._scene.objects.get(one.camera.based_on) or self._first_camera()

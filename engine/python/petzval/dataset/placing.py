@@ -121,7 +121,7 @@ def _place(asked: Random, centre: Vector, numbers: Matrix) -> Matrix:
 
 
 def _looking(at: Matrix, target: Vector | None, jitter_deg: float, numbers: Matrix) -> Matrix:
-    """At the target, turned by up to the jitter; without a target anywhere, the horizon level."""
+    """A pose that looks at the target, turned by up to the jitter; without a target in any direction, the horizon level."""
     if target is None:
         height, turn = 2.0 * numbers[0] - 1.0, 2.0 * math.pi * numbers[1]
         across = math.sqrt(max(1.0 - height * height, 0.0))

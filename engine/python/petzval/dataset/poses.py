@@ -13,7 +13,7 @@ import numpy.typing as npt
 Matrix = npt.NDArray[np.float64]
 Vector = tuple[float, float, float]
 
-#: From Blender's camera axes to those of computer vision (x right, y down, z forward), and back.
+#: The turn from Blender's camera axes to those of computer vision (x right, y down, z forward), and back.
 FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
 
 

@@ -26,7 +26,7 @@ class Record:
     metres_per_unit: float
     width: int
     height: int
-    #: As `cameras.Intrinsics.as_json` has them; None where none were asked for.
+    #: The intrinsics by `cameras.Intrinsics.as_json`; None where none were asked for.
     intrinsics: dict[str, Any] | None
     #: Distances of this picture's places, as the parameters project them, from the middles of their pixels, pixels: the median and the
     #: largest; None where either is not known.

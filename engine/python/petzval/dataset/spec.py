@@ -21,9 +21,9 @@ class CameraSpec:
     name: str
     #: The camera of the scene that it is made from; empty: the scene's active one.
     based_on: str
-    #: As `render_in_blender.apply` takes them.
+    #: The options as `render_in_blender.apply` takes them.
     options: dict[str, Any]
-    #: Its pose in the rig's axes, which are those of a camera.
+    #: The pose in the rig's axes, which are those of a camera.
     in_rig: poses.Pose
 
 
@@ -121,7 +121,7 @@ class Labels:
 
     rays: str
     samples: int
-    #: Of the lens, for rays through the middle.
+    #: The f-number of the lens for rays through the middle.
     f_number: float = cameras.F_NUMBER
 
 

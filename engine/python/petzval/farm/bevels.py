@@ -103,7 +103,7 @@ def _curves(action: Any) -> Iterator[Any]:
 
 
 def _evaluated(bpy: Any, wanted: dict[Any, int], frame: int) -> list[tuple[Any, Any]]:
-    """For each object a new mesh of its modifiers up to the one with that number; None where Blender makes none."""
+    """A new mesh for each object, of its modifiers up to the one with that number; None where Blender makes none."""
     if not wanted:
         return []
     # A scene of its own, in which nothing is hidden; its graph is of the viewport, so that modifiers are set as a render has them.

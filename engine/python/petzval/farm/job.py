@@ -17,7 +17,7 @@ from ..errors import CommandError
 
 #: The file of a job; another layout has another number.
 NAME, FORMAT = "job.json", "petzval farm job 1"
-#: Of job.json; a million parts take less.
+#: The largest size of job.json; a million parts take less.
 _MOST_BYTES = 256 << 20
 _BLOCK = 1 << 20
 #: Folders inside of a job's folder: its input, finished parts, parts under way, and pictures.
@@ -28,7 +28,7 @@ SCENE, PARTS, WORK, PICTURES = "scene", "parts", "work", "pictures"
 class Part:
     """A part: some slots of the tiles of a frame."""
 
-    #: None: the frame of the .blend.
+    #: The frame; None: that of the .blend.
     frame: int | None
     #: The slot where it begins, and the one before which it ends.
     first: int
@@ -60,7 +60,7 @@ class Job:
     most_memory_mb: float | None
     #: Every file that a part reads, relative to the folder: its size and BLAKE2b.
     files: dict[str, tuple[int, str]]
-    #: For people: size of the picture, samples, seed.
+    #: Facts for the user: size of the picture, samples, seed.
     about: dict[str, Any] = dataclasses.field(default_factory=dict)
 
     def slots_of(self, number: int) -> tuple[int, int, int]:

@@ -14,9 +14,9 @@ from ..errors import CommandError, writing
 #: The formats of the files by ending.
 PICTURES = (".svg", ".png", ".pdf")
 PALE, DARK, GRID = "#8a939a", "#444444", "#e3e7ea"
-#: By field, as designers have them: the axis blue, then green and red.
+#: Colours by field, as designers have them: the axis blue, then green and red.
 FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
-#: From short to long waves.
+#: Colours from short to long waves.
 _LINES = ("#7b3fa0", "#1f5fae", "#128a8a", "#2d8a3e", "#c77700", "#c0392b", "#7a1f1f")
 _BLUE, _GREEN, _RED = _LINES[1], _LINES[3], _LINES[5]
 #: Settings of axes, beside those of every picture.
@@ -70,7 +70,7 @@ def save(found: Any, out: Path, style: dict[str, Any], make: Callable[[Any], Any
 
 
 def _with_steady_names(svg: str) -> str:
-    """The same with the names of its shared parts numbered as they come: matplotlib makes some of them from addresses in memory,
+    """The SVG with the names of its shared parts numbered as they come: matplotlib makes some of them from addresses in memory,
     and a report is to be the same file again."""
     numbers: dict[str, int] = {}
     return re.sub(
@@ -129,12 +129,12 @@ def facts(found: dict[str, Any]) -> str:
 
 
 def field_colour(i: int) -> str:
-    """Of the field of that number."""
+    """The colour of the field of that number."""
     return FIELDS[i % len(FIELDS)]
 
 
 def line_colours(wavelengths_nm: list[float]) -> list[str]:
-    """By wavelength: the shorter the bluer, three of them as F, d and C are drawn."""
+    """The colours by wavelength: the shorter the bluer, three of them as F, d and C are drawn."""
     order = sorted(range(len(wavelengths_nm)), key=lambda i: wavelengths_nm[i])
     few = {1: [_GREEN], 2: [_BLUE, _RED], 3: [_BLUE, _GREEN, _RED]}.get(len(order))
     colours = [""] * len(order)
@@ -144,7 +144,7 @@ def line_colours(wavelengths_nm: list[float]) -> list[str]:
 
 
 def line_names(wavelengths_nm: list[float]) -> list[str]:
-    """By wavelength."""
+    """The names by wavelength."""
     return [f"{nm:.4g} nm" for nm in wavelengths_nm]
 
 

@@ -16,12 +16,12 @@ _ZOOM, _MOST = 1.5, 0.9
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     return 2.0 + 2.6 * max(len(found["fields"]), 1), 7.6
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure."""
+    """Draws the report into a figure."""
     fields = found["fields"]
     grid = figure.add_gridspec(3, max(len(fields), 1))
     lit = [field for field in fields if "values" in field]

@@ -40,12 +40,12 @@ _OPTIONS: dict[str, Any] = {
 
 
 def size_in(_found: dict[str, Any]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     return 10.5, 5.2
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure: the cumulative part of lenses by quality, and the deviations with the largest effect."""
+    """Draws into a figure: the cumulative part of lenses by quality, and the deviations with the largest effect."""
     chance, single = figure.subplots(1, 2)
     _by_chance(found, chance)
     _one_by_one(found, single)

@@ -54,7 +54,7 @@ class _Spine:
 
 
 class _Spines(dict[Any, Any]):
-    """By name, or by a list of names all at once."""
+    """The spines by name, or by a list of names all at once."""
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, list):
@@ -142,7 +142,7 @@ class Axes:
         self.lines.append(Line(0.0, y, endless="y", **look))
 
     def axvline(self, x: float, **look: Any) -> None:
-        """From below to above."""
+        """Adds a vertical line over the whole height."""
         self.lines.append(Line(x, 0.0, endless="x", **look))
 
     def fill(
@@ -200,7 +200,7 @@ class Axes:
         self._y.name, self._y.name_look = text, look
 
     def set_title(self, text: str, **look: Any) -> None:
-        """Above it."""
+        """Sets the title above the axes."""
         self._title = text, look
 
     def set_aspect(self, _kind: str) -> None:
@@ -216,7 +216,7 @@ class Axes:
         self._has_axes = False
 
     def tick_params(self, *, labelsize: float | None = None, **_look: Any) -> None:
-        """Of their numbers."""
+        """Sets the size of the ticks' numbers."""
         self._number_size = labelsize or self._number_size
 
     def secondary_yaxis(self, _side: str) -> _RightAxis:
@@ -315,7 +315,7 @@ class Axes:
     # Drawing.
 
     def draw(self) -> None:
-        """Into the figure's picture."""
+        """Draws the axes into the figure's picture."""
         self._fit()
         left, low, right, high = self.box
         if self._image is not None:
