@@ -35,9 +35,9 @@ pub enum DenoiseError {
     /// The library is of another interface.
     #[error("Open Image Denoise {major}.{minor} is too old; version 2 or later is needed")]
     TooOld {
-        /// Its major version.
+        /// The major version.
         major: i32,
-        /// Its minor version.
+        /// The minor version.
         minor: i32,
     },
     /// There is not enough memory for it.
@@ -59,7 +59,7 @@ pub enum DenoiseError {
     Size {
         /// The image's name.
         name: &'static str,
-        /// Its numbers.
+        /// The numbers.
         found: usize,
         /// The numbers of its size.
         expected: usize,
@@ -74,11 +74,11 @@ pub enum DenoiseError {
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Quality {
-    /// For previews.
+    /// The quality for previews.
     Fast,
     /// Between both.
     Balanced,
-    /// For final pictures.
+    /// The quality for final pictures.
     #[default]
     High,
 }
@@ -103,11 +103,11 @@ impl Quality {
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Prefilter {
-    /// They are taken for free of noise.
+    /// Albedo and normal are taken for free of noise.
     None,
-    /// They are filtered together with the picture.
+    /// Albedo and normal are filtered together with the picture.
     Fast,
-    /// They are filtered first, each alone.
+    /// Albedo and normal are filtered first, each alone.
     #[default]
     Accurate,
 }

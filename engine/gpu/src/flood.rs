@@ -114,7 +114,7 @@ pub struct Flooded {
     pub passed: u64,
     /// The sum of their results: the same again if nothing changed.
     pub sum: f64,
-    /// From the submission to the end, in seconds.
+    /// Time from the submission to the end, s.
     pub wall_s: f64,
     /// Seconds by the device's own clock, if it has one.
     pub device_s: Option<f64>,

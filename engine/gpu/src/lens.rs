@@ -197,7 +197,7 @@ impl LensTable {
         self.numbers().places.iter().map(|places| places.fields).collect()
     }
 
-    /// As the structs of bindings.wgsl have it.
+    /// The buffers with the structs of bindings.wgsl.
     pub(crate) fn buffers<N: Number>(&self) -> Buffers {
         let NumberTable { all, places } = self.numbers();
         let mut steps = Vec::new();
@@ -238,7 +238,7 @@ impl LensTable {
 }
 
 impl Stage {
-    /// From the same step at every wavelength.
+    /// The numbers of a step, from the same step at every wavelength.
     fn new(steps: &[&Step], surface: usize) -> Self {
         let step = steps[0];
         let (form, profile) = match step.shape {

@@ -43,7 +43,7 @@ pub struct Calibration {
     warp: Warp,
     /// True if the distortion's formula leads from the picture to the plane of the projection.
     is_from_picture: bool,
-    /// From the plane behind the distortion, as (x, y, 1), to pixels, and back.
+    /// The maps from the plane behind the distortion, as (x, y, 1), to pixels, and back.
     film: DMat3,
     film_inverse: DMat3,
 }

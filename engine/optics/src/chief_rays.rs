@@ -43,7 +43,7 @@ pub enum ChiefRayError {
 pub struct FilmChiefRay {
     /// The ray in front of the lens, lens space; it leaves the first surface at its origin and looks into the scene.
     pub scene: Ray,
-    /// Its slopes before the film, along x and y by −z: a start for the neighbours.
+    /// The slopes before the film, along x and y by −z: a start for the neighbours.
     pub slope: DVec2,
     /// Changes of the hit on the stop by those of the slopes, radii of the stop.
     pub stop_by_slope: DMat2,

@@ -16,7 +16,7 @@ pub struct Interface<R = f64> {
     pub excess: R,
 }
 
-/// Below this part of (m cos i)², the radicand is formed in factors. Larger costs time, smaller loses digits.
+/// The part of (m cos i)² below which the radicand is formed in factors. Larger costs time, smaller loses digits.
 const NEAR_CRITICAL: f64 = 1e-2;
 
 impl Interface {

@@ -68,7 +68,7 @@ pub struct GapsToFit {
 pub struct LensToFit<'a> {
     /// The lens.
     pub prescription: &'a Prescription,
-    /// Its settings at the start; a zoom stays at this focal length, and others start from it.
+    /// The settings at the start; a zoom stays at this focal length, and others start from it.
     pub settings: &'a LensSettings,
     /// The calibration.
     pub calibration: &'a Calibration,
@@ -90,7 +90,7 @@ pub struct LensToFit<'a> {
 pub struct LensMisfit {
     /// Root of the mean square over the picture, pixels and mm on the sensor.
     pub rms_px: f64,
-    /// As [`Self::rms_px`], on the sensor.
+    /// [`Self::rms_px`] on the sensor, mm.
     pub rms_mm: f64,
     /// The largest, pixels.
     pub worst_px: f64,
@@ -131,9 +131,9 @@ pub struct LensFit {
     pub prescription: Prescription,
     /// The size of the lens, from that at the start.
     pub scale: f64,
-    /// Before and after.
+    /// The misfit before and after.
     pub misfit: [LensMisfit; 2],
-    /// Before and after.
+    /// The state of the lens before and after.
     pub state: [LensState; 2],
     /// The gaps that were adjusted.
     pub gaps: Vec<FittedGap>,
@@ -356,7 +356,7 @@ impl Adjusted {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::FocalLength, Self::Focus, Self::FilmDistance];
 
-    /// Its name on the command line.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::FocalLength => "focal-length",

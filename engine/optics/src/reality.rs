@@ -107,7 +107,7 @@ pub struct DistortionRow {
     /// The field by rays.
     #[serde(flatten)]
     pub field: RayField,
-    /// Its height on the film by the measurement, mm.
+    /// The height on the film by the measurement, mm.
     pub measured_mm: f64,
     /// Distortion by rays, parts of the height without it at the free scale.
     pub rays_part: f64,
@@ -177,9 +177,9 @@ pub struct VignettingRow {
     pub angle_deg: f64,
     /// Height on the film, mm.
     pub height_mm: f64,
-    /// By rays; below zero.
+    /// Vignetting by rays, stops; below zero.
     pub rays_stops: f64,
-    /// By the measurement; `None`: its formula leaves no light.
+    /// Vignetting by the measurement, stops; `None`: its formula leaves no light.
     pub measured_stops: Option<f64>,
 }
 

@@ -43,7 +43,7 @@ pub struct Ray {
     pub origin: Vec3A,
     /// Direction of the ray, unit.
     pub direction: Vec3A,
-    /// Nothing farther than this counts, Blender units.
+    /// The distance beyond which no hit counts, Blender units.
     pub t_max: f32,
     /// The triangle, strand or point that it leaves.
     pub skip: SelfHit,

@@ -14,7 +14,7 @@ use dice::Dice;
 /// The property that makes a ray hard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Category {
-    /// Nothing: conics as lenses have them, within and a little beyond the rim. The group to compare with.
+    /// No hardship: conics as lenses have them, within and a little beyond the rim. The group to compare with.
     Ordinary,
     /// Out of the denser medium, sin i within 1e-15 to 1e-1 of critical, relative; a third of the surfaces are planes.
     NearCritical,

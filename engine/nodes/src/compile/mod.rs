@@ -53,7 +53,7 @@ type Outputs = Vec<(&'static str, Value)>;
 /// The output that a link leads to.
 enum LinkedOutput {
     Value(Value),
-    /// Nothing, which is black.
+    /// No value, which is black.
     Nothing,
     /// A node that is not known.
     Unknown,

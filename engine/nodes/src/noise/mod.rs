@@ -153,7 +153,7 @@ impl Octaves {
     }
 }
 
-/// Below this weight [`Fractal::Hybrid`] leaves further octaves out.
+/// The weight below which [`Fractal::Hybrid`] leaves further octaves out.
 const LEAST_WEIGHT: f32 = 0.001;
 
 #[inline(always)]

@@ -21,7 +21,7 @@ pub enum CalibrationError {
     NotFinite {
         /// The parameter.
         name: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
     },
     /// A number is out of the range in which the model means something.
@@ -29,7 +29,7 @@ pub enum CalibrationError {
     Range {
         /// The parameter.
         name: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
         /// The condition that it breaks.
         expected: &'static str,
@@ -41,7 +41,7 @@ pub enum CalibrationError {
     Units {
         /// The parameter.
         name: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
         /// The picture's side along it.
         side_px: u32,

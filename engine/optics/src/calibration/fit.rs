@@ -254,11 +254,11 @@ impl Search<'_> {
 /// The cost that keeps a search from formulas that fold.
 #[derive(Clone, Copy, PartialEq)]
 enum Bound {
-    /// Nothing.
+    /// No bound.
     None,
     /// The cost of slopes that are flat or turned over, pixels.
     Slope(f64),
-    /// There is nothing beyond a fold.
+    /// Points beyond a fold have no place.
     Fold,
 }
 

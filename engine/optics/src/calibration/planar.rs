@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// A smooth map of a plane to itself that leaves the origin where it is, unless it is an ST map.
 #[derive(Clone, Debug)]
 pub(super) enum Distortion {
-    /// By the distance from the origin alone.
+    /// A distortion by the distance from the origin alone.
     Radial(Radial),
     /// Brown's model and its extensions.
     Brown(Brown),
@@ -120,7 +120,7 @@ impl TdeRadial {
         )
     }
 
-    /// The same with y down in both planes, the second one `stretch` times larger.
+    /// The distortion with y down in both planes, the second one `stretch` times larger.
     pub(super) fn seen_from_ahead(self, stretch: f64) -> Self {
         // Decentring up is down then, and a turn goes the other way.
         let bending = DMat2::from_cols(

@@ -1,4 +1,4 @@
-//! From a model's parameters to its steps.
+//! The steps of a model from its parameters.
 
 use super::chart::Chart;
 use super::planar::{Brown, Distortion, TdeAnamorphic, TdeRadial};

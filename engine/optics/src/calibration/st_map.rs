@@ -2,13 +2,14 @@
 
 use glam::{DMat2, DVec2};
 
-/// For each pixel of a distorted picture the place in a pinhole's picture that it shows.
+/// An ST map: the place in a pinhole's picture that each pixel of a distorted picture shows.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct StMap {
     size: [usize; 2],
-    /// By row from the top, then column: pixels of the pinhole's picture from its upper left corner; `None` where nothing is shown.
+    /// The places by row from the top, then column: pixels of the pinhole's picture from its upper left corner; `None` where nothing is
+    /// shown.
     places: Vec<Option<DVec2>>,
-    /// From a place in the pinhole's picture to its plane at unit distance.
+    /// The focal lengths: from a place in the pinhole's picture to its plane at unit distance.
     focal: DVec2,
     middle: DVec2,
 }

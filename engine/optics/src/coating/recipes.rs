@@ -18,7 +18,7 @@ pub struct Recipe {
     metal: Option<&'static str>,
 }
 
-/// Nothing passes so much metal: exp(−4π k d / λ) is below 1e-6.
+/// The thickness of a metal that lets no light through, nm: exp(−4π k d / λ) is below 1e-6.
 const OPAQUE_NM: f64 = 400.0;
 
 /// The recipes that a lens file or a setting may name; the first is bare glass.

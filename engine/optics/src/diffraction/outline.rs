@@ -112,7 +112,7 @@ impl<'a> FilmView<'a> {
         Some(Self { tracer, touching, normal, window: [ends.0 - margin, ends.1 + margin] })
     }
 
-    /// For each direction of the light, by its direction cosines: true if the light gets through.
+    /// The openness by direction of the light, in direction cosines: true if the light gets through.
     fn are_open(&self, cosines: &[DVec2]) -> Vec<bool> {
         let mut bundle = self.tracer.bundle(Travel::FromFilm);
         let mut is_real = Vec::with_capacity(cosines.len());

@@ -17,7 +17,7 @@ pub enum GroupsError {
     /// The lens cannot be set.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// Nothing can be sharp at the distance.
+    /// No film is sharp at the distance.
     #[error(transparent)]
     Focus(#[from] FocusError),
 }

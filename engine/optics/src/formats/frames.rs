@@ -25,7 +25,7 @@ pub(super) fn change(moved_mm: DVec3, [alpha_deg, beta_deg, gamma_deg]: [f64; 3]
     DAffine3::from_mat3_translation(turn([alpha_deg, beta_deg, gamma_deg]), moved_mm)
 }
 
-/// The same with the turns first, about z, y and x, and the move in the turned frame: Zemax's order flag 1.
+/// The change of frame with the turns first, about z, y and x, and the move in the turned frame: Zemax's order flag 1.
 pub(super) fn change_turned_first(moved_mm: DVec3, [alpha_deg, beta_deg, gamma_deg]: [f64; 3]) -> DAffine3 {
     let [x, y, z] = [-alpha_deg, -beta_deg, gamma_deg].map(f64::to_radians);
     let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);

@@ -122,7 +122,7 @@ pub enum Problem {
     /// Gaps and positions do not fit together.
     #[error(transparent)]
     Moving(#[from] MovingError),
-    /// Not a finite number.
+    /// A word is not a finite number.
     #[error("{what} '{found}' is not a finite number; write {}", number_for(found))]
     NotANumber {
         /// The name of the value.

@@ -10,7 +10,7 @@ const PARTS: usize = 3;
 const POINTS: usize = PARTS + 1;
 /// Sides of a cell's parts: those along x, then those along y.
 const SIDES: usize = 2 * PARTS * POINTS;
-/// In place of a crossing's number: the edge does not cross this side.
+/// The value in place of a crossing's number where the edge does not cross this side.
 const NONE: u32 = u32::MAX;
 
 /// A ray that gets through.

@@ -188,7 +188,7 @@ struct Neighbours<'a, R> {
     rows: [Option<&'a R>; 4],
     /// The measured row that stands for itself, where the focal length was measured or lies beyond all.
     alone: Option<&'a R>,
-    /// From the first above to the first below.
+    /// The part of the way from the first above to the first below.
     t: f64,
     /// The focal length that the result is of, mm: that of the row beyond all.
     focal_mm: f64,

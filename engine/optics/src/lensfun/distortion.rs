@@ -200,7 +200,7 @@ impl Distortion {
         Some(r)
     }
 
-    /// With tangential terms: they add little, so that this is subtracted again and again.
+    /// The inverse with tangential terms: they add little, so that this is subtracted again and again.
     fn straight_beside(&self, distorted_mm: DVec2, start: DVec2) -> Option<DVec2> {
         let mut at = start;
         for _ in 0..MOST_NEWTON {

@@ -69,9 +69,9 @@ pub struct Crossing<L: Lane> {
     pub cosine: L,
     /// True if the ray hits the surface with sign(N · D) = side.
     pub met: L::Mask,
-    /// Not hit, for [`Failure::WrongSheet`].
+    /// Lanes without a hit, for [`Failure::WrongSheet`].
     pub wrong_sheet: L::Mask,
-    /// Not hit, for [`Failure::NotConverged`].
+    /// Lanes without a hit, for [`Failure::NotConverged`].
     pub not_converged: L::Mask,
 }
 

@@ -136,7 +136,7 @@ impl Gradients<f64> {
         }
     }
 
-    /// In numbers for a tracer on another processor.
+    /// The gradients in numbers for a tracer on another processor.
     pub(super) fn numbers(&self) -> GradientsBeside {
         let numbers = |field: &LocalMedium<f64>, march: Option<&March<f64>>| GradientNumbers {
             rows: field.rows.iter().map(|row| row.to_vec()).collect(),

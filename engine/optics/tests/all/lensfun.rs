@@ -80,7 +80,7 @@ fn setting(crop: f64, focal_mm: f64, f_number: f64, distance_m: f64) -> Photogra
     }
 }
 
-/// As a camera: directions by the projection's own formula, everything else as lensfun's library has it.
+/// Lenses as cameras: directions by the projection's own formula, everything else as lensfun's library has it.
 #[test]
 fn cameras_are_those_of_lensfun() {
     let database = database();

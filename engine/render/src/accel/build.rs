@@ -10,9 +10,9 @@ use std::ops::Range;
 
 /// Bins along each axis; a power of two.
 const BINS: usize = 16;
-/// Below this depth boxes are parted by number alone: 2^32 of them need 32 levels more.
+/// The depth below which boxes are parted by number alone: 2^32 of them need 32 levels more.
 const DEEP: usize = super::traverse::DEEPEST - 32;
-/// Fewer boxes are not worth another thread.
+/// The number of boxes from which on another thread pays.
 const PARALLEL: usize = 4096;
 
 /// The contents of one leaf are parted into two if the areas of these come to less than this share of the leaf's: one

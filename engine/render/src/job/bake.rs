@@ -83,9 +83,9 @@ pub struct BakeTable {
 
 /// A bake as it is asked for.
 pub struct BakeRequest {
-    /// Its settings.
+    /// The settings.
     pub settings: BakeSettings,
-    /// Its points.
+    /// The points.
     pub table: BakeTable,
 }
 

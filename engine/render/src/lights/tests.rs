@@ -427,7 +427,8 @@ fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
     }
 }
 
-/// After an edit lights are as if they were found anew: whether nothing of them changed, an emitter moved, a lamp did, or the sky is another.
+/// The lights after an edit are as if they were found anew: whether nothing of them changed, an emitter moved, a lamp did, or the sky is
+/// another.
 #[test]
 fn lights_of_an_edited_scene_are_those_of_a_new_one() {
     let sky = |bright: f32| {

@@ -72,7 +72,7 @@ impl LightTree {
         here
     }
 
-    /// By node, the instances that its children are parts of.
+    /// The instances that the children of each node are parts of.
     fn owners_of_nodes(&self, of_emitters: &[u32]) -> Vec<[u32; WIDTH]> {
         let mut all = vec![[NO_INSTANCE; WIDTH]; self.nodes.len()];
         // Nodes come before those under them.

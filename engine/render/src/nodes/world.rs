@@ -77,7 +77,7 @@ impl Context for Infinity<'_> {
         Vec4::ZERO
     }
 
-    /// Nothing is an object here: from the object's space and to it is no way at all.
+    /// The vector in another space. The world has no object: its space is that of the world.
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A {
         let map = match (from, to) {
             (Space::World, Space::Camera) => self.viewport.from_world,

@@ -42,11 +42,11 @@ pub struct BakePoint {
 /// The place from where the surface is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViewFrom {
-    /// From straight above each point.
+    /// The view from straight above each point.
     Above,
-    /// From a place in render space.
+    /// The view from a place in render space.
     Place(Vec3A),
-    /// From far away, where this direction leads; unit.
+    /// The view from far away, where this direction leads; unit.
     Far(Vec3A),
     /// The sky is looked at, in the direction of the point from this place of render space.
     Sky(Vec3A),

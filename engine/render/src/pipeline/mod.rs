@@ -43,10 +43,10 @@ pub enum Pipeline {
     /// Hero where the lens disperses, else film-first.
     #[default]
     Auto,
-    /// From a point of the film through the lens into the scene, one wavelength a path: [`film_first`].
+    /// Rays from a point of the film through the lens into the scene, one wavelength a path: [`film_first`].
     #[serde(rename = "FILM")]
     FilmFirst,
-    /// From a sharp point of the scene through the lens to the film: [`scene_first`].
+    /// Rays from a sharp point of the scene through the lens to the film: [`scene_first`].
     #[serde(rename = "SCENE")]
     SceneFirst,
     /// Film-first for one wavelength, whose light is carried back to the film at the others of its set: [`hero`].

@@ -56,7 +56,7 @@ fn beside(effect: Effect, known: &Known<'_>, wishes: &PlanOptions) -> Option<(Ef
     (is_larger && others > 0.0 && wishes.word(other) != EffectMode::Off).then_some((other, others))
 }
 
-/// As many wavelengths as their images need to lie closer together than can be told apart, where the camera leaves their number open.
+/// The number of wavelengths whose images lie closer together than can be told apart, where the camera leaves their number open.
 fn bands(Known { d, lens, .. }: &Known<'_>, wishes: &PlanOptions) -> Spectrum {
     match d.spectrum {
         Spectrum::Visible => {

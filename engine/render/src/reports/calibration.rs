@@ -29,7 +29,7 @@ struct LensEntry {
     name: String,
     mounts: Vec<String>,
     focal_range_mm: [f64; 2],
-    /// Of the sensors with which it was measured.
+    /// Crop factors of the sensors with which it was measured.
     crop_factors: Vec<f64>,
     /// Numbers of measurements of distortion, vignetting and lateral colour.
     measured: [usize; 3],

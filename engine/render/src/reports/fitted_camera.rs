@@ -63,7 +63,7 @@ pub struct FittedCameraReport {
     name: String,
     efl_mm: Option<f64>,
     wavelength_nm: f64,
-    /// From the entrance pupil; null: infinity.
+    /// The focus distance from the entrance pupil; null: infinity.
     focus_distance_mm: Option<f64>,
     size_px: [u32; 2],
     picture_mm: [f64; 2],

@@ -75,7 +75,7 @@ pub enum FittedLensError {
 pub struct FittedLens {
     /// The report.
     pub report: FittedLensReport,
-    /// Its file.
+    /// The file.
     pub text: String,
     /// The parts of the lens that a lens file cannot hold.
     pub lost: Vec<String>,
@@ -111,7 +111,7 @@ struct Compared {
     rms_um: f64,
     worst_um: f64,
     efl_mm: Option<f64>,
-    /// From the entrance pupil; null: infinity.
+    /// The focus distance from the entrance pupil; null: infinity.
     focus_distance_mm: Option<f64>,
     /// The film from the last vertex.
     film_distance_mm: f64,

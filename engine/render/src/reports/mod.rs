@@ -332,7 +332,7 @@ impl<F> FieldResult<F> {
     }
 }
 
-/// So many parts from 0 to 1.
+/// `count` numbers from 0 to 1 at equal steps.
 fn evenly(count: usize) -> Vec<f64> {
     (0..count).map(|i| i as f64 / (count - 1).max(1) as f64).collect()
 }

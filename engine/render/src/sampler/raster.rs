@@ -61,7 +61,7 @@ impl Raster {
         Self { width, height, filter, is_box, columns, is_independent: false }
     }
 
-    /// The same, where the noise of neighbouring pixels is to be independent, as denoising needs: the light of one ray that arrives at
+    /// The raster for which the noise of neighbouring pixels is to be independent, as denoising needs: the light of one ray that arrives at
     /// one place goes to one pixel at all wavelengths. Else it is spread over the pixels whose filters reach the place: there
     /// is less noise in each, but neighbours share it.
     pub fn independent(self, is_independent: bool) -> Self {

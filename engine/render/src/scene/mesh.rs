@@ -27,9 +27,9 @@ pub struct Dicing {
 /// The length of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeLength {
-    /// In pixels of Blender's own camera.
+    /// A length in pixels of Blender's own camera.
     Pixels(f32),
-    /// In units of the mesh's space.
+    /// A length in units of the mesh's space.
     Units(f32),
 }
 

@@ -24,7 +24,7 @@ use std::collections::HashMap;
 const CELL_PX: f64 = 24.0;
 const LEAST_CELLS: usize = 12;
 const MOST_CELLS: usize = 48;
-/// The same of ghosts that are simulated coarsely.
+/// The width of a cell, pixels, for ghosts that are simulated coarsely.
 const COARSE_PX: f64 = 48.0;
 const LEAST_COARSE_CELLS: usize = 8;
 /// Margin about the window at 550 nm, parts of its width, within which a ghost is traced coarsely at other wavelengths.

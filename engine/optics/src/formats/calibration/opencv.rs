@@ -8,7 +8,7 @@ use super::tree::Node;
 use super::{CalibratedCamera, made};
 use crate::calibration::Model;
 
-/// From the middle of the first pixel to its corner.
+/// The distance from the middle of the first pixel to its corner, pixels.
 pub(super) const HALF_PIXEL: f64 = 0.5;
 
 const MATRIX: &[&str] =

@@ -18,7 +18,7 @@ pub enum CalibrationProblem {
     /// The file is no YAML or JSON.
     #[error("{0}; the file is broken off, or not YAML or JSON")]
     Syntax(String),
-    /// Nothing says which cameras there are.
+    /// The file has no camera.
     #[error(
         "there is no camera in it; known are OpenCV's and ROS's YAML and JSON, COLMAP's cameras.txt, Kalibr's camchain, Basalt's JSON, NVIDIA's rig and 3DEqualizer's nodes for Nuke"
     )]
@@ -63,7 +63,7 @@ pub enum CalibrationProblem {
     NoSuchCamera {
         /// The camera that was asked for.
         asked: String,
-        /// Those that there are.
+        /// The names of the cameras in the file.
         there: String,
     },
     /// There are several cameras, and none is named.

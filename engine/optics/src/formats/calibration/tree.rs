@@ -172,7 +172,7 @@ impl Node {
         }
     }
 
-    /// So many numbers.
+    /// The numbers of the node; an error if their count is none of `counts`.
     pub(super) fn counted(&self, counts: &[usize]) -> Result<Vec<f64>, Placed> {
         let all = self.numbers()?;
         if counts.contains(&all.len()) {

@@ -29,7 +29,7 @@ pub enum CalibrationWriteError {
         /// Their names.
         there: String,
     },
-    /// Nothing writes this format.
+    /// The format is only read.
     #[error("{0} is only read; write OpenCV's YAML or JSON, ROS's YAML or COLMAP's cameras.txt")]
     ReadOnly(&'static str),
 }

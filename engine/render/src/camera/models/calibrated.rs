@@ -197,7 +197,7 @@ impl Calibrated {
     }
 }
 
-/// From OpenCV's axes, which are right, down and ahead, to the camera's, or back.
+/// The map from OpenCV's axes, which are right, down and ahead, to the camera's, or back.
 fn to_camera_space(d: DVec3) -> DVec3 {
     DVec3::new(d.x, -d.y, -d.z)
 }

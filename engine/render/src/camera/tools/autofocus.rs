@@ -123,7 +123,7 @@ pub fn on_three_points(
 enum SubjectHit {
     /// A point, render space.
     Point(DVec3),
-    /// Nothing, in this direction of lens space.
+    /// No hit, in this direction of lens space.
     Sky(DVec3),
 }
 

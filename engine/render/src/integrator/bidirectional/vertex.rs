@@ -31,7 +31,7 @@ pub(super) struct Vertex {
     pub(super) bsdf: VertexSurface,
     /// Unit direction to where the path came from.
     pub(super) back: Vec3A,
-    /// On a path from the camera: weight of radiance that leaves towards it. From the light: the power that arrives.
+    /// The weight of radiance that leaves towards the camera, on a path from it; the power that arrives, on a path from the light.
     pub(super) carried: Rgb,
     pub(super) partial: Partial,
     /// The state in which a path from the camera comes to the vertex: on a path from the light, which cannot know it, after a diffuse

@@ -22,7 +22,7 @@ enum First {
     Surface([Rgb; 2]),
     /// A volume, whose light has parts of its own.
     Volume,
-    /// Nothing that counts: the light is in no part.
+    /// No origin that counts: the light is in no part.
     Nowhere,
     /// No light, but the part that ambient occlusion leaves.
     Occlusion,

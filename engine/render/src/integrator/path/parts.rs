@@ -18,11 +18,11 @@ pub enum LightPass {
     Colour(LobeKind),
     /// 1 for every path: the divisor of colours.
     White,
-    /// For a denoiser: albedo of the first surface that is no mirror.
+    /// A denoiser's guide: albedo of the first surface that is no mirror.
     DenoisingAlbedo,
-    /// For a denoiser: normal of the first surface that is no mirror; right, up and away from the camera.
+    /// A denoiser's guide: normal of the first surface that is no mirror; right, up and away from the camera.
     DenoisingNormal,
-    /// For a denoiser: length of the way to the first surface that is no mirror, along the rays, Blender units; in all three numbers.
+    /// A denoiser's guide: path length to the first surface that is no mirror, Blender units; in all three numbers.
     DenoisingDepth,
     /// Output number so many of the shaders.
     Aov(u16),

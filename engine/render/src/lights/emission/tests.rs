@@ -72,7 +72,7 @@ fn with_world(image: bool) -> Lit {
     lit(builder)
 }
 
-/// Those of [`all_kinds`] that no ray can hit.
+/// The lights of [`all_kinds`] that no ray can hit.
 const POINT_LIKE: &[&str] = &["point", "spot", "sun"];
 
 fn all_kinds() -> Vec<(&'static str, Lit)> {

@@ -76,12 +76,12 @@ pub(super) trait LampShape {
 pub(in crate::lights) enum LampExtent {
     /// A ball of a radius, or a disk in its place.
     Ball {
-        /// Its radius.
+        /// The radius.
         radius: f32,
     },
     /// A flat lamp that shines to one side.
     Flat {
-        /// Its area.
+        /// The area.
         area: f32,
     },
 }
@@ -102,7 +102,7 @@ pub(super) struct LampFrame {
     pub(super) reaches: Rays,
     pub(super) sets: LightSets,
     pub(super) cast_shadow: bool,
-    /// As [`LampShape::strength`]. The factor of the lamp's nodes is not included.
+    /// The lamp's [`LampShape::strength`]. The factor of the lamp's nodes is not included.
     pub(super) strength: Rgb,
     /// Bound of the rounding error of a surface beside the lamp that stands in the lamp's plane, Blender units.
     pub(super) rounding: f32,

@@ -40,7 +40,7 @@ pub(super) struct LobeDirection {
     pub(super) wi: Vec3A,
     /// True if the direction is meant to go through the surface; a mirrored one that does is lost.
     pub(super) transmitted: bool,
-    /// For a mirror: the value in that direction, and the probability of that choice within the lobe.
+    /// The value of a mirror in that direction, and the probability of that choice within the lobe.
     pub(super) single: Option<(Rgb, f32)>,
 }
 

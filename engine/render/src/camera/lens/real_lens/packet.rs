@@ -80,7 +80,7 @@ impl Splats {
         self.count += 1;
     }
 
-    /// The same, all weights times `factor`.
+    /// The splats with all weights times `factor`.
     pub fn scaled(mut self, factor: f32) -> Self {
         self.list.iter_mut().for_each(|splat| splat.weight *= factor);
         self
@@ -211,7 +211,7 @@ pub struct Request {
     pub u_pixels: [f32; 2],
     /// The numbers that chose the place in the pixel.
     pub u_place: [f32; 2],
-    /// For rays that start in the scene: the number that chooses whether to look beyond the picture.
+    /// The number that chooses whether a ray that starts in the scene looks beyond the picture.
     pub u_beyond: f32,
 }
 
