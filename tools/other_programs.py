@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lenses by rayoptics and optiland beside the same by Petzval: the tables of docs/other-programs.md. Run by `make other-programs` in an
-environment that has petzval. What the other programs say is in tests/reference/foreign, written by tools/foreign-figures.py."""
+environment that has petzval. The results of the other programs are in tests/reference/foreign, written by tools/foreign-figures.py."""
 
 from __future__ import annotations
 

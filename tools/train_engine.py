@@ -2,7 +2,7 @@
 """Work for an engine that counts its own branches and calls: `python tools/train_engine.py FOLDER`, in bpy.
 
 The compiler lays the release out by the counts (tools/build-wheel.sh). The parity scenes have each node, lamp and surface; the demo scene
-goes through each kind of camera and pipeline; lens reports are made. What is never seen here is compiled for size, and slower.
+goes through each kind of camera and pipeline; lens reports are made. Code that never runs here is compiled for size, and slower.
 """
 
 from __future__ import annotations

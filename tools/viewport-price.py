@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The delay of an edit in a 3D view in rendered shading: docs/viewport.md's table, by what the view itself does, without a screen.
+"""The delay of an edit in a 3D view in rendered shading: docs/viewport.md's table, by the view's own steps, without a screen.
 
 Run by `make viewport-price` in an environment with bpy. `--scene FILE`, `--divide N` (of the scene's resolution, default 4).
 """
@@ -48,7 +48,7 @@ class Clock:
         bpy.app.handlers.depsgraph_update_post.append(self._evaluated)
 
     def _evaluated(self, _scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-        """Sends what Blender has evaluated: only now does it say what that was."""
+        """Sends what Blender has evaluated: only now does it name the changes."""
         began = time.perf_counter()
         if self.origin is None:
             self.origin = tuple(depsgraph.scene_eval.camera.matrix_world.translation)

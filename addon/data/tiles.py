@@ -21,7 +21,7 @@ class Window(NamedTuple):
 
 
 class Tile(NamedTuple):
-    """Pixels (height, width, 4) and where their lower left corner lies."""
+    """Pixels (height, width, 4) and the place of their lower left corner."""
 
     x: int
     y: int

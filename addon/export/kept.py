@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The images, materials and meshes that a builder of the engine holds, so that an edited scene sends again only what changed."""
+"""The images, materials and meshes that a builder of the engine holds, so that an edited scene sends again only its changes."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ import bpy
 
 
 class LightGroups:
-    """The groups of a view layer, from number 1 on. What is in a group that it does not name is in none, as in Cycles."""
+    """The groups of a view layer, from number 1 on. An emitter of a group that it does not name is in none, as in Cycles."""
 
     def __init__(self, view_layer: bpy.types.ViewLayer) -> None:
         #: The names in the order of their numbers.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Views of a scene in stereo or multiview: which camera sees each, and where it stands.
+"""Views of a scene in stereo or multiview: the camera of each, and its place.
 
 Rules and names are Blender's (`BKE_camera_multiview_*` in blenkernel/intern/camera.cc).
 """

@@ -35,7 +35,7 @@ def last(scene_name: str) -> dict[str, Any] | None:
 
 
 def subject(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, width: int) -> loop.Subject:
-    """The scene as the viewport holds it, in a picture so many pixels wide. What moves while the shutter is open stands still."""
+    """The scene as the viewport holds it, in a picture so many pixels wide. Objects that move while the shutter is open stand still."""
     native, report, began = engine(), Report(), time.perf_counter()
     whole = camera_export.resolution(scene.render)
     size = width, max(round(width * whole[1] / whole[0]), 1)

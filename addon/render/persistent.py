@@ -45,9 +45,9 @@ _last: KeptScene | None = None
 
 
 def begin(depsgraph: bpy.types.Depsgraph, native: Any, view: View, *, is_still: bool, is_watched: bool) -> KeptScene:
-    """The kept scene of the last frame or view of a view layer, without what has changed since; else an empty builder. `is_still`: of
-    shapes nothing is sent but how they are now; `is_watched`: fingerprints are wanted. Nothing is kept until `keep`, for a render that is
-    stopped has sent a part."""
+    """The kept scene of the last frame or view of a view layer, without the pieces that have changed since; else an empty builder.
+    `is_still`: of shapes nothing is sent but how they are now; `is_watched`: fingerprints are wanted. Nothing is kept until `keep`, for a
+    render that is stopped has sent a part."""
     global _last
     last, _last = _last, None
     of = depsgraph.scene_eval.name, depsgraph.view_layer_eval.name

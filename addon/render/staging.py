@@ -80,9 +80,9 @@ def fill(
     eye: Eye | None = None,
     baked: Baked | None = None,
 ) -> bool:
-    """Tells the engine's `SceneBuilder` all that the camera may see; whether something catches shadows. `only_catchers`: what
-    does not is a hole for the camera, and nothing to all else. `eye`: of a view in stereo. `kept`, `seen_in` and `baked` as `export.send_scene` has
-    them."""
+    """Tells the engine's `SceneBuilder` all that the camera may see; returns True if something catches shadows. `only_catchers`: objects
+    that do not are holes for the camera, and nothing to all else. `eye`: of a view in stereo. `kept`, `seen_in` and `baked` as
+    `export.send_scene` has them."""
     catches = export.send_scene(
         depsgraph,
         builder,

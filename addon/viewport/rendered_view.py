@@ -28,7 +28,7 @@ from .sync import SceneSync
 
 #: Time between two looks for a new picture, s.
 _LOOK_S = 0.04
-#: Blender units: a camera farther from where the scene's origin was set has it set anew, for single precision's sake.
+#: The distance of a camera from the scene's origin, Blender units, beyond which that is set anew, for single precision's sake.
 _FAR = 100.0
 
 

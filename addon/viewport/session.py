@@ -50,7 +50,7 @@ class Wanted:
 
     @property
     def has_wishes(self) -> bool:
-        """True if an effect is not left to the engine: its own decisions leave out only what cannot be seen, and need no plan."""
+        """True if an effect is not left to the engine: its own decisions leave out only invisible effects, and need no plan."""
         return any(word != "auto" for word in self.wishes.get("effects", {}).values())
 
     @property

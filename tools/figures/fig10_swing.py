@@ -20,7 +20,8 @@ LENSES = (("double-gauss-f2-tronnier", "double Gauss", 2.02), ("angenieux-retrof
 SWINGS_DEG = (10.0, 20.0)
 #: Half of the strip's height, and of its width, m.
 LIFT, HALF = 0.007, 0.24
-#: So much of the band in which spots are at most twice their smallest the sharpest column may be beside where exact rays have it.
+#: The largest offset of the sharpest column from its place by exact rays, as a part of the band in which spots are at most twice their
+#: smallest.
 NEAR = 0.6
 
 

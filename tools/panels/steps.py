@@ -2,8 +2,8 @@
 """Runs inside Blender's window, driven by a timer: shows some of the add-on's panels at a time, each by itself, and photographs
 the screen.
 
-Started by __main__.py: blender --in-window demo.blend --python steps.py -- FOLDER ADD-ON. What was seen goes to FOLDER/seen.json: for
-each picture the part of the screen, or, at the end, the error.
+Started by __main__.py: blender --in-window demo.blend --python steps.py -- FOLDER ADD-ON. The places of the panels go to FOLDER/seen.json:
+for each picture the part of the screen, or, at the end, the error.
 """
 
 import importlib

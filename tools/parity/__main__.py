@@ -3,7 +3,7 @@
 the path.
 
 Renders every parity scene by Petzval and by Cycles, and writes docs/parity.md with its pictures. With --only the page stays
-as it is. With --scenes other people's scenes are rendered after that, into docs/parity-others.md. What has been rendered
+as it is. With --scenes other people's scenes are rendered after that, into docs/parity-others.md. A scene that has been rendered
 with the same numbers is not rendered again unless --again says so.
 """
 

@@ -1,4 +1,4 @@
-//! Denoising by Intel's Open Image Denoise, which is loaded from where it lies: Blender ships it beside itself.
+//! Denoising by Intel's Open Image Denoise, which is loaded at run time: Blender ships it beside itself.
 //!
 //! Nothing is linked when the engine is compiled, and no copy is bundled: [`Denoiser::open`] takes the path of
 //! `libOpenImageDenoise.so.2`, `OpenImageDenoise.dll` or `libOpenImageDenoise.dylib`. Versions 2.0 and later have one interface.

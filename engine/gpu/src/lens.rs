@@ -166,7 +166,7 @@ impl LensTable {
         self.travel
     }
 
-    /// The numbers of the lens, and where in them the fields before and behind each stage begin; 0 where they are none.
+    /// The numbers of the lens, and the offsets in them of the fields before and behind each stage; 0 without a field.
     fn numbers(&self) -> NumberTable {
         let Opening { radius_squared, apothem, bulge, slope, bound, ref sides, ref mask } = self.opening;
         let mut all = vec![radius_squared, apothem * apothem, apothem, bulge, slope, bound];

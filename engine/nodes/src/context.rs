@@ -288,7 +288,7 @@ pub trait Context {
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A;
 }
 
-/// Up to eight points that are shaded at once by one program. What is not answered for all together is asked of each.
+/// Up to eight points that are shaded at once by one program. A field that is not answered for all together is asked of each.
 pub trait Places {
     /// A point by itself.
     type Point: Context;

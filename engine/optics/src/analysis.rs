@@ -45,7 +45,7 @@ pub struct Analysis<'a> {
     azimuth: DVec2,
 }
 
-/// A field, and where its beam enters the lens.
+/// A field, and the place where its beam enters the lens.
 #[derive(Clone, Copy, Debug)]
 struct FieldView {
     field: Field,

@@ -120,7 +120,7 @@ impl FilmChiefRays {
         self.exit_z_mm.map_or(DVec2::ZERO, |z| -from.truncate() / (from.z - z))
     }
 
-    /// The ray in front of the lens, and where it hits the stop, radii from its middle.
+    /// The ray in front of the lens, and its hit on the stop, radii from the middle.
     fn pass(&self, point: DVec2, slope: DVec2) -> Option<(Ray, DVec2)> {
         let mut hits = Vec::with_capacity(self.stop + 1);
         let scene = self.open.from_film_recording(self.ray(point, slope), &mut hits).ok()?;

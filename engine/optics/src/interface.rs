@@ -33,7 +33,7 @@ impl Interface {
 }
 
 impl<R: Real> Interface<R> {
-    /// The refracted unit directions of the rays `d` that hit the surface from `side`, and where there is one: false
+    /// The refracted unit directions of the rays `d` that hit the surface from `side`, and true where there is one: false
     /// means total internal reflection.
     ///
     /// D′ = m D − s (m² − 1) N / (√r + m √q), with q = (N · D)² and r = m² q − (m² − 1) |N|². This is Snell's

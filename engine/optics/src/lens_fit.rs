@@ -41,7 +41,7 @@ pub enum Adjusted {
     FocalLength,
     /// The focus distance.
     Focus,
-    /// The film's distance from where the focus distance is sharp.
+    /// The film's distance from the film place at which the focus distance is sharp.
     FilmDistance,
 }
 

@@ -194,7 +194,7 @@ pub fn vignetting_beside(analysis: &Analysis<'_>, angles_deg: &[f64], measured: 
     analysis.illumination(angles_deg).into_iter().filter_map(row).collect()
 }
 
-/// A field, and where red and blue of a camera lie from green, outwards, mm.
+/// A field, and the distances of red and blue of a camera from green, outwards, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ColourRow {
     /// Angle of the field.

@@ -59,7 +59,7 @@ pub enum Travel {
 #[derive(Clone, Debug)]
 struct SurfaceSequence<R> {
     steps: Arc<[Step<R>]>,
-    /// Gradients beside the surface of each step; none in a lens without gradients. What the step's `action` says of indices then does not
+    /// Gradients beside the surface of each step; none in a lens without gradients. The indices of the step's `action` then do not
     /// count.
     gradients: Arc<[Option<Gradients<R>>]>,
     travel: Travel,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faults of Blender as a Python module that would end a render, and how it is kept from them."""
+"""Faults of Blender as a Python module that would end a render, and the measures against them."""
 
 from __future__ import annotations
 

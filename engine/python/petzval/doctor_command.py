@@ -154,7 +154,7 @@ def _installed(package: str) -> str | None:
 
 
 def _programs(named: str | None) -> list[Path]:
-    """Blender programs: the one that is named, that on PATH, and where installers put them."""
+    """Blender programs: the one that is named, that on PATH, and those in the folders of installers."""
     found: dict[Path, None] = {}
     on_path = shutil.which("blender")
     places = [Path(one) for one in (named, on_path) if one]

@@ -97,7 +97,7 @@ def _mask(path: str) -> Any:
 
 
 def add_focus(parser: argparse.ArgumentParser) -> None:
-    """The option of where a lens is focused."""
+    """The option of a lens's focus distance."""
     parser.add_argument(
         "--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
     )

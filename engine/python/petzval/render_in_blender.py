@@ -259,7 +259,7 @@ def _is_whole_png(data: bytes) -> bool:
 
 
 def _end_checkpoints(checkpoints: list[Any], voice: TextIO, *, is_done: bool, stopped: bool) -> None:
-    """Deletes the checkpoints of a render that is done; says where those of a render are that was broken off."""
+    """Deletes the checkpoints of a render that is done; prints the places of those of a render that was broken off."""
     for checkpoint in checkpoints:
         if is_done:
             checkpoint.delete()

@@ -76,7 +76,7 @@ maps! {
     SensorError => PetzvalError,
 }
 
-/// A report as JSON. What is not finite is null.
+/// A report as JSON. Numbers that are not finite are null.
 pub(crate) fn json(report: &impl Serialize) -> Result<String, Error> {
     serde_json::to_string(report).map_err(|error| invalid(format!("the report is no JSON: {error}")))
 }

@@ -1,7 +1,7 @@
 //! Rays in places where tracers lose digits or take the wrong crossing, by the thousand.
 //!
-//! Each is a pure function of category, seed and index, and the same on every machine: only + − × ÷ √ are used. What
-//! becomes of a ray is not decided here; [`crate::exact`] finds out.
+//! Each is a pure function of category, seed and index, and the same on every machine: only + − × ÷ √ are used. The
+//! fate of a ray is not decided here; [`crate::exact`] finds it.
 
 mod aim;
 mod aspheres;

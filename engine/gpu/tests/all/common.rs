@@ -13,7 +13,7 @@ use petzval_optics::paraxial::Paraxial;
 use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Travel};
 
-/// The folder of the library: that of the repository, or where this program runs without one, what PETZVAL_LENSES says.
+/// The folder of the library: that of the repository, or where this program runs without one, that of PETZVAL_LENSES.
 pub(crate) fn lens_folder() -> PathBuf {
     std::env::var_os("PETZVAL_LENSES")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses"), PathBuf::from)

@@ -141,7 +141,7 @@ struct Free {
     parameter: Parameter,
 }
 
-/// The model whose sight of these directions is nearest to where they are seen.
+/// The model whose places of these directions are nearest to the given ones.
 ///
 /// # Errors
 /// [`FitError`].

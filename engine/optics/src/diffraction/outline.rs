@@ -189,7 +189,7 @@ impl Lattice {
         loops
     }
 
-    /// The sides whose ends differ, in order, and where the edge crosses them.
+    /// The sides whose ends differ, in order, with the crossings of the edge.
     fn crossings(&self, seen: &FilmView<'_>) -> (Vec<Side>, Vec<DVec2>) {
         let mut sides: Vec<Side> = Vec::new();
         for i in 0..self.is_open.len() {

@@ -178,7 +178,7 @@ fn cameras(text: &str) -> Result<Found, Placed> {
     Ok((format, cameras, remarks))
 }
 
-/// A camera whose numbers are checked; `place` is where they stand.
+/// A camera whose numbers are checked; `place` is theirs in the file.
 fn made(
     name: &str,
     model: Model,

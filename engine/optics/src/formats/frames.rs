@@ -2,7 +2,7 @@
 //!
 //! A file says of each surface how its frame follows from that of the surface before: by a change before the surface, the surface's
 //! thickness along z, and a change after it. Plane mirrors that fold the axis are unfolded: everything behind one is mirrored in its plane,
-//! and the mirror is left out. What then stands beside the axis of the first surface is posed there ([`crate::surface::Pose`]).
+//! and the mirror is left out. Surfaces that then stand beside the axis of the first one are posed there ([`crate::surface::Pose`]).
 
 use glam::{DAffine3, DMat3, DVec3};
 

@@ -31,13 +31,13 @@ pub(crate) struct Header {
     pub(crate) glasses: Vec<Medium>,
     /// Numbers of the glasses that were added or changed since `Glasses::define_new`.
     pub(crate) changed_glasses: Vec<usize>,
-    /// Names that the file has for glasses of the catalogues, since then: name, token, and where the line stands.
+    /// Names that the file has for glasses of the catalogues, since then: name, token, and the line's place.
     pub(crate) new_aliases: Vec<(String, String, Place)>,
     /// Lines about a glass that define none: the name in small letters, the line's place, and its fault. One that no surface asks
     /// for is a remark.
     pub(super) undefined: Vec<(String, Place, Problem)>,
     alias_count: usize,
-    /// Files of glasses beside this one, and where they are named.
+    /// Files of glasses beside this one, and the places of their names.
     pub(crate) catalogues: Vec<(String, Place)>,
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct Header {
 pub(super) const OF_THE_LENS: [&str; 9] =
     ["name", "film_radius", "coating", "element", "moving", "position", "glass", "gradient", "transmittance"];
 
-/// Takes a line without its `#`; `place` is where it begins. One without a colon is a remark.
+/// Takes a line without its `#`; `place` is its beginning. One without a colon is a remark.
 pub(crate) fn line(
     header: &mut Header,
     metadata: &mut Metadata,

@@ -168,7 +168,7 @@ fn number_for(found: &str) -> String {
     }
 }
 
-/// A problem, and where it is: one line, `FILE:LINE:COLUMN: fault; remedy`.
+/// A problem, and its place: one line, `FILE:LINE:COLUMN: fault; remedy`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LensFileError {
     /// The file, as it was named.

@@ -160,7 +160,7 @@ struct SeqReader<'a> {
     /// The decentring of surfaces, by their index; that of the film last.
     frames: HashMap<usize, Frame>,
     film_frame: Frame,
-    /// Distance from the film's place to where it is meant to be.
+    /// Distance from the film's place to the intended one.
     defocus_mm: f64,
     wavelengths_nm: Vec<f64>,
     reference: usize,

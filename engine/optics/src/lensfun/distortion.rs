@@ -70,7 +70,7 @@ pub struct Distortion {
     pub sensor: Sensor,
 }
 
-/// Steps by which the place is looked for where a picture turns back on itself.
+/// Steps of the search for the radius at which a distortion folds back.
 const STEPS: usize = 512;
 /// The largest radius that is looked at, in half diagonals of the calibration's sensor.
 const FARTHEST: f64 = 4.0;

@@ -28,8 +28,8 @@ impl<R: Real> Tracer<R> {
 }
 
 impl Tracer {
-    /// The media beside a surface, by its place in [`Self::steps`], where one is a gradient. What the step's action says of indices
-    /// then does not count.
+    /// The media beside a surface, by its place in [`Self::steps`], where one is a gradient. The indices of the step's action
+    /// then do not count.
     pub fn gradients(&self, travel: Travel, step: usize) -> Option<GradientsBeside> {
         self.way(travel).gradients(step).map(Gradients::numbers)
     }

@@ -3,5 +3,5 @@
 
 `ladder` says which cameras, `runs` renders them where Blender is, `intervals` says when the times have settled, `accuracy`
 parts an error into noise and bias, `flip` sees as an eye does; `results` makes numbers of it all, `advice` the sentence at
-the end, `tables` and `plot` what is read. numpy comes with bpy, and is loaded when it is needed.
+the end, `tables` and `plot` the text and the picture. numpy comes with bpy, and is loaded when it is needed.
 """

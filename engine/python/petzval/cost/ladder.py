@@ -53,8 +53,8 @@ class Rung:
 def ladder(camera: Any, info: dict[str, Any], available: list[str], wishes: dict[str, Any]) -> list[Rung]:
     """The rungs for a camera with a lens.
 
-    `info` is the engine's `camera_info_json` of it, `available` the effects that can be simulated, `wishes` what the user
-    says to the plan.
+    `info` is the engine's `camera_info_json` of it, `available` the effects that can be simulated, `wishes` the values that the user
+    gives to the plan.
     """
     on = {effect: "off" if effect in STRAYS else "on" for effect in available}
     grey = {name: word for name, word in on.items() if name not in _COLOURS}

@@ -14,7 +14,7 @@ from .. import atomic_files
 from .cameras import Intrinsics
 from .poses import FLIP, Matrix, to_quaternion
 
-#: A coloured point of the world: x, y, z in metres, r, g, b from 0 to 255, and where it is seen: number of the picture, x and y in pixels.
+#: A coloured point of the world: x, y, z in metres, r, g, b from 0 to 255, and its views: number of the picture, x and y in pixels.
 Point = tuple[float, float, float, int, int, int, int, float, float]
 
 

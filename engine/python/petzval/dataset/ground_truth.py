@@ -85,15 +85,15 @@ def normal_levels(values: Array, hits: Mask) -> npt.NDArray[np.uint16]:
 
 
 def flow(vector: Array, direction: str) -> Array:
-    """Pixels, right and down (height, width, 2), from here to where the same is in the picture before or after. Blender's pass counts up, and its Z
-    and W lead from there to here."""
+    """Pixels, right and down (height, width, 2), from a surface's place to its place in the picture before or after. Blender's pass counts
+    up, and its Z and W lead from there to here."""
     x, y, z, w = np.moveaxis(vector, -1, 0)
     return np.stack([x, -y] if direction == "backward" else [-z, w], axis=-1)
 
 
 def known_flow(values: Array, hits: Mask) -> Mask:
-    """The pixels whose flow is known. A ray that a lens loses on its way from the neighbouring picture leaves exactly 0: so does what
-    stands still, but that is seldom a pixel most of whose neighbours move."""
+    """The pixels whose flow is known. A ray that a lens loses on its way from the neighbouring picture leaves exactly 0: so do surfaces
+    that stands still, but that is seldom a pixel most of whose neighbours move."""
     moves = hits & (np.linalg.norm(values, axis=-1) > _STILL_PX)
     known: Mask = ~(hits & (values == 0.0).all(axis=-1) & (_neighbours(moves) > 0.7 * _neighbours(hits)))
     return known

@@ -211,7 +211,7 @@ fn in_pieces<S: Simd, const ROUND: bool>(
     if ROUND { both.map(|met| met.map(|met| on_curve(&coefficients, met))) } else { both }
 }
 
-/// The place of the curve that is nearest to where a piece was hit, instead of that of the chord.
+/// The place of the curve that is nearest to the hit of a piece, instead of that of the chord.
 fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
     let at = |u: f32| *a + u * (*b + u * (*c + u * *d));
     let slope = |u: f32| (*b + u * (2.0 * *c + 3.0 * u * *d)).truncate();

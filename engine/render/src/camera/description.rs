@@ -157,7 +157,7 @@ pub struct FilmSettings {
     pub shift_mm: [f64; 2],
 }
 
-/// The calibration of a camera, and where it stands.
+/// The calibration of a camera, and the place of its file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationSettings {

@@ -221,7 +221,7 @@ fn what_is_at_the_distance_is_sharp_from_each_anchor() {
     }
 }
 
-/// Nothing is lost or gained by where the camera stands and how it is turned, or by the scale of the world.
+/// The camera's place and direction, and the scale of the world, change no brightness.
 #[test]
 fn world_scale_and_place_do_not_matter() {
     let base = description(Model::Lens);

@@ -42,7 +42,7 @@ pub struct Settings {
     pub independent_pixels: bool,
     /// Factor of the finished light.
     pub film_exposure: f32,
-    /// Left, bottom, width and height, in pixels, of the part of the picture that is wanted; `None` is all. What lies outside may stay
+    /// Left, bottom, width and height, in pixels, of the part of the picture that is wanted; `None` is all. Pixels outside may stay
     /// black, and near its edge light that a lens spreads farther than [`crate::film::SPREAD`] pixels may be missing; pixels that get
     /// as many samples as they need, and bidirectional paths, know of no part.
     pub window: Option<[u32; 4]>,

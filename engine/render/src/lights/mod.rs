@@ -224,7 +224,7 @@ impl Lights {
         self.sample_source(scene, to, u_choice, u, way).map(|(sample, _)| sample)
     }
 
-    /// Light at a place, and where it comes from.
+    /// Light at a place, and its source.
     #[inline(always)]
     pub fn sample_source(
         &self,

@@ -30,7 +30,7 @@ pub struct Medium {
     pub scattering: Rgb,
     /// Radiance that a unit of length adds.
     pub emission: Rgb,
-    /// The parts of `scattering`, and where each goes.
+    /// The parts of `scattering`, and the target of each.
     pub lobes: ArrayVec<(Rgb, PhaseLobe), MOST_LOBES>,
 }
 

@@ -39,7 +39,7 @@ pub struct BakePoint {
     pub numbers_of: [u32; 2],
 }
 
-/// The place from where the surface is seen.
+/// The place from which the surface is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViewFrom {
     /// The view from straight above each point.
@@ -61,7 +61,7 @@ pub struct BakePoints {
     pub instance: u32,
     /// Points pixel by pixel, rows from below; `None` where the object is not.
     pub points: Vec<Option<BakePoint>>,
-    /// The place from where they are seen.
+    /// The place from which they are seen.
     pub view: ViewFrom,
 }
 
@@ -100,7 +100,7 @@ impl BakePoints {
         BakeLead { ray: Ray::new(origin, direction), start: SurfaceStart { hit: Some(hit), footprint } }
     }
 
-    /// The direction from where a point of the front side is seen, unit.
+    /// The direction from which a point of the front side is seen, unit.
     fn towards_view(&self, point: &SurfacePoint) -> Vec3A {
         let (normal, outward) = (point.shading_normal, point.geometric_normal);
         let mut d = match self.view {

@@ -43,7 +43,7 @@ struct IncidentLight {
     sky_pdf: f32,
 }
 
-/// Light of all sources at the camera's place. What stands between a source and the camera is seen as hiding all.
+/// Light of all sources at the camera's place. Surfaces between a source and the camera are taken as opaque.
 pub(super) struct Arriving(Vec<IncidentLight>);
 
 impl Arriving {

@@ -273,7 +273,7 @@ fn pitch_mm(
     Ok(pitch)
 }
 
-/// The adjusted lens with a header that says where it is from.
+/// The adjusted lens with a header that names its origin.
 fn named(found: &LensFit, report: &FittedLensReport, source: &str) -> Prescription {
     let mut lens = found.prescription.clone();
     let FittedLensReport { model, size_px: [width, height], before, after, .. } = report;

@@ -201,7 +201,7 @@ pub struct ReportSettings {
     pub azimuth_deg: f64,
     /// Focus distance from the entrance pupil; `None` is infinity.
     pub focus_distance_mm: Option<f64>,
-    /// True if the film is where the axis is sharpest, instead of the paraxial image.
+    /// True if the film is at the best focus of the axis, instead of the paraxial image.
     pub best_focus: bool,
     /// Displacement of the film from that place.
     pub defocus_mm: f64,

@@ -66,7 +66,7 @@ impl Mixture {
         Self { lobes: ArrayVec::new(), walks: false, is_blurred: false, here, strand: None }
     }
 
-    /// Begins a mixture without closures at a point; `wo` is the unit direction to where the path came from, stretched facets lie along
+    /// Begins a mixture without closures at a point; `wo` is the unit direction back along the path, stretched facets lie along
     /// `tangent`, and light `walks` through bodies or leaves them where it enters.
     pub fn begin(&mut self, point: &SurfacePoint, wo: Vec3A, tangent: Vec3A, walks: bool) {
         self.lobes.clear();

@@ -59,7 +59,7 @@ pub struct GhostReport {
     pub tolerance: f32,
 }
 
-/// The light of all ghosts of so many reflections, as it is added to the picture. What is left out stays below `tolerance`, in the
+/// The light of all ghosts of so many reflections, as it is added to the picture. The ghosts left out stay below `tolerance`, in the
 /// picture's units. `None` where `watch` stopped it.
 pub fn ghosts(
     lens: &StrayLens,

@@ -188,7 +188,7 @@ fn in_picture(straight: &Straight<'_>, lens: &StrayLens, least: f32) -> Vec<Sour
 struct BrightSpot {
     /// The brightest's place, pixels.
     first: Vec2,
-    /// Sums by luminance of where the others lie from there, and of these distances squared.
+    /// Sums by luminance of the offsets of the others from there, and of these distances squared.
     places: Vec2,
     squares: f32,
     /// Sums of luminance, and of light.

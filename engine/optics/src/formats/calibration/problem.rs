@@ -76,7 +76,7 @@ pub enum CalibrationProblem {
     },
 }
 
-/// A problem, and where it is: one line, `FILE:LINE:COLUMN: fault; remedy`.
+/// A problem, and its place: one line, `FILE:LINE:COLUMN: fault; remedy`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationFileError {
     /// The file, as it was named.

@@ -7,7 +7,7 @@ use saphyr_parser::{Event, Marker, Parser};
 /// Deeper files are no calibrations.
 const DEEPEST: usize = 64;
 
-/// A value, and where it begins.
+/// A value, and its beginning in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub(super) place: Place,

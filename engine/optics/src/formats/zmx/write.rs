@@ -1,4 +1,4 @@
-//! `.zmx` files from prescriptions. What reads them here gets the same lens back, to the last bit; OpticStudio gets surfaces,
+//! `.zmx` files from prescriptions. The reader of this crate gets the same lens back, to the last bit; OpticStudio gets surfaces,
 //! glasses, apertures, fields and wavelengths.
 
 use std::fmt::Write;
@@ -72,7 +72,7 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
     (text, lost)
 }
 
-/// The gaps in each position by zoom and focus, as configurations. What else moves stands in the notes only.
+/// The gaps in each position by zoom and focus, as configurations. Other moving parts stand in the notes only.
 fn configurations(text: &mut String, moving: &MovingParts, lost: &mut Vec<String>) {
     let positions = moving.positions();
     if positions.len() < 2 {

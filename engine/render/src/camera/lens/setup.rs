@@ -218,7 +218,7 @@ impl Setup {
     }
 }
 
-/// The lens, and where the film's middle is to stand, lens space. Groups that focus move instead of the film, but where
+/// The lens, and the place of the film's middle, lens space. Groups that focus move instead of the film, but where
 /// its place was asked for.
 fn focused(d: &CameraDescription, prescription: &Prescription, line_nm: f64) -> Result<(System, f64), CameraError> {
     let system_error = |source| CameraError::System { lens: prescription.name.clone(), source };

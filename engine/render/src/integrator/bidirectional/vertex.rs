@@ -29,7 +29,7 @@ pub(super) struct Vertex {
     kept: f32,
     /// BSDF, seen from the direction that the path came from.
     pub(super) bsdf: VertexSurface,
-    /// Unit direction to where the path came from.
+    /// Unit direction back along the path.
     pub(super) back: Vec3A,
     /// The weight of radiance that leaves towards the camera, on a path from it; the power that arrives, on a path from the light.
     pub(super) carried: Rgb,

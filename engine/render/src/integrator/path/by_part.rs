@@ -3,7 +3,7 @@
 //!
 //! Light that the camera sees itself is emission or environment. All other light is shared out by the first scattering: in a
 //! volume it is the volume's, at a surface each kind of lobe takes its share of the light that was scattered in that direction. It is
-//! direct if the first surface scattered it straight from an emitter. What was passed unbent before is no first surface.
+//! direct if the first surface scattered it straight from an emitter. A surface that was passed unbent before is no first surface.
 
 use super::parts::{LightPass, LobeKind, Parts};
 use crate::Rgb;

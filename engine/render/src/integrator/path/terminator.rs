@@ -74,7 +74,7 @@ impl Grazing {
         point.leaving(start + lift, d)
     }
 
-    /// A start just off the triangle, and the vector from there to where rays start.
+    /// A start just off the triangle, and the vector from there to the start of rays.
     fn start(self, scene: &Scene, point: &SurfacePoint) -> (Vec3A, Vec3A) {
         let start = offset_origin(point.position, point.geometric_normal * self.side, point.position_error);
         (start, height(scene, point, self.side) * self.amount)

@@ -1,6 +1,6 @@
 //! Paths that advance together, step by step: all rays are traced, then all that hit a surface are looked at in the
 //! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
-//! the cache. What a path finds does not depend on which others go with it.
+//! the cache. The light of a path does not depend on which others go with it.
 
 mod found;
 mod place;

@@ -69,7 +69,7 @@ impl Path {
         }
     }
 
-    /// Adds the light of lamps that the ray hits within `t_max` of where it was scattered: from there a light sample
+    /// Adds the light of lamps that the ray hits within `t_max` of its last scattering: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     #[inline(always)]
     pub(super) fn lamps_before<N: AovSink>(

@@ -145,7 +145,7 @@ impl MediumState {
         }
     }
 
-    /// A light sample at a place on the ray that is chosen apart from where the path is scattered: most paths go through thin media,
+    /// A light sample at a place on the ray that is chosen apart from the path's scattering: most paths go through thin media,
     /// and yet each sees the light that media scatter. The place is chosen by the angle under which a light sees it
     /// (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"), or, for light from
     /// infinity, as if the path were scattered for certain. `None` where the medium varies, so that the density along the ray is
