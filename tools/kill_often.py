@@ -49,7 +49,7 @@ def make(path: Path, width: int, height: int, samples: int) -> None:
 
 
 def start(scene: Path, out: Path, *more: object, **environment: str) -> subprocess.Popen:
-    """A render of it with all its passes."""
+    """Starts a render of the scene with all its passes."""
     options = ["--passes", "--threads", "1", "-o", str(out), *map(str, more)]
     return subprocess.Popen(
         [sys.executable, "-m", "petzval", "render", str(scene), *options],

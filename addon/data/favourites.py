@@ -34,7 +34,7 @@ def has(lens_key: str) -> bool:
 
 
 def toggle(lens_key: str) -> bool:
-    """Adds it, or takes it away; whether it is one now. Raises `OSError` where they cannot be kept."""
+    """Adds a lens to the favourites, or removes it; returns True if it is one now. Raises `OSError` where they cannot be kept."""
     is_one = lens_key not in _lenses
     if is_one:
         _lenses.append(lens_key)
@@ -51,7 +51,7 @@ def toggle(lens_key: str) -> bool:
 
 
 def load() -> None:
-    """Reads them anew; none where the file is not there or is none of ours."""
+    """Reads the favourites anew; none where the file is not there or is none of ours."""
     _lenses.clear()
     folder = bpy.utils.user_resource("CONFIG", path="petzval")
     try:

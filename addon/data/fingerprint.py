@@ -21,7 +21,7 @@ _ADDS = {
     "add_points": "mesh",
 }
 _FORGETS = {"forget_image": "image", "forget_material": "material", "forget_mesh": "mesh"}
-#: All of these calls.
+#: All calls of the builder that add or forget a piece.
 PIECES = frozenset({*_ADDS, *_FORGETS})
 
 #: Fingerprints of the images, materials and meshes that a builder holds, by kind and index.

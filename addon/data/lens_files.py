@@ -9,7 +9,7 @@ import bpy
 
 
 class LensMissing(Exception):
-    """The message is one line for the user."""
+    """The error of a lens file that is not there; one line for the user."""
 
 
 def resolve(lens_file: str, library: bpy.types.Library | None = None) -> str:
@@ -54,7 +54,7 @@ def groups() -> list[str]:
 
 
 def in_short(entry: dict[str, Any]) -> str:
-    """Group, focal length and f-number, as one looks for a lens."""
+    """Group, focal length and f-number of a lens, for the search."""
     from petzval import lens_library
 
     focal, f_number = lens_library.focal_text(entry), lens_library.f_number_text(entry)

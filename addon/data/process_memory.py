@@ -19,7 +19,7 @@ def used_bytes() -> int | None:
 
 
 def peak_bytes() -> int | None:
-    """The most that it ever took; None where the system does not say."""
+    """The largest memory of this process so far, bytes; None where the system does not say."""
     if sys.platform == "win32":
         return _of_windows("PeakWorkingSetSize")
     try:

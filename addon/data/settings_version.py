@@ -35,7 +35,7 @@ def warnings() -> list[str]:
 
 
 def bring_up_to_date() -> None:
-    """Takes the steps from the version of the file that is open to this one."""
+    """Takes the steps from the version of the open file to the current one."""
     found = of_file()
     for version in range(found + 1, VERSION + 1):
         if version in STEPS:

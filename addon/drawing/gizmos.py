@@ -13,7 +13,7 @@ from petzval.description import OF_LENS_FILE
 from ..engine import ENGINE
 
 _COLOR, _BRIGHT = (0.2, 0.85, 0.35), (0.6, 1.0, 0.7)
-#: Blender units: nearer it cannot be dragged.
+#: The least distance of the focus gizmo, Blender units.
 _NEAREST = 1e-3
 
 

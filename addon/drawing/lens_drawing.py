@@ -53,7 +53,7 @@ def _view_of_glass(found: dict[str, Any]) -> View:
 
 
 def with_shape(view: View, width_by_height: float) -> View:
-    """The view made wider or higher about its middle until it has that shape."""
+    """The view made wider or higher about its middle until it has this width over its height."""
     left, right, low, high = view
     wide, tall = right - left, high - low
     grow_x = max(tall * width_by_height - wide, 0.0) / 2.0
@@ -71,7 +71,7 @@ def thumbnail(found: dict[str, Any], side_px: int) -> np.ndarray:
 
 
 def picture(found: dict[str, Any], width_px: int, height_px: int) -> np.ndarray:
-    """All of it: (height, width, 4), rows from below. Dashed: the principal planes H and H'; dotted: the pupils EP and XP."""
+    """The picture of a lens: (height, width, 4), rows from below. Dashed: the principal planes H and H'; dotted: the pupils EP and XP."""
     view = with_shape(view_of(found), width_px / height_px)
     canvas = Canvas(width_px, height_px, view)
     line = max(height_px / 300.0, 1.0)

@@ -74,7 +74,7 @@ _wanted: dict[_Place, tuple[tuple, float]] = {}
 def for_panel(
     holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, side_px: int
 ) -> Drawn | None:
-    """The last drawing; has another made soon where it is of something else. `side_px`: of the place that the panel has for it."""
+    """The last drawing; has a new one made soon where the lens has changed. `side_px`: of the place that the panel has for it."""
     library = holder.library.filepath if holder.library else None
     place = (scene.name, (holder.name, library), side_px)
     kept = _kept.get(place)

@@ -34,7 +34,7 @@ class CurveArrays:
     attributes: dict[str, tuple[bool, np.ndarray]] = field(default_factory=dict)
 
     def send(self, builder: Any, name: str, moved: tuple[np.ndarray, np.ndarray] | None) -> int:
-        """Adds them to a `SceneBuilder`; gives their index."""
+        """Adds the curves to a `SceneBuilder`; returns their index."""
         return builder.add_curves(
             name,
             self.keys,

@@ -20,7 +20,7 @@ _found: dict[tuple, Any] = {}
 
 
 class Refused(Exception):
-    """The engine's complaint, one line."""
+    """The error of a lens that cannot have the frame: the engine's message, one line."""
 
 
 def like_blender(

@@ -85,7 +85,7 @@ class InstanceGroup:
         self._randoms = array("f")
 
     def add(self, place: bpy.types.DepsgraphObjectInstance) -> None:
-        """Takes the matrix and the random number of one more."""
+        """Takes the matrix and the random number of one more instance."""
         for row in place.matrix_world:
             self._matrices.extend(row)
         self._randoms.append(object_info.random(place.object, place))

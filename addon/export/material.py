@@ -17,7 +17,7 @@ from .image import Images
 from .kept import Kept, uid
 from .report import Report
 
-#: No material has this number.
+#: The number of smoke, which no material has.
 _SMOKE = -1
 #: From this version on the material of an empty slot is a Principled BSDF, before it a Diffuse BSDF.
 _DEFAULT_IS_PRINCIPLED = (5, 0, 0)

@@ -32,7 +32,7 @@ class PointArrays:
         moved: tuple[np.ndarray, np.ndarray] | None,
         poses: list[np.ndarray] | None,
     ) -> int:
-        """Adds them to a `SceneBuilder`; gives their index."""
+        """Adds the points to a `SceneBuilder`; returns their index."""
         return builder.add_points(
             name, self.points, attributes=self.attributes or None, moved_points=moved, poses=poses
         )

@@ -114,7 +114,7 @@ class Standing(NamedTuple):
     """One instance at one key."""
 
     matrix: Matrix4
-    #: Shared by all instances; None where it keeps its shape.
+    #: The shape, shared by all instances; None where it is constant.
     shape: Shape | None
     #: The positions of the keys of hair, by particle system.
     hair: dict[str, np.ndarray]
@@ -166,7 +166,7 @@ class Blur:
         self._keys: list[dict[Key, Standing]] = []
 
     def read(self, depsgraph: bpy.types.Depsgraph) -> None:
-        """The next key: the graph is at its time."""
+        """Reads the next key: the graph is at its time."""
         now = _read(depsgraph)
         if self._keys:
             # What has not changed since is kept once.
@@ -214,7 +214,7 @@ class Blur:
         return shapes
 
     def changes_strands(self, place: bpy.types.DepsgraphObjectInstance, system: str | None = None) -> None:
-        """Says so where strands change their shape: that is not blurred yet."""
+        """Warns of strands that change their shape: these are not blurred yet."""
         keys = self._of(place)
         if system is None:
             shapes = [one.shape.positions for one in keys if one.shape is not None]
@@ -227,7 +227,7 @@ class Blur:
             )
 
     def moves_light(self, place: bpy.types.DepsgraphObjectInstance) -> None:
-        """Says so where a lamp moves: it does not blur, as in Cycles."""
+        """Warns of a lamp that moves: it does not blur, as in Cycles."""
         if self.matrices(place) is not None:
             self._report.warn(
                 f"Light '{place.object.name}': it moves while the shutter is open; as in Cycles it stands still, where it is in "

@@ -21,7 +21,7 @@ RIGHT = "right"
 class View(NamedTuple):
     """One of a render's views."""
 
-    #: Empty where there is one alone.
+    #: The view's name; empty where there is one alone.
     name: str
     index: int
     count: int
@@ -43,7 +43,7 @@ class Eye:
     shift_x: float
     #: The shift of a real lens: tangent of the angle between its axis and the middle of its picture, to the right.
     turn: float = 0.0
-    #: Each ray has its own eye.
+    #: The eye of each ray in spherical stereo; None: one eye for all rays.
     spherical: SphericalStereo | None = None
 
 

@@ -14,7 +14,7 @@ def hidden_from(*holders: bpy.types.Object) -> tuple[str, ...]:
 
 
 def world_hidden_from(world: bpy.types.World) -> tuple[str, ...]:
-    """Cycles keeps ray visibility of worlds in its own settings."""
+    """The kinds of rays that the world is hidden from, by Cycles' own settings."""
     visibility = getattr(world, "cycles_visibility", None)
     names = {kind: "scatter" if kind == "VOLUME_SCATTER" else kind.lower() for kind in RAYS if kind != "SHADOW"}
     return tuple(kind for kind, name in names.items() if not getattr(visibility, name, True))

@@ -46,7 +46,7 @@ class _AddPreset(AddPresetBase):
         return shipped(self.preset_subdir.rpartition("/")[2])
 
     def _make_paths_absolute(self, context) -> None:
-        """A path that begins with // is of this file, and a preset is for all."""
+        """Makes the paths of a preset absolute: one that begins with // is of this file, and a preset is for all."""
         from petzval import atomic_files
 
         from .common import shown_camera

@@ -46,7 +46,7 @@ def is_switching() -> bool:
 
 
 def switched(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
-    """The user has turned Through the Lens: the view stays the same."""
+    """Handles a change of Through the Lens by the user: the view stays the same."""
     settings = camera.petzval
     if settings.model in OF_LENS_FILE:
         lens_changed(camera, scene)
@@ -116,7 +116,7 @@ def _keep(camera: bpy.types.Camera) -> None:
 
 
 def restore(camera: bpy.types.Camera) -> None:
-    """Blender's own camera as it was before it followed the lens."""
+    """Restores Blender's own camera to its state before it followed the lens."""
     settings = camera.petzval
     if camera.library or not settings.blender_sensor_fit:
         return

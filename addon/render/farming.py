@@ -70,7 +70,7 @@ class FarmRun:
     _next_look: float = 0.0
 
     def advance(self) -> None:
-        """Goes on by a step; raises `FarmError` where it cannot."""
+        """Advances the job by a step; raises `FarmError` where it cannot."""
         if self._process is not None and not self._is_sent:
             if self._process.poll() is None:
                 return

@@ -48,7 +48,7 @@ class Part:
     slots: tuple[int, int, int]
     #: The file that the film is written to. View layers and their auxiliary renders have files of their own, named after it.
     film: str
-    #: The file in which it is kept while it goes on, named as `film` is.
+    #: The checkpoint of the part while it is rendered, named as `film` is.
     checkpoint: str
     #: The films and the checkpoints that were written.
     written: list[str] = field(default_factory=list)
@@ -103,7 +103,7 @@ class Watch:
         self.written_checkpoints: list[Any] = []
         #: The function that is called instead of a render, with its `Subject`, once for each view layer.
         self.study: Callable[[Subject], None] | None = None
-        #: The part of the picture that is rendered; None: all of it.
+        #: The part of the picture that is rendered; None: the whole picture.
         self.share: Share | None = None
         #: The frames before and after, instead of the neighbours of the one that is rendered.
         self.beside: tuple[Beside, Beside] | None = None
@@ -114,7 +114,7 @@ class Watch:
         self.raw_problem = ""
 
 
-#: Read by every render of this process.
+#: The watch that every render of this process reads.
 WATCH = Watch()
 
 

@@ -64,5 +64,5 @@ def all_of(scene_name: str) -> list[Message]:
 
 
 def forget() -> None:
-    """Drops those of the viewport."""
+    """Drops the messages of the viewport."""
     _viewport.clear()

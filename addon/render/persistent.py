@@ -40,7 +40,7 @@ class KeptScene:
         return lambda: draft.build(threads, self.scene, is_final=True)
 
 
-#: One at most, for it may be large.
+#: The last kept scene: one at most, for it may be large.
 _last: KeptScene | None = None
 
 

@@ -70,7 +70,7 @@ class Photograph:
         return self.depsgraph.scene_eval
 
     def take(self) -> None:
-        """Takes it; `loop.Stopped` if the user stops it first."""
+        """Takes the photograph; `loop.Stopped` if the user stops it first."""
         shutter = shutters.of(self.scene, self.depsgraph.view_layer_eval)
         now = self.scene.frame_current + self.scene.frame_subframe
         if shutter is None or shutter.middle == now:

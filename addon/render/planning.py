@@ -20,5 +20,5 @@ def last(scene_name: str) -> dict[str, Any] | None:
 
 
 def forget() -> None:
-    """Drops all of them."""
+    """Drops all plans."""
     _last.clear()

@@ -49,7 +49,7 @@ class Progress:
         return "" if left is None or part >= 1.0 else f"Remaining:{clock_time(left)} | "
 
     def speed(self) -> str:
-        """Likewise the rays; empty until they were counted."""
+        """The rays a second in words; empty until they were counted."""
         rays = self.rays_per_second()
         return f" | {in_short(rays)} rays/s" if rays > 0.0 else ""
 

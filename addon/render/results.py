@@ -87,7 +87,7 @@ class Results:
 
     @property
     def has_vectors(self) -> bool:
-        """True if the engine is to keep the movement of these surfaces."""
+        """True if the engine is to keep the movement of the surfaces that pixels see."""
         return any(one.engine_name == "VECTOR" for one in self._data)
 
     @property

@@ -16,7 +16,7 @@ from ..export.stereo import View
 from . import loop
 from .checkpoints import Checkpoint, of_view
 
-#: Another machine's file may be seen before it is whole.
+#: Tries and pauses of reading: another machine's file may be seen before it is whole.
 _TRIES, _PAUSE_S = 20, 0.1
 #: Pieces that are named.
 _MOST_NAMED = 5

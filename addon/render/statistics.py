@@ -96,5 +96,5 @@ def last(scene_name: str) -> LastRender | None:
 
 
 def forget() -> None:
-    """Drops all of them."""
+    """Drops all statistics."""
     _last.clear()

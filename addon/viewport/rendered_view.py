@@ -107,7 +107,7 @@ class RenderedView:
         return seen
 
     def _pixel_size(self, scene: bpy.types.Scene) -> float:
-        """Petzval's own where it was set, or Blender's, which may go by the screen."""
+        """The pixel size: Petzval's own where it was set, or Blender's, which may go by the screen."""
         if scene.petzval.is_property_set("preview_pixel_size"):
             return float(scene.petzval.preview_pixel_size)
         return float(self._host().get_preview_pixel_size(scene))

@@ -63,7 +63,7 @@ class Convergence:
         return self.error_samples / samples
 
     def seconds_to(self, error: float) -> float:
-        """CPU seconds until the error is down to this."""
+        """CPU seconds until the error is down to `error`."""
         return self.error_samples / error * self.seconds_per_sample
 
 

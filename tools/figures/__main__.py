@@ -24,7 +24,7 @@ from .photograph import ROOT, SIZES, Studio
 
 
 def figures() -> list[Figure]:
-    """All of them, in the order of the page."""
+    """All figures, in the order of the page."""
     names = sorted(one.name for one in pkgutil.iter_modules(here) if one.name.startswith("fig"))
     return [importlib.import_module(f"{__package__}.{name}").FIGURE for name in names if name != "figure"]
 

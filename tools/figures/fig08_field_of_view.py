@@ -14,7 +14,7 @@ from .sharpness import box
 LENS, F_NUMBER, FOCUS_MM, ASPECT = "wide-angle-smith-f3.4", 8.0, 1370.0, 4.0 / 3.0
 #: Focal length and film's diagonal, mm, in pairs.
 PAIRS = (((100.0, 30.0), (80.0, 30.0)), ((60.0, 50.0), (60.0, 80.0)))
-#: The scale of one picture of a pair over the other is right to this part.
+#: The tolerance of the scale of one picture of a pair over the other.
 NEAR = 0.005
 
 

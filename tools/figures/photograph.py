@@ -38,7 +38,7 @@ class Studio:
         return path
 
     def take(self, shot: Shot) -> Taken:
-        """Renders it."""
+        """Renders the shot."""
         width, hidden, shown = SIZES[self.size]
         samples = hidden if shot.is_hidden else shown
         times = shot.samples if "--noise-threshold" in shot.options else min(shot.samples, MOST[self.size])

@@ -14,7 +14,7 @@ import numpy as np
 from petzval.description import LensSettings, focal_length
 from petzval.lens_loading import load
 
-#: Rays are handed over so far before the first vertex.
+#: The distance before the first vertex at which rays are handed over, mm.
 BEFORE_MM = 100.0
 #: The wavelength of captions that name none.
 LINE_NM = 550.0

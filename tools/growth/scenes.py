@@ -83,7 +83,7 @@ def triangles(scene: bpy.types.Scene, count: int) -> None:
 
 
 def objects(scene: bpy.types.Scene, count: int) -> None:
-    """Each with a mesh of its own, of eight triangles."""
+    """Objects, each with a mesh of its own, of eight triangles."""
     side = 8.0 / count**0.5
     for index, (x, y) in enumerate(places(count)):
         linked(f"Object {index}", waves(f"Mesh {index}", 8, side)).location = (x, y, 0.5)

@@ -12,7 +12,7 @@ class Page:
 
     file: str
     target: str
-    #: A commit that touches none of these leaves the page as true as it was.
+    #: The sources that the page measures: a commit that touches none of them leaves the page as true as it was.
     measures: tuple[str, ...]
     #: Variables of make for a run that measures everything anew.
     options: tuple[str, ...] = ()

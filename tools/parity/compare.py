@@ -70,7 +70,7 @@ def _for_the_eye(name: str, whole: np.ndarray, *pictures: np.ndarray) -> list[np
 
 
 def _arranged(strips: list[np.ndarray]) -> Image.Image:
-    """One, or two columns of smaller ones."""
+    """The strips as one picture: one strip, or two columns of smaller ones."""
     if len(strips) == 1:
         return Image.fromarray(strips[0])
     height, width = (side // 2 for side in strips[0].shape[:2])

@@ -194,7 +194,7 @@ def write_others(docs: Path, others: dict, size: tuple[int, int], samples: int, 
 
 
 def _said(warnings: list[str]) -> str:
-    """The first few, without the paths of this machine."""
+    """The first few messages, without the paths of this machine."""
     # A path in brackets after a name; a drive's letter, or a slash.
     lines = [re.sub(r" \([^()]*[/\\\\][^()]*\)", "", line).replace("|", "/") for line in warnings]
     more = f"; and {len(lines) - 4} more" if len(lines) > 4 else ""

@@ -16,9 +16,9 @@ import numpy as np
 COLUMNS, ROWS = 12, 8
 #: A change of less than this part of the picture's mean (root mean square over blocks) is not looked at.
 LEAST = 0.003
-#: A change shows where its square is so many standard errors from none.
+#: The standard errors by which the square of a visible change is from 0.
 SURE = 3.0
-#: Changes are alike where they differ by this part of Cycles'.
+#: The difference of alike changes, as a part of Cycles'.
 ALIKE = 0.1
 
 

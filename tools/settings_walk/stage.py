@@ -67,7 +67,7 @@ def _settings(scene: bpy.types.Scene) -> None:
 
 
 def _sky() -> None:
-    """Even: both programs make a table of one that is not, for each picture anew. That is for settings which need it."""
+    """An even sky: both programs make a table of one that is not, for each picture anew. That is for settings which need it."""
 
     def uneven(t: Tree) -> None:
         up = t.node("SeparateXYZ", Vector=t.coordinates("Generated")).outputs["Z"]

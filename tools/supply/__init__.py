@@ -43,7 +43,7 @@ class Crate:
     folder: Path
 
     def texts(self) -> dict[str, str]:
-        """The licence files of its package, by name."""
+        """The licence files of a crate's package, by name."""
         files = sorted(path for path in self.folder.iterdir() if path.is_file() and _LICENCE_FILES.match(path.name))
         return {path.name: path.read_text(encoding="utf-8", errors="replace") for path in files}
 

@@ -103,7 +103,7 @@ def _run(argv: Sequence[str]) -> int:
 
 
 def _engine_is_missing() -> bool:
-    """Says so when the compiled module cannot be loaded."""
+    """Prints an error if the compiled module cannot be loaded."""
     try:
         importlib.import_module("._native", __package__)
     except ProcessorError as error:

@@ -16,7 +16,7 @@ _SCALE = 1000.0
 
 
 def add_camera(parser: argparse.ArgumentParser, kinds: str) -> None:
-    """The lens, how it is set, its film and the picture's pixels."""
+    """Adds the options of a lens, its setting, its film and the picture's pixels."""
     parser.add_argument("lens", metavar="FILE", help=f"a lens file ({kinds}), or the name of a shipped lens")
     parser.add_argument(
         "--film", type=types.film, metavar="WxH|NAME", required=True, help=f"millimetres, or {types.FILM_NAMES}"

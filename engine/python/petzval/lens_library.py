@@ -69,5 +69,5 @@ def field_text(entry: dict[str, Any]) -> str:
 
 
 def film_text(entry: dict[str, Any]) -> str:
-    """Width and height in mm of the film that it covers."""
+    """Width and height in mm of the film that a lens covers."""
     return "" if entry["film_mm"] is None else " x ".join(f"{side:g}" for side in entry["film_mm"])

@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def lines(plan: dict[str, Any]) -> list[str]:
-    """A plan for people: a row an effect, then the camera that follows from it."""
+    """A plan in words: a row an effect, then the camera that follows from it."""
     rows = [("effect", "", "measure", "tolerance", "cost", "why")]
     rows += [
         (row["effect"], row["decision"], size(row), f"{row['tolerance']:.3g}", cost(row), row["why"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plans a picture, and foretells its time, instead of rendering it. Runs where Blender is."""
+"""Plans a picture, and forecasts its time, instead of rendering it. Runs where Blender is."""
 
 from __future__ import annotations
 

@@ -185,7 +185,7 @@ def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> 
 
 
 def take(scene: Any, watch: Any, *, writes: bool) -> str | None:
-    """Renders the scene, into its file where it `writes`; the error, if any."""
+    """Renders the scene, into its file if `writes`; returns the error, if any."""
     import bpy
 
     try:

@@ -18,7 +18,7 @@ FLOOR = 0.1
 #: The pixel filter makes neighbours alike: the mean over pixels is less sure than if each stood alone. A filter of 1.5
 #: pixels (Blackman-Harris) spreads a sample's light as over 1 / sum of squared weights, about 2, pixels.
 _PIXELS_ALIKE = 2.0
-#: A bias smaller than so many of its standard errors is not told from none.
+#: The standard errors below which a bias is not told from none.
 SURE = 3.0
 
 

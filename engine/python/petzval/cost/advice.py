@@ -8,7 +8,7 @@ from typing import Any
 
 from .ladder import is_camera
 
-#: Times closer than this are called the same.
+#: The relative difference below which times are called the same.
 ALIKE = 0.05
 #: The part of an error that may be bias without being seen beside the noise.
 UNSEEN = 0.1

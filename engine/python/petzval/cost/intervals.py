@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from statistics import median
 
-#: The chance that an interval holds the true median is at least this.
+#: The least chance that an interval holds the true median.
 CONFIDENCE = 0.9
 #: The least number of values with an interval: of five, the least and the largest hold the median with 94 %.
 LEAST = 5

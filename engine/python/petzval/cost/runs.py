@@ -29,14 +29,14 @@ LEAST_ROUNDS = 2 * LEAST
 WANTED_ROUNDS = 14
 #: The part of a round's time that goes into the truth.
 TRUTH_PART = 0.4
-#: Set-up that takes longer than this is not paid in every round, s.
+#: The time of a set-up beyond which it is not paid in every round, s.
 SLOW_SETUP_S = 0.1
 SLOW_STRIDE = 4
 #: A rung renders at least so long in its turn, s: shorter times are not well measured.
 LEAST_RENDER_S = 0.08
 #: A pixel, in the round that warms up.
 WARM_UP_SAMPLES = 4
-#: The truth's random numbers are not those of any rung.
+#: The seed of the truth, which no rung has.
 TRUTH_SEED = 1 << 30
 _POLL_SECONDS = 0.05
 
@@ -50,10 +50,10 @@ class Runs:
     """The measurements of one rung."""
 
     rung: Rung
-    #: A pixel, in each of its turns, which come in every so many rounds.
+    #: Samples a pixel in each turn, which comes in every `stride`th round.
     samples: int = WARM_UP_SAMPLES
     stride: int = 1
-    #: The numbers of its rounds; the lists below go with it.
+    #: The numbers of the rung's rounds; the lists below go with them.
     rounds: list[int] = field(default_factory=list)
     plan: dict[str, Any] = field(default_factory=dict)
     setup_s: list[float] = field(default_factory=list)
@@ -120,7 +120,7 @@ class _Measured:
         self.exposure_stops = options["exposure_stops"]
 
     def run(self) -> None:
-        """All of it."""
+        """Runs all rounds, and computes the results."""
         self._warm_up()
         order = random.Random(1)
         while not self._is_over():

@@ -33,7 +33,7 @@ class _Settings:
         self._before: list[tuple[Any, str, bool, Any]] = []
 
     def set(self, owner: Any, name: str, value: Any) -> None:
-        """Sets one where the owner has it."""
+        """Sets a setting where the owner has it."""
         if owner is None or not hasattr(owner, name):
             return
         self._before.append((owner, name, owner.is_property_set(name), getattr(owner, name)))

@@ -14,7 +14,7 @@ from . import poses
 from .poses import Matrix, Vector
 from .spec import Path_, Random
 
-#: Candidates for each pose that is wanted, before it is given up.
+#: Candidates for each wanted pose before the search is given up.
 _MOST_TRIES = 200
 #: Directions of the rays that find whether a place is inside of something: none along an axis, as sides of boxes are.
 _WAYS = np.array([(0.57, 0.43, 0.71), (-0.81, 0.31, 0.5), (0.23, -0.89, 0.39)])
@@ -155,7 +155,7 @@ def along(asked: Path_, scene: Any, frames: tuple[int, ...], place_of: Any) -> l
 
 
 def _along_curve(asked: Path_, curve: Any, count: int, place_of: Any) -> list[Matrix]:
-    """Evenly along a curve, looking along it with z up, or at a target."""
+    """Poses evenly along a curve, looking along it with z up, or at a target."""
     import bpy
 
     graph = bpy.context.evaluated_depsgraph_get()

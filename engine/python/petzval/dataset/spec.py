@@ -127,7 +127,7 @@ class Labels:
 
 @dataclass(frozen=True)
 class Spec:
-    """All of it."""
+    """The whole specification."""
 
     file: Path
     scene: Path

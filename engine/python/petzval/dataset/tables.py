@@ -76,7 +76,7 @@ class Table:
         return value
 
     def word(self, key: str, words: Sequence[str], default: str) -> str:
-        """One of several words; false is "off" where that is one of them."""
+        """The value of a key that is one of several words; false is "off" where that is one of them."""
         value = self.take(key, default)
         if value is False and "off" in words:
             return "off"

@@ -13,7 +13,7 @@ _OF_THE_MESH = {
     "ARRAY", "BEVEL", "DECIMATE", "EDGE_SPLIT", "MIRROR", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WEIGHTED_NORMAL",
     "WELD", "WIREFRAME",
 }  # fmt: skip
-#: Properties of these that name another object.
+#: Properties of modifiers that name another object.
 _OTHERS = ("mirror_object", "offset_object", "curve", "start_cap", "end_cap", "object")
 
 

@@ -30,7 +30,7 @@ class Part:
 
     #: The frame; None: that of the .blend.
     frame: int | None
-    #: The slot where it begins, and the one before which it ends.
+    #: The slot where the part begins, and the one before which it ends.
     first: int
     end: int
 

@@ -16,7 +16,7 @@ from .. import interrupts, processes
 from ..errors import AGAIN, complain
 from . import job as jobs
 
-#: A part is given up after so many tries.
+#: Tries after which a part is given up.
 TRIES = 3
 _POLL_S = 0.05
 _INTERRUPTED = 130

@@ -139,7 +139,7 @@ class Packer:
         return any(os.path.isabs(path) and not path.startswith("//") for path in own)
 
     def _save_relative(self, file: str, place: Path) -> None:
-        """Saves a .blend with relative paths, which lead where they led."""
+        """Saves a .blend with relative paths to the same files."""
         self._bpy.ops.wm.open_mainfile(filepath=file, load_ui=False, use_scripts=False)
         self._bpy.ops.file.make_paths_relative()
         for camera in self._bpy.data.cameras:

@@ -30,7 +30,7 @@ HEAD_IN = 0.75
 
 
 def check(out: Path) -> None:
-    """Raises `CommandError` where nothing can be written so."""
+    """Raises `CommandError` where no file of that ending can be written."""
     if out.suffix.lower() not in (*PICTURES, ".json"):
         raise CommandError(f"cannot draw into {out}: its ending is not .svg, .png, .pdf or .json: change --output")
     if out.suffix.lower() != ".json":
@@ -149,7 +149,7 @@ def line_names(wavelengths_nm: list[float]) -> list[str]:
 
 
 def degrees(angle: float) -> str:
-    """An angle as it is written."""
+    """An angle in words."""
     return f"{angle:.4g}°"
 
 

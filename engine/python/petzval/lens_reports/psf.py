@@ -11,7 +11,7 @@ from .table import Table
 
 #: Decades that the dark picture shows.
 _DECADES = 4.0
-#: The bright one reaches so many times as far as this part of the light.
+#: The reach of the bright picture, as a factor of the radius that holds this part of the light.
 _ZOOM, _MOST = 1.5, 0.9
 
 
