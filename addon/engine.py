@@ -53,7 +53,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         self._bake = None
 
     def bake(self, depsgraph, obj, pass_type, pass_filter, width, height):
-        """One image of an object's surface; where that fails or is stopped the image keeps what it has."""
+        """One image of an object's surface; where that fails or is stopped the image keeps its pixels."""
         try:
             if getattr(self, "_bake", None) is None or self._bake.holder != obj:
                 self._bake = Bake(self, depsgraph, obj)
@@ -70,7 +70,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
         self._rendered_view().update(context, depsgraph)
 
     def view_draw(self, context, depsgraph):
-        """Such a view is to be drawn."""
+        """Draws a view in rendered shading."""
         self._rendered_view().draw(context, depsgraph)
 
     def _rendered_view(self) -> RenderedView:
@@ -102,7 +102,7 @@ class PetzvalRenderEngine(bpy.types.RenderEngine):
 
 
 def _complaint(error: Exception) -> str:
-    """What is said of an error, in a line; of one that nobody expects the traceback is printed."""
+    """The message of an error, in a line; of an unexpected error the traceback is printed."""
     if isinstance(error, ExportError | EngineMissing):
         return str(error)
     if not _is_engine_error(error):

@@ -28,7 +28,7 @@ def engine() -> ModuleType:
 
 
 def missing() -> str:
-    """Why the engine cannot be loaded; empty where it can."""
+    """The reason why the engine cannot be loaded; empty where it can."""
     try:
         engine()
     except EngineMissing as error:

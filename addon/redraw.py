@@ -10,7 +10,7 @@ _LOOK_S = 0.2
 
 
 def properties() -> None:
-    """At once."""
+    """Has the properties editors drawn at once."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "PROPERTIES":
@@ -39,4 +39,4 @@ def unregister() -> None:
 
 
 def register() -> None:
-    """Nothing stands ready until it is asked for."""
+    """Does nothing: no timer is registered until it is asked for."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every test may ask for: a fresh Blender, scenes, the command line, the real program; and an orderly end.
+"""The fixtures of all tests: a fresh Blender, scenes, the command line, the real program; and an orderly end.
 
 The bpy module keeps one Blender for the whole process: `blender` resets it before each test. At exit, bpy with a
 render engine registered hangs (4.5) or crashes (4.2), so the process ends by `os._exit` once pytest has said all.
@@ -39,9 +39,9 @@ _exit_status: int | None = None
 _addon_registered = False
 
 
-#: Where pytest keeps how long each file took, in seconds, and how long files take of which it knows nothing.
+#: The cache key of pytest for the time of each file, s, and the time of a file without one.
 _KEPT, _UNKNOWN_S = "petzval/seconds", 10.0
-#: Of this run, by test; kept by the process that starts the others, which hears of every test.
+#: The times of this run, by test; kept by the process that starts the others, which hears of every test.
 _seconds: dict[str, float] = {}
 
 
@@ -227,7 +227,7 @@ def other_peoples_scenes() -> Path:
 
 
 def pytest_terminal_summary(terminalreporter):
-    """Hands what could not run to `make test`, which says it once at the end."""
+    """Hands the tests that could not run to `make test`, which lists them once at the end."""
     notes = os.environ.get("PETZVAL_NOT_RUN")
     if not notes:
         return
@@ -251,7 +251,7 @@ def pytest_sessionfinish(session, exitstatus):
 
 
 def _keep_seconds(config) -> None:
-    """For the order of the next run. A file of which a part has run takes at least half as long as was known of it."""
+    """Keeps the times for the order of the next run. A file of which a part has run takes at least half as long as was known of it."""
     files: dict[str, float] = {}
     for test, seconds in _seconds.items():
         name = test.partition("::")[0].rpartition("/")[2]

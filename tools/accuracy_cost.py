@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What accuracy costs, in three scenes through three lenses each: runs `petzval cost` nine times, and writes
+"""The cost of accuracy, in three scenes through three lenses each: runs `petzval cost` nine times, and writes
 docs/accuracy-cost.md. Run by `make accuracy-cost` in .venv-bench, which has matplotlib; renders where bpy is."""
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ sys.path.insert(0, str(ROOT / "engine/python"))
 from petzval.cost import plot, tables  # noqa: E402
 from petzval.cost.advice import percent, seconds  # noqa: E402
 
-#: Scene: options that go with it, and what it is.
+#: The options of each scene, and its description.
 SCENES = {
     "demo": (["--resolution", "120x68"], "the desk of the demo scene: defocus from near to far, many lamps, noisy"),
     "landscape": (
@@ -41,9 +41,9 @@ LENSES = {
     "double-gauss-f2-tronnier": ["--focal-length", "50", "--film-diagonal", "38", "--f-number", "2.8", "--blades", "6"],
     "cellphone-5.6mm-f3.5": ["--film-diagonal", "5.6"],
 }
-#: Of these lenses, for the reader.
+#: The openings of these lenses, for the reader.
 OPENINGS = {"double-gauss-f2-tronnier": "at f/2.8, with six blades"}
-#: These have their picture on the page.
+#: The scenes and lenses with a picture on the page.
 DRAWN = (("demo", "wide-angle-smith-f3.4"), ("landscape", "cellphone-5.6mm-f3.5"), ("room", "double-gauss-f2-tronnier"))
 SECONDS = 75
 

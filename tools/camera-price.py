@@ -22,7 +22,7 @@ LENS = ["--lens", str(ROOT / "lenses/wide-angle-smith-f3.4.lens")]
 SIZE = "240x135"
 SAMPLES = 32
 ROUNDS = 5
-#: Of the picture that errors are measured against, by the pipeline with the least noise.
+#: The samples of the picture that errors are measured against, by the pipeline with the least noise.
 REFERENCE_SAMPLES = 1024
 #: Brightest part of the squared errors that is left out: a few caustics would decide it all.
 TRIMMED = 1e-3

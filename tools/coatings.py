@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables of docs/coatings.md: what recipes reflect and what arrives in the middle of the shipped lenses, by the example `coatings` of
-the optics crate, and T-numbers, by `petzval lens transmission`. Run by `make coatings` in an environment that has petzval, with that
-example's path."""
+"""The tables of docs/coatings.md: the reflectance of recipes and the transmittance in the middle of the shipped lenses, by the example
+`coatings` of the optics crate, and T-numbers, by `petzval lens transmission`. Run by `make coatings` in an environment that has petzval,
+with that example's path."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the processor's time of a sample goes, scene by scene: docs/design/profile.md.
+"""The processor's time of a sample by source file, scene by scene: docs/design/profile.md.
 
 Run by `make profile SCENES=FOLDER` in an environment with bpy: renders every .blend under the folder through a pinhole under Linux's `perf`,
 and finds for each of its looks the file of the engine's sources that the instruction was written in, inlined functions told apart
@@ -62,7 +62,7 @@ class Look(NamedTuple):
 class Source(NamedTuple):
     """A place in the engine's sources."""
 
-    #: From engine/ on; empty where none is known.
+    #: The source file from engine/ on; empty where none is known.
     file: str
     function: str
     line: int
@@ -167,7 +167,7 @@ def run(*command: object, env: dict[str, str] | None = None) -> str:
 
 
 def read(script: str, engine: str) -> tuple[list[tuple[int, int, int]], list[Look]]:
-    """Where parts of the engine's file lie in memory (start, length, offset in the file), and the looks, in the order of time."""
+    """The places of parts of the engine's file in memory (start, length, offset in the file), and the looks, in the order of time."""
     starts, looks = [], []
     mapped = re.compile(r"PERF_RECORD_MMAP2? .*\[(0x[0-9a-f]+)\((0x[0-9a-f]+)\) @ (0x[0-9a-f]+|0) .*/([^/\s]+)$")
     look = re.compile(r"^\s*([\d.]+):.*?\s([0-9a-f]+)\s+\((.*)\)\s*$")

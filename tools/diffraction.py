@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What diffraction and glare do: pictures and tables of docs/diffraction.md and docs/glare.md. Run by `make diffraction` in an
+"""The effects of diffraction and glare: pictures and tables of docs/diffraction.md and docs/glare.md. Run by `make diffraction` in an
 environment that has petzval, numpy, matplotlib and Pillow, with the folder of the engine's examples `starburst` and `glare`. `--quick` tries
 it with one row of each table."""
 
@@ -62,7 +62,7 @@ def picture(file: Path) -> np.ndarray:
 
 
 def shown(light: np.ndarray, low: float, high: float) -> np.ndarray:
-    """Decades from `low` to `high` of what is not negative, eight bits."""
+    """Decades from `low` to `high` of values that are not negative, eight bits."""
     decades = np.log10(np.maximum(light, 10.0**low))
     return (np.clip((decades - low) / (high - low), 0.0, 1.0) * 255.0).astype(np.uint8)
 
@@ -82,7 +82,7 @@ def run(*words: object) -> str:
 
 
 def processor() -> float:
-    """Seconds that what was run took of processors."""
+    """Processor seconds of the programs that were run."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

@@ -4,10 +4,11 @@
 
     python3 tools/fit_apertures.py LENS.lens lensfun/data/db [--crop 1.0]
 
-Patents rarely give clear apertures. Two numbers stand for them here: what part of the beam, about its middle, passes at 0.7 of the height
-of the film's corner, and what part in the corner. Each rim is as wide as these beams and the whole beam on the axis need, and 2 % more,
-as far as the glasses leave room for edges. The two parts are found by least squares on stops of light at the widest measured f-numbers. Prints
-the table of the lens with its new diameters, the two parts, and what is left. Needs numpy; reads spherical, conic and polynomial surfaces.
+Patents rarely give clear apertures. Two numbers stand for them here: the part of the beam, about its middle, that passes at 0.7 of the
+height of the film's corner, and the part in the corner. Each rim is as wide as these beams and the whole beam on the axis need, and 2 %
+more, as far as the glasses leave room for edges. The two parts are found by least squares on stops of light at the widest measured
+f-numbers. Prints the table of the lens with its new diameters, the two parts, and the residual. Needs numpy; reads spherical, conic and
+polynomial surfaces.
 """
 
 from __future__ import annotations
@@ -88,7 +89,7 @@ class Lens:
         return z + sum(a * r**p for p, a in zip(self.powers, self.terms[i], strict=True))
 
     def _hit(self, i: int, start: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Points on a surface, its slope over the radius there, and which rays meet it."""
+        """Points on a surface, its slope over the radius there, and the rays that hit it."""
         c, k = self.curvature[i], self.conic[i]
         x, y, z = start.T
         dz = way[:, 2]
@@ -267,7 +268,7 @@ def measured_stops(row: tuple[float, list[float]], heights_mm: np.ndarray) -> np
 def fit(
     beams: Beams, rows: dict[float, tuple[float, list[float]]], f_number: float
 ) -> tuple[float, float, list[float], float]:
-    """The two parts, the f-numbers that they were fitted to, and the root mean square of what is left, stops."""
+    """The two parts, the f-numbers that they were fitted to, and the root mean square of the residual, stops."""
     widest = [n for n in sorted(rows) if n <= 1.45 * min(rows)][:3]
 
     def left(middle: float, corner: float) -> float:

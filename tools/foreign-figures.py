@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What two public optical design packages make of the lens files in tests/reference/foreign: figures.json there.
+"""The results of two public optical design packages for the lens files in tests/reference/foreign: figures.json there.
 
 Run it in an environment of its own, for it needs neither Blender nor the engine:
 
     python3 -m venv packages && packages/bin/pip install rayoptics optiland
     packages/bin/python tools/foreign-figures.py
 
-tolerances.json holds what deviations of two of these lenses do by optiland, at fields that no rim cuts.
+tolerances.json holds the effects of deviations of two of these lenses by optiland, at fields that no rim cuts.
 
-reports.json holds what optiland says of lenses of tests/reference/lenses: distortion and field curvature, their indices at d as the
+reports.json holds the results of optiland for lenses of tests/reference/lenses: distortion and field curvature, their indices at d as the
 reference has them, rays aimed at the stop.
 
 Focal lengths are those at the file's reference wavelength. Rays start 10 units before the first surface; of each the hit on every
@@ -74,7 +74,8 @@ def by_rayoptics(path: Path) -> dict:
 
 
 def _spot(optic: Any, part: float) -> dict:
-    """Of a part of the field: of rays to the middle of the paraxial entrance pupil and six rings in it, the last at 0.95 of its radius."""
+    """The spot at a part of the field: of rays to the middle of the paraxial entrance pupil and six rings in it, the last at 0.95 of its
+    radius."""
     import numpy as np
 
     places = [(0.0, 0.0)]
@@ -93,7 +94,7 @@ def _spot(optic: Any, part: float) -> dict:
 
 
 def by_optiland(path: Path) -> dict:
-    """Focal lengths, of what it reads, and spots on the axis and at half of the field, of 127 rays."""
+    """Focal lengths of the lenses that it reads, and spots on the axis and at half of the field, of 127 rays."""
     from optiland import fileio
 
     read = {".zmx": "load_zemax_file", ".len": "load_oslo_file", ".seq": "load_codev_file"}[path.suffix]
@@ -192,8 +193,8 @@ RADIUS, THICKNESS_MM, INDEX, DECENTER_MM, TILT_DEG = 1.001, 0.05, 0.0005, 0.03, 
 
 
 def tolerances_by_optiland(name: str, field_deg: float, part: float) -> dict:
-    """What deviations of radii, thicknesses and indices do to a lens of the reference data, and elements out of place, its film left where
-    it was. Elements are runs of surfaces with glass between them."""
+    """The effects of deviations of radii, thicknesses and indices on a lens of the reference data, and of elements out of place, its film
+    left where it was. Elements are runs of surfaces with glass between them."""
     rows, indices, pupil = _read(name)
     pupil *= part
     nominal = _built(rows, indices, pupil, field_deg)

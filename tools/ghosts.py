@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ghosts beside brute force, what they cost, and two pictures full of light that strays: tables and pictures of docs/ghosts.md. Run by
+"""Ghosts beside brute force, their cost, and two pictures full of stray light: tables and pictures of docs/ghosts.md. Run by
 `make ghosts` in an environment that has petzval, bpy, numpy and Pillow."""
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FORETOLD = (
     ("takumar-35-1970", "8", "320x180", 16),
     ("nikkor-z-50-f1.8", "8", "960x540", 64),
 )
-#: Of the renders that are timed, whose last ones are the page's pictures: at 1536 x 1024 with 256 samples the page took an hour.
+#: The size of the renders that are timed, whose last ones are the page's pictures: at 1536 x 1024 with 256 samples the page took an hour.
 RESOLUTION = "1152x768"
 COATINGS = ("none", "mgf2", "triple")
 
@@ -110,7 +110,7 @@ def priced(folder: Path, scenes: dict[str, Path], rounds: int, samples: int) -> 
 
 
 def foretold(folder: Path, scene: Path, rounds: int) -> list[str]:
-    """The table of what the plan says that stray light takes, and what it takes."""
+    """The table of the plan's forecast of the time of stray light, and the measured time."""
     rows = [
         "| lens | picture | samples, s | foretold after them, s | after them, s | ghosts | left out, of the tolerance |",
         "|---|---|---:|---:|---:|---:|---:|",

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Adds to lenses/glass/*.json what the glasses let through inside: `through_10mm`, pairs of wavelength in µm and transmittance of 10 mm.
+"""Adds to lenses/glass/*.json the internal transmittance of the glasses: `through_10mm`, pairs of wavelength in µm and transmittance of 10
+mm.
 
     git clone https://github.com/polyanskiy/refractiveindex.info-database
     python3 tools/glass-transmittance.py refractiveindex.info-database/database/data/glass
@@ -20,12 +21,12 @@ import yaml
 GLASSES = Path(__file__).resolve().parent.parent / "lenses" / "glass"
 MAKERS = ("schott", "ohara", "hoya", "hikari", "cdgm", "sumita")
 THICKNESS_MM = 10.0
-#: What a camera can see, and so much beside it that nothing hangs on how the ends go on.
+#: The range that a camera can see, and so much beside it that nothing hangs on how the ends go on.
 RANGE_UM = (0.35, 0.8)
 
 
 def through(file: Path, coefficients: list[float]) -> list[list[float]] | None:
-    """By wavelength; None where the file knows nothing, or is about another melt."""
+    """The transmittance by wavelength; None where the file has none, or is about another melt."""
     blocks = yaml.safe_load(file.read_text(encoding="utf-8"))["DATA"]
     formulas = [[float(word) for word in str(b["coefficients"]).split()] for b in blocks if "coefficients" in b]
     tables = [b["data"] for b in blocks if b["type"] == "tabulated k"]
@@ -41,7 +42,7 @@ def through(file: Path, coefficients: list[float]) -> list[list[float]] | None:
 
 
 def _same(theirs: list[float], ours: list[float]) -> bool:
-    """Their formula 2 is our `sellmeier`; others list the same numbers in the same order."""
+    """True if two formulas have the same coefficients: formula 2 of the file is our `sellmeier`; others have the same order."""
     return len(theirs) == len(ours) and all(
         math.isclose(a, b, rel_tol=1e-9, abs_tol=1e-15) for a, b in zip(theirs, ours, strict=True)
     )

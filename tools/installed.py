@@ -3,7 +3,7 @@
 """Tries the Petzval that is installed in this Python, as its users do, on any system: installed.py [SCENE.blend]
 
 Lens files with the line ends of Windows, in folders with spaces, of names that are no ASCII; and where this Python has bpy, the scene is
-rendered through a lens. Says what it found, and ends with 1 where something is wrong. Needs nothing of a checkout but the scene.
+rendered through a lens. Prints its findings, and ends with 1 where something is wrong. Needs nothing of a checkout but the scene.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ LENS = "# name: Ein Prüfling\n#radius thickness glass diameter conic isstop\n50
 
 
 def petzval(*arguments: object, folder: Path) -> str:
-    """What a command says on stdout; ends this program where it fails."""
+    """The output of a command on stdout; ends this program where it fails."""
     command = [sys.executable, "-m", "petzval", *map(str, arguments)]
     done = subprocess.run(command, cwd=folder, capture_output=True, timeout=1200, check=False)
     said = done.stdout.decode("utf-8", errors="replace")

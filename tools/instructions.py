@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Counts the instructions of a sample in the path kernel, and says how that differs from the count kept in
-tools/instructions.json. A report, never a failure: what it counts is stable, but a library or compiler may change it.
+tools/instructions.json. A report, never a failure: its counts are stable, but a library or compiler may change it.
 
     tools/instructions.py           counts and compares
     tools/instructions.py --keep    counts and keeps

@@ -4,7 +4,7 @@ whether the picture is that of a render which was left alone.
 
     python tools/kill_often.py [--kills 10] [--every S]     # some minutes; --every: default interval of checkpoints
 
-A checkpoint holds the work that is in it, in seconds of rendering; what is lost is what was rendered since it was taken.
+A checkpoint holds the work that is in it, in seconds of rendering; the work since then is lost.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def make(path: Path, width: int, height: int, samples: int) -> None:
 
 
 def start(scene: Path, out: Path, *more: object, **environment: str) -> subprocess.Popen:
-    """A render of it with all its passes."""
+    """Starts a render of the scene with all its passes."""
     options = ["--passes", "--threads", "1", "-o", str(out), *map(str, more)]
     return subprocess.Popen(
         [sys.executable, "-m", "petzval", "render", str(scene), *options],
@@ -127,12 +127,12 @@ def main() -> int:
 
 
 def same_pixels(one: Path, other: Path) -> bool:
-    """Whether all channels of two pictures have the same bits: everything in their files but what the headers say."""
+    """True if all channels of two pictures have the same bits: everything in their files but the headers."""
     return _behind_header(one.read_bytes()) == _behind_header(other.read_bytes())
 
 
 def _behind_header(exr: bytes) -> bytes:
-    """What stands in the first row of blocks and behind it."""
+    """The bytes of the first row of blocks and behind it."""
     is_multipart, at = bool(exr[5] & 0x10), 8
     while exr[at]:
         while exr[at]:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes docs/lens-speed.md: runs the lens benches, tabulates them, and counts what their inner loop is made of.
+"""Writes docs/lens-speed.md: runs the lens benches, tabulates them, and counts the instructions of their inner loop.
 
 tools/lens-speed.py [--no-run] [--quick]    --no-run: tabulates the last run again; --quick: to try, with few repetitions
 """
@@ -82,7 +82,7 @@ def binary() -> Path:
     return TOP / re.search(r"\((\S*lens-\S+)\)", out)[1]
 
 
-#: What an instruction counts as, by how its name begins; the first that fits.
+#: The kinds of instructions, by the beginnings of their names; the first that fits counts.
 KINDS = (
     ("square roots", ("vsqrt", "sqrtp")),
     ("divisions", ("vdiv", "divp")),

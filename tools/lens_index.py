@@ -26,7 +26,7 @@ PAGE = ROOT / "docs/lenses.md"
 DRAWINGS = ROOT / "docs/images/lenses"
 README = ROOT / "lenses/README.md"
 BEGIN, END = "<!-- table of tools/lens_index.py -->", "<!-- end of the table -->"
-#: A drawing is to be looked at in a page: so many bytes are enough.
+#: The largest size of a drawing, bytes: enough for a page.
 LARGEST_DRAWING = 60_000
 
 HEAD = """# The lens library
@@ -46,7 +46,7 @@ the half field.
 
 
 def petzval(*arguments: str) -> str:
-    """What the command prints."""
+    """The output of the command."""
     command = [sys.executable, "-m", "petzval", *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
@@ -81,7 +81,7 @@ WORDS = {
 
 
 def section(entry: dict[str, Any]) -> list[str]:
-    """One lens."""
+    """The section of one lens."""
     star = " ★" if entry["is_first_choice"] else ""
     lines = [f"### {entry['name']}{star}", "", f'<a id="{entry["id"]}"></a>']
     lines += [f"![{cell(entry['name'])}](images/lenses/{entry['id']}.svg)", ""]
@@ -133,7 +133,7 @@ def readme(found: dict[str, Any], before: str) -> str:
 
 
 def compact(svg: str) -> str:
-    """The same drawing in fewer bytes: places to a tenth of a point, nothing about the program."""
+    """The drawing in fewer bytes: places to a tenth of a point, nothing about the program."""
     svg = re.sub(r"\s*<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r"<!DOCTYPE[^>]*>\s*", "", svg)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lenses by rayoptics and optiland beside the same by Petzval: the tables of docs/other-programs.md. Run by `make other-programs` in an
-environment that has petzval. What the other programs say is in tests/reference/foreign, written by tools/foreign-figures.py."""
+environment that has petzval. The results of the other programs are in tests/reference/foreign, written by tools/foreign-figures.py."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LENSES = ROOT / "tests/reference/lenses"
 D_NM = 587.5618
 #: Files in inches; all others are in millimetres.
 MM_PER_UNIT = {"questar35.seq": 25.4}
-#: Not compared, and why.
+#: The files that are not compared, and why.
 LEFT_OUT = {
     ("landscape_lens.seq", "optiland"): "optiland takes CODE V's curvatures for radii where RDM does not say",
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shipped lenses beside what photographers have measured of their products: docs/reality.md. Run by `make reality LENSFUN=FOLDER` in an
+"""Shipped lenses beside photographers' measurements of their products: docs/reality.md. Run by `make reality LENSFUN=FOLDER` in an
 environment that has petzval and matplotlib. Lenses that are compared name their product in the header: `# lensfun: NAME`."""
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ PICTURES = ROOT / "docs/images/reality"
 ZOOMS = {"nikkor-z-24-70-f4": (24, 28, 35, 50, 70), "canon-11-24-f4": (11, 14, 24)}
 #: Real focal lengths over marked ones that are tried where a zoom stands between the positions of its patent.
 REAL = (0.94, 0.96, 0.98, 1.0, 1.02)
-#: What is asked of each: micrometres, parts of the lens's own distortion, stops at F/8.
+#: The limits of agreement: micrometres, parts of the lens's own distortion, stops at F/8.
 LEAST_UM, PART, STOPS = 10.0, 0.01, 0.15
 
 
@@ -141,7 +141,7 @@ def apart_um(one: Callable[[float], float], other: Callable[[float], float], cor
 
 
 def spread(lensfun: str) -> list[str]:
-    """How far two measurements of one product are apart, which were made with two sensors: a row."""
+    """A row of the page: the distance of two measurements of one product, made with two sensors; over all products of the database."""
     place = Path(lensfun)
     files = sorted(place.glob("*.xml")) if place.is_dir() else [place]
     known: dict[tuple[str, float], dict[float, Callable[[float], float]]] = defaultdict(dict)
@@ -166,7 +166,7 @@ def spread(lensfun: str) -> list[str]:
 
 @dataclass(frozen=True)
 class Case:
-    """A lens at a setting: what is asked of the engine."""
+    """A lens at a setting: the arguments of the engine."""
 
     name: str
     text: str

@@ -4,7 +4,7 @@
 
 In the gradients the canonical equations of rays with z as the parameter (Luneburg, Mathematical Theory of Optics, section 2),
 dx/dz = p / h, dp/dz = n n_x / h, h = sqrt(n^2 - p^2 - q^2), are solved by the method of Runge and Kutta with 4000 steps; the
-surfaces are met by bisection on the last step. Plain Python, no libraries, no code of the engine.
+hits are found by bisection on the last step. Plain Python, no libraries, no code of the engine.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def step(base: float, terms: tuple[float, float, float], state: list[float], z: 
 def straight(
     at: tuple[float, float, float], along: tuple[float, float, float], radius: float, conic: float
 ) -> tuple[float, float, float]:
-    """Where a straight ray meets a surface, by bisection."""
+    """The hit of a straight ray on a surface, by bisection."""
 
     def there(t: float) -> tuple[float, float, float]:
         return (at[0] + along[0] / along[2] * t, at[1] + along[1] / along[2] * t, at[2] + t)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compiles and runs the engine's unit and integration tests, and hands on what each took: rust_tests.py [FILTER...]
+"""Compiles and runs the engine's unit and integration tests, and hands on the time of each: rust_tests.py [FILTER...]
 
 The same as `cargo test --lib --tests`, but that the test programs report the time of each test. Examples are left out: clippy has
 compiled them, and the lens kernels take long for each program.
@@ -16,7 +16,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-#: Property tests take the same random inputs in every run, so that a change is what makes a test fail; `make test-all`, and
+#: Property tests take the same random inputs in every run, so that only a change makes a test fail; `make test-all`, and
 #: `cargo test` by itself, take others each time.
 SEEDS = {} if os.environ.get("PETZVAL_TEST_ALL") else {"PROPTEST_RNG_SEED": "1"}
 #: A line of a test program: name and seconds.

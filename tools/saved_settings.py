@@ -17,7 +17,7 @@ import petzval
 
 #: Text that no list of choices gives.
 _TEXT = {"lens_file": "//a lens.lens"}
-#: What the add-on writes itself.
+#: The settings that the add-on writes itself.
 _OWN = {"settings_version", "version", "blender_camera", "blender_sensor_fit"}
 
 
@@ -47,7 +47,7 @@ def _between(default: float, low: float, high: float) -> float:
 
 
 def _set(holder: bpy.types.PropertyGroup) -> dict[str, object]:
-    """Sets every setting, and says what they are afterwards: some round, some change others."""
+    """Sets every setting, and returns their values afterwards: some round, some change others."""
     names = []
     for setting in holder.bl_rna.properties:
         name = setting.identifier

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a large scene takes: memory and time of a tiny render, by Petzval or by Cycles, in a Python with bpy and petzval.
+"""The cost of a large scene: memory and time of a tiny render, by Petzval or by Cycles, in a Python with bpy and petzval.
 
 .venv-bpy52/bin/python tools/scene-size.py mesh 1e6            one mesh of so many triangles, smooth, with a UV map
 .venv-bpy52/bin/python tools/scene-size.py forest 1e7          as many in instances of a tree of 5000
@@ -29,7 +29,7 @@ def resident_bytes() -> int:
 
 
 def forest(triangles: int) -> int:
-    """Instances of one tree at the vertices of another mesh; how many triangles they come to."""
+    """Instances of one tree at the vertices of another mesh; returns their number of triangles."""
     tree = bpy.data.objects.new("Tree", waves("Tree", TREE_TRIANGLES, 2.0))
     each = 2 * len(tree.data.polygons)
     side = max(round((triangles / each) ** 0.5), 1)

@@ -2,7 +2,7 @@
 """Work for an engine that counts its own branches and calls: `python tools/train_engine.py FOLDER`, in bpy.
 
 The compiler lays the release out by the counts (tools/build-wheel.sh). The parity scenes have each node, lamp and surface; the demo scene
-goes through each kind of camera and pipeline; lens reports are made. What is never seen here is compiled for size, and slower.
+goes through each kind of camera and pipeline; lens reports are made. Code that never runs here is compiled for size, and slower.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ REPORTS = ("spots", "fans", "mtf", "psf", "distortion", "illumination", "transmi
 
 
 def options_of_render(options: str, out: Path) -> dict[str, Any]:
-    """What `petzval render` makes of these options on the demo scene."""
+    """The options that `petzval render` makes of these words on the demo scene."""
     parser = argparse.ArgumentParser()
     render_command.add_parser(parser.add_subparsers())
     common = ["--resolution", f"{WIDTH}x{HEIGHT}", "--samples", str(SAMPLES), "--checkpoint", "off", "-o", str(out)]

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeps what the tests of Blender's window saw, output/window/*.png, in docs/ui/ where a person can look at it. `make ui-pictures`."""
+"""Keeps the pictures of the tests of Blender's window, output/window/*.png, in docs/ui/ where a person can look at it. `make
+ui-pictures`."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
 FROM, TO = ROOT / "output/window", ROOT / "docs/ui"
-#: Name, what is to be seen, and the part of the screen: left, top, right, bottom; None is all.
+#: Name, caption, and the part of the screen: left, top, right, bottom; None is all.
 PICTURES = (
     ("panel-drawing", "The camera's Lens panel with the drawing of the lens as it is set", None),
     ("gallery", "Lenses chosen by their pictures", None),

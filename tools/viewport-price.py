@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How soon a 3D view in rendered shading shows an edit: docs/viewport.md's table, by what the view itself does, without a screen.
+"""The delay of an edit in a 3D view in rendered shading: docs/viewport.md's table, by the view's own steps, without a screen.
 
 Run by `make viewport-price` in an environment with bpy. `--scene FILE`, `--divide N` (of the scene's resolution, default 4).
 """
@@ -35,7 +35,7 @@ def part(name: str):
 
 
 class Clock:
-    """One view of a scene, and what it takes."""
+    """One view of a scene, and the times of its edits."""
 
     def __init__(self, size: tuple[int, int]) -> None:
         self.native, self.size, self.is_denoised = part("native").engine(), size, False
@@ -48,7 +48,7 @@ class Clock:
         bpy.app.handlers.depsgraph_update_post.append(self._evaluated)
 
     def _evaluated(self, _scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-        """What Blender has evaluated is sent: only now does it say what that was."""
+        """Sends what Blender has evaluated: only now does it name the changes."""
         began = time.perf_counter()
         if self.origin is None:
             self.origin = tuple(depsgraph.scene_eval.camera.matrix_world.translation)
@@ -97,7 +97,7 @@ class Clock:
 
 
 def edits(scene: bpy.types.Scene) -> dict:
-    """What is done, by name."""
+    """The edits, by name."""
     camera, own = scene.camera, scene.camera.data.petzval
     meshes = [one for one in scene.objects if one.type == "MESH" and one.data.users == 1 and one.visible_get()]
     chosen = max(meshes, key=lambda one: len(one.data.polygons))

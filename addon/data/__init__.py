@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plain facts and files: what the add-on knows without a scene."""
+"""Plain facts and files: the part of the add-on that needs no scene."""

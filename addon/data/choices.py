@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the settings can be chosen from: identifier, name, tooltip. No bpy."""
+"""The choices of the settings: identifier, name, tooltip. No bpy."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ PIXEL_SIZES = (
     ("4", "4x", "A sixteenth as many", "", 2),
     ("8", "8x", "A sixty-fourth as many", "", 3),
 )
-#: What can be baked of a surface, as Blender names it. The numbers are those in saved files, and Cycles'.
+#: The kinds of bake, as Blender names them. The numbers are those in saved files, and Cycles'.
 BAKE_TYPES = (
     ("COMBINED", "Combined", "All light that the surface sends out", "", 0),
     ("AO", "Ambient Occlusion", "How much of the surroundings is open, nothing near in the way", "", 1),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lens of a camera for which none was chosen: one that is made for what Blender's camera sees. No bpy."""
+"""The lens of a camera for which none was chosen: one that is made for the view of Blender's camera. No bpy."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where Open Image Denoise lies for this Blender."""
+"""The path of the Open Image Denoise library for this Blender."""
 
 from __future__ import annotations
 

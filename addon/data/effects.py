@@ -7,9 +7,9 @@ from typing import Any
 
 from petzval.effects import EFFECTS
 
-#: Those that are laid over the finished picture.
+#: The effects that are laid over the finished picture.
 STRAYS = ("ghosts", "glare", "diffraction")
-#: What may be said of an effect: identifier, name, tooltip, icon, number in saved files.
+#: The values of an effect's setting: identifier, name, tooltip, icon, number in saved files.
 WORDS = (
     ("AUTO", "Auto", "Simulated where this picture would show it", "", 0),
     ("ON", "On", "Simulated in any case", "", 1),
@@ -24,7 +24,7 @@ LABELS = {effect.name: effect.label for effect in EFFECTS}
 
 
 def wishes(settings: Any) -> dict[str, Any]:
-    """What the scene's settings say of each effect, for the engine."""
+    """The scene's wishes for each effect, for the engine."""
     words = {effect.name: getattr(settings.effects, effect.name).lower() for effect in EFFECTS}
     return {"effects": words, "quality": settings.quality, "ghost_reflections": int(settings.ghost_reflections)}
 
@@ -42,7 +42,7 @@ def size(row: dict[str, Any]) -> str:
 
 
 def cost(row: dict[str, Any]) -> str:
-    """What simulating it costs, in parts of the time without it, or in seconds once the picture is done."""
+    """The cost of simulating an effect: in per cent of the time without it, or in seconds once the picture is done."""
     part, seconds = row.get("predicted_cost"), row.get("picture_seconds")
     if seconds:
         return f"+{seconds:.2g} s"
@@ -52,7 +52,7 @@ def cost(row: dict[str, Any]) -> str:
 
 
 def camera(plan: dict[str, Any]) -> str:
-    """How the camera is simulated, by a plan: "exact camera, 8 wavelengths"."""
+    """The camera of a plan, in words: "exact camera, 8 wavelengths"."""
     count = plan["camera"]["wavelengths"]
     light = f"{count} wavelengths" if count > 1 else "one wavelength"
     return f"{plan['camera']['model']} camera, {light}"

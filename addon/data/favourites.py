@@ -14,7 +14,7 @@ _lenses: list[str] = []
 
 
 def key(lens_file: str, library: bpy.types.Library | None = None) -> str:
-    """By what a lens is known: the file's name if it comes with Petzval, else its path. Looks at no disk."""
+    """The key of a lens: the file's name if it comes with Petzval, else its path. Looks at no disk."""
     text = lens_file.strip()
     if not text:
         return ""
@@ -29,12 +29,12 @@ def all_of_them() -> list[str]:
 
 
 def has(lens_key: str) -> bool:
-    """Whether the lens is one of them."""
+    """True if the lens is a favourite."""
     return lens_key in _lenses
 
 
 def toggle(lens_key: str) -> bool:
-    """Adds it, or takes it away; whether it is one now. Raises `OSError` where they cannot be kept."""
+    """Adds a lens to the favourites, or removes it; returns True if it is one now. Raises `OSError` where they cannot be kept."""
     is_one = lens_key not in _lenses
     if is_one:
         _lenses.append(lens_key)
@@ -51,7 +51,7 @@ def toggle(lens_key: str) -> bool:
 
 
 def load() -> None:
-    """Reads them anew; none where the file is not there or is none of ours."""
+    """Reads the favourites anew; none where the file is not there or is none of ours."""
     _lenses.clear()
     folder = bpy.utils.user_resource("CONFIG", path="petzval")
     try:

@@ -21,7 +21,7 @@ _ADDS = {
     "add_points": "mesh",
 }
 _FORGETS = {"forget_image": "image", "forget_material": "material", "forget_mesh": "mesh"}
-#: All of these calls.
+#: All calls of the builder that add or forget a piece.
 PIECES = frozenset({*_ADDS, *_FORGETS})
 
 #: Fingerprints of the images, materials and meshes that a builder holds, by kind and index.
@@ -34,7 +34,7 @@ class Watched:
 
     def __init__(self, builder: Any, digest: Any, pieces: Pieces | None) -> None:
         self._builder, self._digest, self._pieces = builder, digest, pieces
-        #: What the pieces that were sent are called, for people.
+        #: The names of the pieces that were sent, for people.
         self.names: dict[tuple[str, int], str] = {}
 
     def __getattr__(self, name: str) -> Any:
@@ -98,7 +98,7 @@ def _feed_all(digest: Any, values: tuple | list) -> None:
 
 
 def _written(value: Any) -> bytes:
-    """A plain value, or a tuple of such. Version 2 writes equal values alike: later ones refer to what is the same object."""
+    """A plain value, or a tuple of such. Version 2 writes equal values alike: later ones refer to the same object."""
     return b"=" + marshal.dumps(value, 2)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which file a camera's lens is: its own path, or a lens that comes with Petzval."""
+"""The path of a camera's lens file: its own path, or a lens that comes with Petzval."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import bpy
 
 
 class LensMissing(Exception):
-    """The message is one line for the user."""
+    """The error of a lens file that is not there; one line for the user."""
 
 
 def resolve(lens_file: str, library: bpy.types.Library | None = None) -> str:
@@ -27,7 +27,7 @@ def resolve(lens_file: str, library: bpy.types.Library | None = None) -> str:
 
 
 def file_name(entry: dict[str, Any]) -> str:
-    """What a camera's settings say for a lens of the library."""
+    """The name of the file of a lens of the library, as a camera's settings keep it."""
     return f"{entry['id']}.lens"
 
 
@@ -47,14 +47,14 @@ def entry_of(lens_key: str) -> dict[str, Any] | None:
 
 
 def groups() -> list[str]:
-    """Their groups, in the order of lists. Raises `EngineMissing`."""
+    """The groups of the library's lenses, in the order of lists. Raises `EngineMissing`."""
     from ..native import engine
 
     return engine().lens_groups()
 
 
 def in_short(entry: dict[str, Any]) -> str:
-    """Group, focal length and f-number, as one looks for a lens."""
+    """Group, focal length and f-number of a lens, for the search."""
     from petzval import lens_library
 
     focal, f_number = lens_library.focal_text(entry), lens_library.f_number_text(entry)
@@ -62,7 +62,7 @@ def in_short(entry: dict[str, Any]) -> str:
 
 
 def is_meant(entry: dict[str, Any], words: str) -> bool:
-    """Whether each of the words is found in the lens's name, group, design, focal length or f-number."""
+    """True if each of the words is found in the lens's name, group, design, focal length or f-number."""
     text = f"{entry['name']} {entry['id']} {entry['design'] or ''} {in_short(entry)}".casefold()
     # "50mm" as "50 mm".
     return all(word in text or word in text.replace(" ", "") for word in words.casefold().split())

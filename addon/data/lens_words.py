@@ -28,8 +28,8 @@ def focus_text(mm: float | None) -> str:
 
 
 def in_a_line(camera: CameraDescription, info: dict[str, Any] | None, by: str = "") -> str:
-    """What takes the picture. `info`: the engine's `camera_info_json` of a camera with a lens file; `by`: what has focused it, if not the
-    user."""
+    """The camera of a picture, in a line. `info`: the engine's `camera_info_json` of a camera with a lens file; `by`: the source of its
+    focus, if not the user."""
     perspective = camera.perspective
     if camera.model not in OF_LENS_FILE or info is None:
         of = _MODELS.get(camera.model, camera.model.lower())

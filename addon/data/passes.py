@@ -10,13 +10,13 @@ import numpy as np
 
 
 class Pass(NamedTuple):
-    """As `RenderEngine.register_pass` takes it."""
+    """A pass, as `RenderEngine.register_pass` takes it."""
 
     name: str
     channels: int
     channel_names: str
     kind: str
-    #: The view layer's switch, and what the engine's `Job.data` calls it.
+    #: The view layer's switch, and its name in the engine's `Job.data`.
     switch: str = ""
     engine_name: str = ""
 
@@ -33,9 +33,9 @@ DATA = (
 
 
 class Light(NamedTuple):
-    """A pass of light or colour, or of what else the engine keeps by parts (`Job.part`)."""
+    """A pass of light or colour, or another part that the engine keeps (`Job.part`)."""
 
-    #: As Blender 5 names it, and as it did before.
+    #: The names in Blender 5, and before.
     name: str
     old_name: str
     channel_names: str
@@ -66,14 +66,14 @@ def _of_light() -> Iterator[Light]:
 #: environment are the picture.
 LIGHT = tuple(_of_light())
 
-#: Of the first surface.
+#: Passes of the first surface.
 SURFACE = (
     Light("Mist", "Mist", "Z", "VALUE", "use_pass_mist", "MIST"),
     Light("UV", "UV", "UVA", "VECTOR", "use_pass_uv", "UV"),
     Light("Ambient Occlusion", "AO", "RGB", "COLOR", "use_pass_ambient_occlusion", "AMBIENT_OCCLUSION"),
 )
 
-#: What the Denoise node of the compositor wants, all by one switch.
+#: The passes that the Denoise node of the compositor wants, all by one switch.
 DENOISING = (
     Light("Denoising Albedo", "", "RGB", "COLOR", "denoising_store_passes", "DENOISING_ALBEDO", True),
     Light("Denoising Normal", "", "XYZ", "VECTOR", "denoising_store_passes", "DENOISING_NORMAL", True),
@@ -85,18 +85,18 @@ NOISY = Pass("Noisy Image", 4, "RGBA", "COLOR")
 
 
 def is_denoised(scene: object, view_layer: object) -> bool:
-    """Whether the picture of a view layer is to be denoised: by the scene's switch and the layer's. Parts that are to be merged are not."""
+    """True if the picture of a view layer is to be denoised: by the scene's switch and the layer's. Parts that are to be merged are not."""
     cycles, of_layer = getattr(scene, "cycles", None), getattr(view_layer, "cycles", None)
     is_asked = cycles is not None and cycles.use_denoising and getattr(of_layer, "use_denoising", True)
     return bool(is_asked) and not view_layer.petzval.use_pass_mergeable
 
 
-#: What of the light is left on what catches shadows.
+#: The pass of the light that is left on shadow catchers.
 SHADOW = Pass("Shadow Catcher", 3, "RGB", "COLOR", "use_pass_shadow_catcher")
 
 
 def wants_shadow(view_layer: object) -> bool:
-    """Whether a view layer asks for it."""
+    """True if a view layer asks for the shadow catcher pass."""
     return getattr(getattr(view_layer, "cycles", None), SHADOW.switch, False)
 
 
@@ -116,7 +116,7 @@ STRAYS = (
 
 
 def wanted_strays(view_layer: object) -> tuple[Pass, ...]:
-    """Those that a view layer asks for."""
+    """The passes of stray light that a view layer asks for."""
     return tuple(one for one in STRAYS if getattr(view_layer.petzval, one.switch, False))
 
 
@@ -171,7 +171,7 @@ MATTES = (
 )
 
 
-#: What joins renders with other samples: how many samples a pixel has, and what its numbers leave out of their sums.
+#: The passes that join renders with other samples: the number of samples of a pixel, and the remainders of its sums.
 MERGING = (
     Pass("Debug Sample Count", 1, "X", "VALUE", engine_name="SAMPLES"),
     Pass("Remainder", 4, "RGBA", "VECTOR", engine_name="REMAINDER"),
@@ -198,7 +198,7 @@ def wanted_mattes(view_layer: object) -> tuple[Pass, ...]:
 
 
 def matte_levels(view_layer: object) -> int:
-    """How many names a pixel of a matte holds."""
+    """The number of names that a pixel of a matte holds."""
     return view_layer.pass_cryptomatte_depth
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What this process takes of the machine's memory. No bpy."""
+"""The memory that this process takes, bytes. No bpy."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 
 
 def used_bytes() -> int | None:
-    """Now; None where the system does not say."""
+    """The memory of this process now, bytes; None where the system does not say."""
     if sys.platform == "linux":
         try:
             with open("/proc/self/statm", encoding="ascii") as file:
@@ -19,7 +19,7 @@ def used_bytes() -> int | None:
 
 
 def peak_bytes() -> int | None:
-    """The most that it ever took; None where the system does not say."""
+    """The largest memory of this process so far, bytes; None where the system does not say."""
     if sys.platform == "win32":
         return _of_windows("PeakWorkingSetSize")
     try:

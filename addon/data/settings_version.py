@@ -3,7 +3,7 @@
 so at every render, as settings that this version does not know are not read.
 
 A setting that is only added needs no version: an older file has its default. One that changes its meaning, its unit or its name does: raise
-`VERSION`, and put what older files need into `STEPS`.
+`VERSION`, and put the changes that older files need into `STEPS`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from bpy.app.handlers import persistent
 
 #: The version that is saved. 0: of Petzval 0.1, which saved none.
 VERSION = 1
-#: What brings the settings of a file to a version from the one before. It is called once for each file, when all of it is loaded.
+#: The functions that bring the settings of a file to a version from the one before. Each is called once for each file, when all of it is
+#: loaded.
 STEPS: dict[int, Callable[[], None]] = {}
 
 
@@ -25,7 +26,7 @@ def of_file() -> int:
 
 
 def warnings() -> list[str]:
-    """What a render says of the file that is open."""
+    """The warnings of a render about the settings of the open file."""
     if (found := of_file()) <= VERSION:
         return []
     return [
@@ -34,7 +35,7 @@ def warnings() -> list[str]:
 
 
 def bring_up_to_date() -> None:
-    """Takes the steps from the version of the file that is open to this one."""
+    """Takes the steps from the version of the open file to the current one."""
     found = of_file()
     for version in range(found + 1, VERSION + 1):
         if version in STEPS:

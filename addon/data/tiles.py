@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the engine's tiles go in Blender's result. No bpy.
+"""The places of the engine's tiles in Blender's result. No bpy.
 
 Both count pixels from the lower left corner, rows upward. Blender's result holds the rendered region alone.
 """
@@ -21,7 +21,7 @@ class Window(NamedTuple):
 
 
 class Tile(NamedTuple):
-    """Pixels (height, width, 4) and where their lower left corner lies."""
+    """Pixels (height, width, 4) and the place of their lower left corner."""
 
     x: int
     y: int

@@ -51,7 +51,7 @@ class Canvas:
     def draw(
         self, lines: Sequence[Places], colour: Colour, width_px: float, dash_px: tuple[float, float] | None = None
     ) -> None:
-        """Open lines; `dash_px`: what is drawn of each and what is left out, in turn."""
+        """Open lines; `dash_px`: lengths that are drawn and left out, in turn."""
         mask = self._empty()
         dash = None if dash_px is None else (dash_px[0] * self._fine, dash_px[1] * self._fine)
         dots = [dots for line in lines for dots in _dots(self._fine_places(line), dash)]

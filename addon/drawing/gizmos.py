@@ -13,7 +13,7 @@ from petzval.description import OF_LENS_FILE
 from ..engine import ENGINE
 
 _COLOR, _BRIGHT = (0.2, 0.85, 0.35), (0.6, 1.0, 0.7)
-#: Blender units: nearer it cannot be dragged.
+#: The least distance of the focus gizmo, Blender units.
 _NEAREST = 1e-3
 
 
@@ -23,7 +23,7 @@ def _focuses_by_distance(camera: bpy.types.Camera) -> bool:
 
 
 def _axis(holder: bpy.types.Object) -> tuple[Vector, Vector]:
-    """Where a camera stands, and where it looks; distances are the world's, whatever its scale."""
+    """The position of a camera in the world, and the direction it looks in, a unit vector: a camera's own scale has no effect."""
     return holder.matrix_world.translation, holder.matrix_world.to_quaternion() @ Vector((0.0, 0.0, -1.0))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lens drawn as a small picture, from what the engine says of its surfaces and rays (`lens_drawing_json`). No bpy.
+"""A lens drawn as a small picture, from the engine's surfaces and rays (`lens_drawing_json`). No bpy.
 
 The colours are read on the panels' grey, light or dark.
 """
@@ -20,17 +20,17 @@ _DARK: Colour = (0.86, 0.86, 0.88, 1.0)
 _AXIS: Colour = (0.6, 0.6, 0.6, 0.7)
 _PLANE: Colour = (0.75, 0.75, 0.75, 1.0)
 _PUPIL: Colour = (0.8, 0.5, 0.95, 1.0)
-#: Of the fields, from the axis on.
+#: The colours of the fields, from the axis on.
 FIELDS: tuple[Colour, ...] = ((0.35, 0.62, 1.0, 1.0), (0.35, 0.82, 0.47, 1.0), (0.98, 0.48, 0.36, 1.0))
 # As in the drawings of `petzval lens draw`: of the lens's height, and the room about all, of its.
 _MARK, _ROOM = 0.09, 0.06
 _ROOM_FOR_RAYS = 0.12
-#: Of the picture's height.
+#: The height of letters, as a part of the picture's.
 _LETTERS = 0.04
 
 
 def view_of(found: dict[str, Any]) -> View:
-    """Left, right, low and high (mm) of what is to be seen, the axis in the middle."""
+    """Left, right, low and high (mm) of the drawing, the axis in the middle."""
     places = [place for surface in found["surfaces"] for place in surface["points"]]
     places += [place for field in found["fields"] for ray in field["rays"] for place in ray]
     places += [*found["film"], [found["film_z_mm"], 0.0]]
@@ -42,7 +42,7 @@ def view_of(found: dict[str, Any]) -> View:
 
 
 def _view_of_glass(found: dict[str, Any]) -> View:
-    """Of what is made of glass alone, with some room for the rays."""
+    """The bounds of the glass alone, with some room for the rays."""
     places = np.asarray([place for surface in found["surfaces"] for place in surface["points"]], float)
     if not len(places):
         return view_of(found)
@@ -53,7 +53,7 @@ def _view_of_glass(found: dict[str, Any]) -> View:
 
 
 def with_shape(view: View, width_by_height: float) -> View:
-    """The view made wider or higher about its middle until it has that shape."""
+    """The view made wider or higher about its middle until it has this width over its height."""
     left, right, low, high = view
     wide, tall = right - left, high - low
     grow_x = max(tall * width_by_height - wide, 0.0) / 2.0
@@ -71,7 +71,7 @@ def thumbnail(found: dict[str, Any], side_px: int) -> np.ndarray:
 
 
 def picture(found: dict[str, Any], width_px: int, height_px: int) -> np.ndarray:
-    """All of it: (height, width, 4), rows from below. Dashed: the principal planes H and H'; dotted: the pupils EP and XP."""
+    """The picture of a lens: (height, width, 4), rows from below. Dashed: the principal planes H and H'; dotted: the pupils EP and XP."""
     view = with_shape(view_of(found), width_px / height_px)
     canvas = Canvas(width_px, height_px, view)
     line = max(height_px / 300.0, 1.0)

@@ -29,7 +29,7 @@ _FEW, _MANY = (0.0, 0.7, 1.0), tuple(np.linspace(0.0, 1.0, 41).tolist())
 
 
 def picture(holder: bpy.types.Object, scene: bpy.types.Scene, kind: str) -> np.ndarray:
-    """(height, width, 4), first row at the bottom, sRGB. Raises `ExportError`, `EngineMissing` and what the engine raises."""
+    """(height, width, 4), first row at the bottom, sRGB. Raises `ExportError`, `EngineMissing` and the engine's errors."""
     native = engine()
     from petzval.plotting import pages
 

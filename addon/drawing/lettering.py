@@ -19,7 +19,7 @@ _PIECES = 5
 
 
 class Letters:
-    """To be used in a `with`: at its end Blender's file is as before."""
+    """Outlines of letters by Blender's text objects, for use in a `with`: at its end Blender's file is as before."""
 
     def __init__(self) -> None:
         self._known: dict[str, tuple[list[np.ndarray], float]] = {}
@@ -52,7 +52,7 @@ class Letters:
         return self._known[text]
 
     def _advance(self, text: str) -> float:
-        """From the first letter to the last one, which are alike."""
+        """The distance from the first letter to the last one, which are alike."""
         shapes = self._shapes(text)
         lefts = [shape[:, 0].min() for shape in shapes]
         return max(lefts) - min(lefts)
@@ -66,7 +66,7 @@ class Letters:
 
 
 def _interface_font() -> bpy.types.VectorFont | None:
-    """None: the font that every text object has."""
+    """Blender's interface font; None: the font that every text object has."""
     folder = bpy.utils.system_resource("DATAFILES", path="fonts")
     path = os.path.join(folder, _FONT) if folder else ""
     if not os.path.isfile(path):

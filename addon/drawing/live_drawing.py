@@ -33,7 +33,7 @@ _QUIET_S = 0.12
 # While a render runs, until it is asked again.
 _BUSY_S = 1.0
 _RAYS = 7
-#: Of the three fields, in parts of the picture's half diagonal.
+#: The three fields, as parts of the picture's half diagonal.
 _FIELDS = (0.0, 0.7, 1.0)
 #: The most pixels of the drawing's side: more are shown larger.
 MOST_PX = 512
@@ -45,7 +45,7 @@ _REMEMBERED = 4
 
 @dataclass
 class Drawn:
-    """What the panel shows. `error`, one line, where there is no drawing."""
+    """The drawing that the panel shows. `error`, one line, where there is no drawing."""
 
     icon: int
     #: Angle (degrees) of each field, and whether light comes through from it.
@@ -67,14 +67,14 @@ class _Kept:
 
 
 _kept: dict[_Place, _Kept] = {}
-#: What is to be drawn, and since when that has not changed.
+#: The drawing that is asked for, and the time since which that has not changed.
 _wanted: dict[_Place, tuple[tuple, float]] = {}
 
 
 def for_panel(
     holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer, side_px: int
 ) -> Drawn | None:
-    """The last drawing; has another made soon where it is of something else. `side_px`: of the place that the panel has for it."""
+    """The last drawing; has a new one made soon where the lens has changed. `side_px`: of the place that the panel has for it."""
     library = holder.library.filepath if holder.library else None
     place = (scene.name, (holder.name, library), side_px)
     kept = _kept.get(place)
@@ -93,7 +93,7 @@ def for_panel(
 
 
 def _found(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> dict | None:
-    """What autofocus has found, where that is the camera's focus."""
+    """The answer of autofocus, if the camera's focus is set by autofocus; else None."""
     if holder.data.petzval.focus_mode != "AUTO":
         return None
     found = autofocus.for_panel(holder, scene, view_layer)
@@ -173,7 +173,7 @@ def _place_film(drawing: dict[str, Any], camera: CameraDescription, info: dict[s
 
 
 def _draw() -> float | None:
-    """The timer: draws what has not changed for a while; gives the seconds until it is to be called again."""
+    """The timer: draws the lenses that have not changed for a while; gives the seconds until it is to be called again."""
     if bpy.app.is_job_running("RENDER"):
         return _BUSY_S
     ready = [place for place, (_, since) in _wanted.items() if time.monotonic() >= since + _QUIET_S]
@@ -230,7 +230,7 @@ def forget() -> None:
 
 
 def register() -> None:
-    """Nothing is drawn until a panel asks."""
+    """Does nothing: no drawing is made until a panel asks."""
 
 
 def unregister() -> None:

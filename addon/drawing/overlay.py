@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lens does, drawn into 3D views: the surface of sharp focus with its limits, and the entrance pupil."""
+"""The overlay of a lens in 3D views: the surface of sharp focus with its limits, and the entrance pupil."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from ..native import EngineMissing, engine
 
 #: Points over the picture's width and height: a surface of focus is smooth.
 COLUMNS, ROWS = 13, 9
-#: Colours, with how much of what is behind they cover.
+#: Colours with their opacity.
 _SHARP, _NEAR, _FAR, _PUPIL = (0.2, 0.85, 0.35), (0.25, 0.6, 1.0), (1.0, 0.55, 0.2), (0.85, 0.4, 0.95)
 _FILL, _LINE, _FAINT = 0.12, 0.9, 0.35
 _SEGMENTS = 48
-#: Blender units: what is farther is drawn no more.
+#: Blender units: farther parts are not drawn.
 _FARTHEST = 1e5
 
 _known: dict[str, tuple[Any, dict[str, Any]]] = {}
@@ -59,7 +59,7 @@ def of_camera(holder: bpy.types.Object, scene: bpy.types.Scene) -> dict[str, Any
 
 
 def _autofocus(holder: bpy.types.Object, scene: bpy.types.Scene) -> dict | None:
-    """What autofocus has found; the panel's, so that one looks for both."""
+    """The answer of autofocus that the panel holds, so that overlay and panel look once for both."""
     from ..queries import autofocus
 
     found = autofocus.for_panel(holder, scene, bpy.context.view_layer)
@@ -67,7 +67,7 @@ def _autofocus(holder: bpy.types.Object, scene: bpy.types.Scene) -> dict | None:
 
 
 def surface(answer: dict[str, Any], which: str) -> list[Vector | None]:
-    """By grid point, where it is "sharp", "near" or "far" in the world; None where that is nowhere, or infinitely far."""
+    """The places of a surface ("sharp", "near" or "far") by grid point, world space; None where it is nowhere, or infinitely far."""
     points: list[Vector | None] = []
     for one in answer["points"]:
         distance = None if one is None else one[which]

@@ -39,7 +39,7 @@ def _new(name: str, width: int, height: int) -> bpy.types.Image:
 
 
 def show(context: bpy.types.Context, image: bpy.types.Image) -> bool:
-    """In the largest image editor if it is large enough, else a window of its own; False: there is no window at all."""
+    """Shows an image in the largest image editor if that is large enough, else in a window of its own; False: there is no window."""
     manager = context.window_manager
     if bpy.app.background or manager is None or not manager.windows:
         return False

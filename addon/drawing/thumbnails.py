@@ -96,7 +96,7 @@ def forget() -> None:
 
 
 def register() -> None:
-    """Nothing is drawn until it is asked for."""
+    """Does nothing: no thumbnail is drawn until it is asked for."""
 
 
 def unregister() -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From Blender's evaluated scene to the engine's builder: one file per kind of datablock.
+"""The export of Blender's evaluated scene to the engine's builder: one file per kind of datablock.
 
-Reads only; nothing here changes the scene, and what cannot be handed over is said in the report, once.
+Reads only; nothing here changes the scene, and the report lists, once each, the things that cannot be handed over.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ def send_scene(
     camera: bpy.types.Object | None = None,
     baked: Baked | None = None,
 ) -> bool:
-    """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise. With `only_catchers` what
-    does not catch shadows holds out, and is not there for anything but the camera. `kept`: what the builder holds already; `seen_in`:
+    """Fills a `SceneBuilder`. `check_stop` is called between objects and may raise. With `only_catchers` objects that
+    do not catch shadows hold out, and are there for the camera alone. `kept`: the pieces that the builder holds already; `seen_in`:
     the view whose own choice of objects counts; `camera`: that of a view in stereo, instead of the scene's. `baked`: the object whose surface is wanted, its triangles as Blender has them. True where something is to catch shadows."""
     kept = Kept(builder) if kept is None else kept
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval

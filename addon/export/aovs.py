@@ -22,7 +22,7 @@ class Aovs:
         self._known = {one.name: (number, one.type) for number, one in valid}
 
     def describe(self, tree: bpy.types.NodeTree | None, image_index: ImageIndex) -> tuple[dict, list[int]] | None:
-        """A graph whose closures glow with what a tree's AOV Output nodes get, and the numbers of these; None where there are
+        """A graph whose closures emit the inputs of a tree's AOV Output nodes, and the numbers of these; None where there are
         none that the view layer names."""
         if tree is None or not self._known:
             return None

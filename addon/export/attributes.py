@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What shader graphs ask of a mesh beyond its UV maps: named attributes, colours, coordinates in its box, and what its
-edges tell."""
+"""The data that shader graphs ask of a mesh beyond its UV maps: named attributes, colours, coordinates in its box, and the
+attributes of its edges."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ..native import engine
 GENERATED = ".generated"
 #: Texture nodes that do not ask for those where nothing is linked to their vector.
 _WITHOUT_GENERATED = {"ShaderNodeTexImage", "ShaderNodeTexEnvironment", "ShaderNodeTexCoord"}
-#: How stretched the facets of a shader node are, which lie about those where no tangent is linked.
+#: The inputs of a shader node for stretched facets, which lie about a generated tangent where none is linked.
 STRETCH = ("Anisotropic", "Anisotropy")
-#: The engine's names for what edges tell, by the output of a Geometry node that shows it.
+#: The engine's names for attributes of edges, by the output of a Geometry node that shows it.
 _OF_EDGES = {"Pointiness": ".pointiness", "Random Per Island": ".random_per_island"}
 
-#: By Blender's type of an attribute: the name of its values, and how many numbers each has.
+#: The name of an attribute's values, and the count of numbers of each, by Blender's type.
 KINDS = {
     "FLOAT": ("value", 1),
     "INT": ("value", 1),
@@ -35,7 +35,7 @@ KINDS = {
 
 
 def wanted(graph: dict[str, Any]) -> frozenset[str]:
-    """The names of what a graph's nodes ask for; an empty one is the colour attribute for rendering."""
+    """The names of the attributes that a graph's nodes ask for; an empty one is the colour attribute for rendering."""
     of_geometry = {"Tangent": GENERATED, **_OF_EDGES}
     shown = _shown(graph, "ShaderNodeNewGeometry")
     names = {name for socket, name in of_geometry.items() if socket in shown}
@@ -55,12 +55,12 @@ def wanted(graph: dict[str, Any]) -> frozenset[str]:
 
 
 def of_raycast(options: dict[str, Any]) -> set[str]:
-    """The names of what a Raycast node asks of what is hit."""
+    """The names of the attributes that a Raycast node asks of a hit surface."""
     return {name for key, name in options.items() if key.startswith("attribute_") and not key.endswith("_kind")}
 
 
 def _takes_generated(kind: str, inputs: dict[str, Any]) -> bool:
-    """Whether a node takes generated coordinates by itself: of a texture without a linked vector, or for a tangent."""
+    """True if a node takes generated coordinates by itself: for a texture without a linked vector, or for a tangent."""
     if kind == "ShaderNodeTangent" or any(inputs.get(name, 0.0) != 0.0 for name in STRETCH):
         return True
     return kind.startswith("ShaderNodeTex") and kind not in _WITHOUT_GENERATED and "Vector" not in inputs
@@ -73,7 +73,7 @@ def _shown(graph: dict[str, Any], kind: str) -> set[str]:
 
 
 def read(mesh: bpy.types.Mesh, names: Iterable[str], triangles: int) -> dict[str, tuple[str, np.ndarray]]:
-    """By name: what they belong to, and four numbers each, as `mesh.Values`. `triangles` is how many the mesh has."""
+    """The attributes by name: their domain, and four numbers each, as `mesh.Values`. `triangles` is the mesh's number of triangles."""
     found = {name: _values(mesh, name, triangles) for name in sorted(names)}
     return {name: values for name, values in found.items() if values is not None}
 
@@ -101,7 +101,7 @@ def _colour_for_rendering(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
 
 
 def four(attribute: bpy.types.Attribute) -> np.ndarray:
-    """Four numbers a value: one stands in the first three, what is missing of the others is 0, alpha 1."""
+    """Four numbers a value: a single number stands in the first three, missing ones are 0, and alpha is 1."""
     name, count = KINDS[attribute.data_type]
     kind = {"INT": np.int32, "INT8": np.int8, "BOOLEAN": bool}.get(attribute.data_type, np.float32)
     raw = np.empty(len(attribute.data) * count, kind)
@@ -114,7 +114,7 @@ def four(attribute: bpy.types.Attribute) -> np.ndarray:
 
 
 def _of_edges(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
-    """By vertex."""
+    """The numbers of an attribute of edges, by vertex."""
     edges = np.empty((len(mesh.edges), 2), np.int32)
     mesh.edges.foreach_get("vertices", edges.reshape(-1))
     if name == _OF_EDGES["Random Per Island"]:
@@ -128,7 +128,7 @@ def _of_edges(mesh: bpy.types.Mesh, name: str) -> np.ndarray:
 
 
 def _in_box(mesh: bpy.types.Mesh) -> np.ndarray:
-    """By vertex, as Cycles has it: 0 to 1 over the texture space, before modifiers moved anything."""
+    """Generated coordinates by vertex, as in Cycles: 0 to 1 over the texture space, before modifiers moved anything."""
     places = np.empty((len(mesh.vertices), 3), np.float32)
     mesh.vertices.foreach_get("undeformed_co", places.reshape(-1))
     return in_box(mesh, places)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender lays out for a bake, as the engine takes it: an object, and the points of its surface that pixels show."""
+"""The data that Blender lays out for a bake, as the engine takes them: an object, and the points of its surface that pixels show."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Baked(NamedTuple):
     catches_shadows: bool = False
 
     def is_at(self, place: bpy.types.DepsgraphObjectInstance) -> bool:
-        """Whether an instance of the dependency graph is the object itself, not a copy that another object shows."""
+        """True if an instance of the dependency graph is the object itself, not a copy that another object shows."""
         own = self.holder.original
         if place.object.original != own:
             return False
@@ -49,7 +49,7 @@ class Points(NamedTuple):
 def describe(
     holder: bpy.types.Object, scene: bpy.types.Scene, kind: str, pass_filter: int, *, has_camera: bool
 ) -> BakeDescription:
-    """What Blender asks for."""
+    """The description of a bake as Blender asks for it."""
     lights = {name: bool(pass_filter & bit) for name, bit in FILTER.items()}
     from_camera = has_camera and scene.render.bake.view_from == "ACTIVE_CAMERA"
     return BakeDescription(holder.name, kind, from_camera, **lights)

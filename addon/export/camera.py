@@ -36,7 +36,7 @@ from .stereo import Eye, is_pair
 
 MILLIMETRES_PER_METRE = 1000.0
 
-#: As lens files write them.
+#: The names of coatings in lens files.
 _COATINGS = {"NONE": "none", "MGF2": "MgF2", "DOUBLE": "double", "TRIPLE": "triple"}
 
 
@@ -65,7 +65,7 @@ def describe(
     model: str | None = None,
     eye: Eye | None = None,
 ) -> CameraDescription:
-    """What the engine is told; `model` instead of the camera's own; `eye`: as a view in stereo has it. Raises `ExportError`."""
+    """The camera as the engine takes it; `model` replaces the camera's own, `eye` is that of a view in stereo. Raises `ExportError`."""
     if holder is None:
         raise ExportError(f"Scene '{scene.name}' has no camera: add one, and make it the active camera")
     if holder.type != "CAMERA":
@@ -250,7 +250,8 @@ def blender_shift(
 
 
 def _lens(camera: bpy.types.Camera, of_lens: bool) -> LensSettings:
-    """The settings of the lens; `of_lens`: of a lens file, else of a thin lens, which takes what is not set from Blender's depth of field."""
+    """The settings of the lens; `of_lens`: of a lens file, else of a thin lens, which takes values that are not set from Blender's depth of
+    field."""
     settings = camera.petzval
     f_number = None if settings.wide_open else settings.f_number
     if not of_lens:

@@ -47,7 +47,7 @@ class Culling:
         self._is_parallel = camera.data.type == "ORTHO"
 
     def keeps(self, place: bpy.types.DepsgraphObjectInstance) -> bool:
-        """Whether an instance is not left out: where it asks for both kinds, both must say so."""
+        """True if an instance is not culled; an instance that asks for both kinds of culling is kept if one of them keeps it."""
         if not (self._by_camera or self._by_distance):
             return True
         own = place.object.cycles
@@ -59,12 +59,12 @@ class Culling:
         return (by_camera and self._is_near_the_frame(corners)) or (by_distance and self._is_near(corners))
 
     def _is_near(self, corners: Points) -> bool:
-        """Whether the box about the corners comes within the distance of the camera."""
+        """True if the box about the corners comes within the distance of the camera."""
         nearest = np.clip(self._place, corners.min(0), corners.max(0))
         return bool(np.linalg.norm(nearest - self._place) <= self._distance)
 
     def _is_near_the_frame(self, corners: Points) -> bool:
-        """Whether the box about the corners' places in the picture comes within the margin, a part of the picture, of the frame."""
+        """True if the box about the corners' places in the picture comes within the margin, a part of the picture, of the frame."""
         seen = np.c_[corners, np.ones(8)] @ self._view.T
         projected = seen @ self._projection.T
         # A corner beside the camera itself is far outside the frame, not nowhere.

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import attributes
 
-#: What Cycles takes for a radius where curves have none.
+#: Cycles' radius of curves without one.
 RADIUS = 0.005
 #: Blender's number of curves that are straight from point to point.
 _POLY = 1
@@ -20,21 +20,21 @@ _POLY = 1
 
 @dataclass
 class CurveArrays:
-    """What `SceneBuilder.add_curves` takes."""
+    """The arguments of `SceneBuilder.add_curves`."""
 
     #: Place and radius, object space.
     keys: np.ndarray
-    #: By strand the index of its first key; then how many keys there are.
+    #: The index of the first key, by strand; then the number of keys.
     first_keys: np.ndarray
     shape: dict[str, Any]
     first_number: int = 0
-    #: By name: (strands, 2).
+    #: UV maps by name: (strands, 2).
     uv_maps: dict[str, np.ndarray] = field(default_factory=dict)
-    #: By name: whether by key, else by strand; and (keys or strands, 4).
+    #: Attributes by name: True if by key, else by strand; and (keys or strands, 4).
     attributes: dict[str, tuple[bool, np.ndarray]] = field(default_factory=dict)
 
     def send(self, builder: Any, name: str, moved: tuple[np.ndarray, np.ndarray] | None) -> int:
-        """Adds them to a `SceneBuilder`; gives their index."""
+        """Adds the curves to a `SceneBuilder`; returns their index."""
         return builder.add_curves(
             name,
             self.keys,
@@ -48,7 +48,7 @@ class CurveArrays:
 
 
 def shape(scene: bpy.types.Scene) -> dict[str, Any]:
-    """What Cycles's settings say is drawn of curves; ribbons where there is no Cycles."""
+    """The shape of curves by Cycles's settings; ribbons where there is no Cycles."""
     settings = getattr(scene, "cycles_curves", None)
     kind = getattr(settings, "shape", "RIBBONS")
     if kind == "RIBBONS":
@@ -84,7 +84,7 @@ def positions(curves: bpy.types.Curves) -> np.ndarray:
 
 
 def _is_straight(curves: bpy.types.Curves) -> bool:
-    """Whether Cycles draws them straight from point to point: from Blender 5 on, as the first curve says."""
+    """True if Cycles draws the curves straight from point to point: from Blender 5 on, by the type of the first curve."""
     kinds = curves.attributes.get("curve_type")
     return bpy.app.version >= (5, 0, 0) and kinds is not None and kinds.data[0].value == _POLY
 

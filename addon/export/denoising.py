@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a scene is to be denoised: Cycles keeps that, a scene has one set of it."""
+"""The denoising settings of a scene. Cycles keeps them; a scene has one set of them."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ def _described(cycles: bpy.types.bpy_struct, which: str) -> DenoisingDescription
 
 
 def has_gpu() -> bool:
-    """Whether a graphics card that is chosen in the preferences can denoise; Cycles asks the same."""
+    """True if a graphics card that is chosen in the preferences can denoise; Cycles asks the same."""
     cycles = bpy.context.preferences.addons.get("cycles")
     asked = getattr(cycles and cycles.preferences, "has_oidn_gpu_devices", None)
     return bool(asked and asked())
 
 
 def within_memory(how: DenoisingDescription, limit_gb: float) -> DenoisingDescription:
-    """The same in the memory that is left now; `limit_gb` is the user's, 0 for what the machine has free."""
+    """The denoising settings within the memory that is left now; `limit_gb` is the user's, 0 for the machine's free memory."""
     free, used = engine().free_memory_bytes(), process_memory.used_bytes()
     left = limit_gb * 1e9 - used if limit_gb and used is not None else free
     # By how much is left tiles differ, and with them the last bits: always the same where there is enough.

@@ -11,8 +11,8 @@ import bpy
 from .memory import Room
 from .report import Report
 
-#: For pixels of Blender's own camera, else for units of the mesh's space; the length of an edge; the off-screen scale; the most times that
-#: an edge is halved; the triangles that there is room for.
+#: The settings of dicing: True for pixels of Blender's own camera, else units of the mesh's space; the length of an edge; the off-screen
+#: scale; the most times that an edge is halved; the triangles that there is room for.
 Dicing = tuple[bool, float, float, int, int]
 #: Cycles' own least dicing rate, pixels.
 LEAST_PIXELS = 0.1
@@ -44,7 +44,7 @@ def camera(depsgraph: bpy.types.Depsgraph) -> bpy.types.Object | None:
 
 
 def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: Room, report: Report) -> Dicing | None:
-    """How finely an object's mesh is divided; None where it stays as Blender's modifiers make it."""
+    """The dicing of an object's mesh; None where the mesh stays as Blender's modifiers make it."""
     modifier = holder.modifiers[-1] if holder.modifiers else None
     if (
         holder.type != "MESH"
@@ -80,7 +80,7 @@ def of(holder: bpy.types.Object, scene: bpy.types.Scene, is_render: bool, room: 
 
 
 def _is_displaced(material: bpy.types.Material | None) -> bool:
-    """Whether a material moves vertices."""
+    """True if a material moves vertices."""
     if material is None or material.node_tree is None or material.displacement_method == "BUMP":
         return False
     ends = [node for node in material.node_tree.nodes if node.type == "OUTPUT_MATERIAL"]

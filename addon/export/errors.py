@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Why a scene cannot be handed over."""
+"""The errors of scenes that cannot be handed over."""
 
 
 class ExportError(Exception):
-    """The message is one line for the user: what, where, what to do."""
+    """An error with one line for the user: the fault, its place, the remedy."""

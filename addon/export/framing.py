@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lens that frames what Blender's own camera frames, and the film of a lens; remembered so that a view may ask at every redraw."""
+"""A lens with the frame of Blender's own camera, and the film of a lens; remembered so that a view may ask at every redraw."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ _found: dict[tuple, Any] = {}
 
 
 class Refused(Exception):
-    """The engine's complaint, one line."""
+    """The error of a lens that cannot have the frame: the engine's message, one line."""
 
 
 def like_blender(
     description: CameraDescription, shift: tuple[float, float], size: tuple[int, int], report: Report
 ) -> CameraDescription:
-    """The camera with its lens scaled or zoomed to frame what its `perspective` frames with this shift, in a picture of so many pixels on
+    """The camera with its lens scaled or zoomed to the frame of its `perspective` with this shift, in a picture of so many pixels on
     its film; shifts of the lens add to those of Blender's camera. As it was, and a warning, where the lens cannot."""
     perspective, film = replace(description.perspective, shift=shift), description.film
     shape = size[0] / (size[1] * description.pixel_aspect)

@@ -26,7 +26,7 @@ _LONGEST_LUMINAIRE = 4 << 20
 _NEW_CELLS = (5, 0, 0)
 #: Ends of the tree, by the description's name for each.
 _ENDS = {"surface": "Surface", "volume": "Volume", "displacement": "Displacement"}
-#: What a texture looks up where nothing is linked, if not generated coordinates.
+#: The coordinates of a texture without a linked vector, if not generated ones.
 _COORDINATES = {
     "TEX_IMAGE": ("ShaderNodeTexCoord", "UV"),
     "TEX_ENVIRONMENT": ("ShaderNodeNewGeometry", "Position"),
@@ -38,7 +38,7 @@ _OPTION_TYPES = {"ENUM", "BOOLEAN", "INT", "FLOAT", "STRING"}
 
 
 def describe(tree: bpy.types.NodeTree, image_index: ImageIndex) -> dict[str, Any]:
-    """What the tree's active output shows. A tree without one is empty."""
+    """The nodes and the ends of the tree's active output. A tree without an output is empty."""
     output = tree.get_output_node("CYCLES")
     walk = _Walk(image_index)
     ends = {}
@@ -57,7 +57,7 @@ class Ends:
         self._walk = _Walk(image_index)
 
     def input(self, socket: bpy.types.NodeSocket, groups: tuple[bpy.types.Node, ...] = ()) -> Any:
-        """What an input socket gets: a link, or its value."""
+        """The value of an input socket, or its link."""
         return self._walk.given(socket, nodes.trace(nodes.Input(socket, groups)))
 
     def add(self, described: dict[str, Any], socket: str = "Emission") -> dict[str, Any]:
@@ -96,7 +96,7 @@ class _Walk:
         return {"node": self._places[key], "socket": socket}
 
     def given(self, socket: bpy.types.NodeSocket, found: nodes.Source | nodes.Input | None) -> Any:
-        """What an input socket gets: a link, or a value; None where the node takes something of the surface."""
+        """The value of an input socket, or its link; None where the node takes it from the surface."""
         if not isinstance(found, nodes.Source):
             return _constant(socket, found) if socket.type in _VALUE_TYPES else None
         link = self.link(found)
@@ -156,7 +156,7 @@ class _Walk:
 
 
 def _constant(socket: bpy.types.NodeSocket, found: nodes.Input | None) -> float | list[float] | None:
-    """What an input holds; None where the node takes something of the surface."""
+    """The value of an input; None where the node takes it from the surface."""
     if found is None:
         # Nothing arrives through a dead end: Blender takes zero.
         return 0.0
@@ -171,12 +171,12 @@ def _constant(socket: bpy.types.NodeSocket, found: nodes.Input | None) -> float 
 
 
 def _takes_default(socket: bpy.types.NodeSocket) -> bool:
-    """Whether an empty input is a normal, a coordinate or the like, rather than the value that it hides."""
+    """True if an empty input is a normal, a coordinate or the like, rather than the value that it hides."""
     return socket.hide_value and (socket.type == "VECTOR" or socket.identifier == "Random")
 
 
 def _is_direction(socket: bpy.types.NodeSocket) -> bool:
-    """Whether an input is a normal or a tangent, which an empty one takes of the surface."""
+    """True if an input is a normal or a tangent, which an empty one takes from the surface."""
     return socket.hide_value and socket.type == "VECTOR" and socket.identifier in _DIRECTIONS
 
 
@@ -217,7 +217,7 @@ def _options(node: bpy.types.Node, image_index: ImageIndex) -> dict[str, Any]:
 
 
 def _attributes(node: bpy.types.Node, names: dict[str, Any]) -> dict[str, Any]:
-    """What a Raycast node asks of what is hit: names of attributes and the kinds of their outputs, by their places in its list."""
+    """The attributes that a Raycast node asks of a hit surface: their names and the kinds of their outputs, by their places in its list."""
     asked = [names.get(one.identifier, "") for one in node.inputs if one.type == "STRING"]
     kinds = [one.type for one in node.outputs if one.identifier.startswith("Attribute_")]
     found = {f"attribute_{place}": name for place, name in enumerate(asked)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values at the voxels of volume objects and smoke: what Blender keeps as OpenVDB grids and as arrays."""
+"""Values at the voxels of volume objects and smoke: Blender's OpenVDB grids and arrays."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ Grid = tuple[str, np.ndarray, tuple[tuple[float, ...], ...]]
 
 #: Voxels of a box that are handed over: two gigabytes.
 _MOST_VOXELS = 2**29
-#: Where Cycles has the middle of the voxel at the origin, in voxels: before 5.0 half of one farther.
+#: The middle of the voxel at the origin, in voxels, in Cycles: before 5.0 half of one farther.
 _MIDDLE = 0.5 if bpy.app.version < (5, 0, 0) else 0.0
-#: What a smoke domain knows, by the names that shaders ask for, and how many numbers each has.
+#: The grids of a smoke domain, by the names that shaders ask for, with the number of channels of each.
 _OF_SMOKE = {"density": 1, "color": 4, "flame": 1, "heat": 1, "temperature": 1}
 
 
 @dataclass
 class Box:
-    """Where a volume object is, and what it holds."""
+    """A volume object's box and grids."""
 
     #: Corners of the box in the object's space.
     corners: list[Vector]
@@ -41,7 +41,7 @@ class Box:
     grids: list[Grid] = field(default_factory=list)
 
     def shape(self) -> tuple[np.ndarray, np.ndarray]:
-        """As a mesh whose front is outside."""
+        """The box as a mesh whose front is outside."""
         positions = np.array([corner[:] for corner in self.corners], np.float32)
         quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
         triangles = np.array([part for a, b, c, d in quads for part in ([a, b, c], [a, c, d])], np.int32)
@@ -123,7 +123,7 @@ def _read(vdb: ModuleType, holder: bpy.types.Object, owner: str, report: Report)
 
 
 def _values(grid: Any, first: np.ndarray, size: np.ndarray, owner: str, report: Report) -> np.ndarray | None:
-    """By z, y, x and channel."""
+    """The values of a grid by z, y, x and channel."""
     channels = {"float": 1, "double": 1, "half": 1, "int32": 1, "int64": 1, "bool": 1, "vec3s": 3, "vec3d": 3}
     count = channels.get(grid.valueTypeName)
     if count is None:
@@ -141,7 +141,7 @@ def _values(grid: Any, first: np.ndarray, size: np.ndarray, owner: str, report: 
 
 
 def of_smoke(holder: bpy.types.Object, report: Report) -> list[Grid]:
-    """What a mesh that is a domain of gas holds; nothing of others."""
+    """The grids of a gas domain; empty for other meshes."""
     for modifier in holder.modifiers:
         if modifier.type == "FLUID" and modifier.show_render and modifier.fluid_type == "DOMAIN":
             domain = modifier.domain_settings

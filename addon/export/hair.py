@@ -66,7 +66,7 @@ def places(holder: bpy.types.Object, system: System) -> np.ndarray:
 def extract(
     holder: bpy.types.Object, system: System, wanted: Iterable[str], drawn: dict[str, Any], first_number: int
 ) -> CurveArrays:
-    """The strands of a system, with what is wanted of the mesh that they grow from."""
+    """The strands of a system, with the attributes that are wanted of the mesh that they grow from."""
     at = places(holder, system)
     strands, each = at.shape[:2]
     keys = np.empty((strands, each, 4), np.float32)
@@ -94,7 +94,7 @@ def extract(
 
 
 def _radii(at: np.ndarray, settings: bpy.types.ParticleSettings) -> np.ndarray:
-    """By strand and key: from the root's radius to the tip's, by how far along the key is."""
+    """The radii by strand and key: from the root's to the tip's, by the key's place along the strand."""
     steps = np.linalg.norm(np.diff(at, axis=1), axis=2)
     along = np.concatenate([np.zeros((len(at), 1), np.float32), steps.cumsum(1)], 1)
     share = along / np.where(along[:, -1:] > 0.0, along[:, -1:], 1.0)
@@ -109,7 +109,7 @@ def _radii(at: np.ndarray, settings: bpy.types.ParticleSettings) -> np.ndarray:
 
 
 def _on_emitter(system: System, read: Any, width: int, **which: int) -> np.ndarray:
-    """What the emitter's mesh has where the strands' roots are, (strands, width)."""
+    """The values of the emitter's mesh at the strands' roots, (strands, width)."""
     particles = system.hair.particles
     parents = len(particles)
     values = (

@@ -101,7 +101,7 @@ class Images:
         self._kept.changes += 1
 
     def _is_missing(self, image: bpy.types.Image, part: Part) -> bool:
-        """Whether there are no pixels of it. Those that its file gives are kept until they are sent: Blender then has not to read it, too."""
+        """True if the image has no pixels. Pixels that its file gives are kept until they are sent: Blender need not read it, too."""
         place = uid(image), part
         if place in self._read_before or place in self._read:
             return False
@@ -162,11 +162,11 @@ class Images:
 
 
 def _ends_at_its_edge(node: bpy.types.Node) -> bool:
-    """Whether a missing image is a pixel beyond which nothing is: so in the Cycles of older versions."""
+    """True if a missing image is a pixel with nothing beyond it, as in the Cycles of older versions."""
     return bpy.app.version < _MISSING_IS_EVERYWHERE and node.type == "TEX_IMAGE" and node.extension == "CLIP"
 
 
 def _has_no_pixels(image: bpy.types.Image) -> bool:
-    """Whether Blender has no pixels of it."""
+    """True if Blender has no pixels of the image."""
     width, height = image.size
     return width == 0 or height == 0 or image.channels == 0

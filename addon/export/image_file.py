@@ -2,7 +2,8 @@
 """Pixels of images straight from their files.
 
 Blender gives the pixels of an image as floats, in several times the time that reading its file takes; and once it has read the file itself.
-Blender's own reader of files (the module imbuf) gives bytes: the same numbers, for what is neither painted nor treated on the way.
+Blender's own reader of files (the module imbuf) gives bytes: the same numbers, for images that are neither painted nor converted on the
+way.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from . import image_parts
 from .image_parts import Part
 
-#: What a file begins with, and where a PNG says how many bits a channel has.
+#: The first bytes of files, and the place where a PNG says how many bits a channel has.
 _JPEG, _PNG, _PNG_BITS_AT = b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n", 24
 #: Treatments of alpha that leave the bytes of a file as they are.
 _AS_IN_FILE = {"STRAIGHT", "CHANNEL_PACKED"}
@@ -25,8 +26,8 @@ _OF_FILES = {"FILE", "SEQUENCE", "TILED"}
 
 
 def is_there(image: bpy.types.Image, part: Part = None) -> bool:
-    """Whether the image, or a part of it, has a file, itself or beside the .blend: Blender has then not to be asked whether it has pixels. Of an
-    image that is one picture it is one that `pixels` may read."""
+    """True if the image, or a part of it, has a file, packed or beside the .blend: Blender has then not to be asked whether it has pixels.
+    Of an image that is one picture it is one that `pixels` may read."""
     if part is None:
         return bool(_head(image, part))
     return image_parts.packed(image, part) is not None or os.path.isfile(image_parts.path(image, part))

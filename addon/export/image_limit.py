@@ -20,7 +20,7 @@ class ImageLimit:
 
     @classmethod
     def of(cls, scene: bpy.types.Scene, *, is_render: bool) -> ImageLimit:
-        """That of final renders, or of 3D views. Cycles keeps both; the scale came with 5.2."""
+        """The limit of final renders, or of 3D views. Cycles keeps both; the scale came with 5.2."""
         cycles, end = getattr(scene, "cycles", None), "_render" if is_render else ""
         if cycles is None or not scene.render.use_simplify:
             return cls()

@@ -16,7 +16,7 @@ Part = int | None
 
 #: The tile at the origin of UV space.
 FIRST_TILE = 1001
-#: Whether Blender gives Python the frames of a movie: from 4.3 on.
+#: True if Blender gives Python the frames of a movie: from 4.3 on.
 READS_MOVIES = "frame" in bpy.types.Image.bl_rna.functions["scale"].parameters
 _FOLLOW_THE_FRAME = {"SEQUENCE", "MOVIE"}
 #: The last digits of a file's name before its ending.
@@ -25,7 +25,7 @@ _FRAME_IN_NAME = re.compile(r"(\d+)(?=\D*$)")
 
 @dataclass(frozen=True)
 class Timing:
-    """How an image follows the scene's frame: the settings of a texture node's image user."""
+    """The frame range of an image, relative to the scene's frame: the settings of a texture node's image user."""
 
     start: int
     offset: int
@@ -36,7 +36,7 @@ class Timing:
 
     @classmethod
     def of(cls, node: bpy.types.Node) -> Timing | None:
-        """That of a texture node; None where its image does not follow the frame."""
+        """The timing of a texture node; None where its image does not follow the frame."""
         if node.image is None or node.image.source not in _FOLLOW_THE_FRAME:
             return None
         user = node.image_user
@@ -99,7 +99,7 @@ def _of_frame(name: str, frame: int) -> str:
 
 
 def _is_painted(image: bpy.types.Image, part: Part) -> bool:
-    """Whether a tile is made in Blender and was never saved: Blender shows the pixels of such a tile where it is the first."""
+    """True if a tile is made in Blender and was never saved: Blender shows the pixels of such a tile where it is the first."""
     return image.source == "TILED" and image.tiles[0].number == part and image.tiles[0].is_generated_tile
 
 

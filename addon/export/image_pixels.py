@@ -14,7 +14,7 @@ TRANSPARENT_MODES = frozenset({"STRAIGHT", "PREMUL"})
 
 @dataclass
 class Pixels:
-    """What was read of an image, or of a part of one."""
+    """The pixels of an image, or of a part of one."""
 
     #: (height, width, channels) from below: floats as Blender gives them, or the bytes of a file, which have four channels.
     values: np.ndarray
@@ -25,7 +25,7 @@ class Pixels:
 
     @classmethod
     def of_blender(cls, image: bpy.types.Image) -> Pixels | None:
-        """Those that Blender has; None where it has none."""
+        """The pixels of an image in Blender; None where it has none."""
         width, height = image.size
         if width == 0 or height == 0 or image.channels == 0:
             return None
@@ -35,7 +35,7 @@ class Pixels:
 
     @classmethod
     def of_bytes(cls, image: bpy.types.Image, values: np.ndarray) -> Pixels:
-        """Those of the image's file."""
+        """The pixels of an image's file."""
         return cls._of(image, values, is_float=False)
 
     @classmethod

@@ -31,7 +31,7 @@ from .visibility import hidden_from
 
 #: Objects whose surface Blender can hand over as a mesh, as strands, or as points.
 WITH_SURFACE = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
-#: Those of which all has the first material; what *Surfaces* of a view layer says is not of them.
+#: Object types of which all has the first material; *Surfaces* of a view layer does not apply to them.
 SMALL = {"CURVES", "POINTCLOUD"}
 #: Objects that are seen in a Blender render, but not here yet.
 NOT_YET = {"GPENCIL": "grease pencil", "GREASEPENCIL": "grease pencil"}
@@ -70,7 +70,7 @@ def _instancers(place: bpy.types.DepsgraphObjectInstance) -> tuple[bpy.types.Obj
 
 
 def _sources(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> tuple[bpy.types.ID | None, ...]:
-    """What an object's shape comes from."""
+    """The datablocks that an object's shape comes from."""
     return holder, holder.data, place.parent if place.is_instance else None
 
 
@@ -85,7 +85,7 @@ class InstanceGroup:
         self._randoms = array("f")
 
     def add(self, place: bpy.types.DepsgraphObjectInstance) -> None:
-        """Takes the matrix and the random number of one more."""
+        """Takes the matrix and the random number of one more instance."""
         for row in place.matrix_world:
             self._matrices.extend(row)
         self._randoms.append(object_info.random(place.object, place))
@@ -202,8 +202,8 @@ class Stage:
             group.send()
 
     def _group_key(self, place: bpy.types.DepsgraphObjectInstance) -> Hashable | None:
-        """The key of an instance's group; None of an instance that is sent by itself: lamps, what may move by itself, and what
-        has a number of its own."""
+        """The key of an instance's group; None of an instance that is sent by itself: lamps, instances that may move, and those with
+        a number of their own."""
         holder = place.object
         if not place.is_instance or holder.type == "LIGHT" or self._motion is not None or self._blur is not None:
             return None

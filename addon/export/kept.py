@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a builder of the engine holds of images, materials and meshes, so that a scene that is edited sends again only what changed."""
+"""The images, materials and meshes that a builder of the engine holds, so that an edited scene sends again only its changes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def uid(one: bpy.types.ID | None) -> int:
 
 
 class ImageKey(NamedTuple):
-    """What an image of the engine was made of."""
+    """The source of an image of the engine."""
 
     #: The datablock.
     image: int
@@ -28,7 +28,7 @@ class ImageKey(NamedTuple):
 
 @dataclass
 class Piece:
-    """What was sent: the engine's index, None where there was nothing to send; and the datablocks that it was made of."""
+    """A piece that was sent: the engine's index, None where there was nothing to send; and the datablocks that it was made of."""
 
     index: int | None
     sources: frozenset[int] = frozenset()
@@ -37,29 +37,30 @@ class Piece:
 
 @dataclass
 class Kept:
-    """All of one builder, by what each was made of."""
+    """All pieces of one builder, by their sources."""
 
     builder: Any
     images: dict[ImageKey, int] = field(default_factory=dict)
-    #: By material, world or light: the frames of sequences and movies that it shows, and how they follow the scene's.
+    #: The frames of sequences and movies that a material, world or light shows, with their timing.
     timed: dict[int, dict[ImageKey, Timing]] = field(default_factory=dict)
-    #: By datablock.
+    #: The index of a material by datablock.
     materials: dict[int, int] = field(default_factory=dict)
-    #: By material: the attributes that it asks of meshes.
+    #: The attributes that a material asks of meshes.
     wanted: dict[int, frozenset[str]] = field(default_factory=dict)
     #: Meshes, curves, points and boxes.
     meshes: dict[Hashable, Piece] = field(default_factory=dict)
     #: Something fills space: a material's volume, or smoke.
     fills_space: bool = False
-    #: Datablocks whose shape changed since the last time; what is made of them is not taken as it was.
+    #: Datablocks whose shape changed since the last time; pieces made of them are not taken as they were.
     reshaped: frozenset[int] = frozenset()
-    #: How often something was sent or forgotten.
+    #: The number of pieces that were sent or forgotten.
     changes: int = 0
     #: The frames that were shown the time before.
     _frames: set[ImageKey] = field(default_factory=set)
 
     def begin(self, changed: Changes, scene_frame: int) -> None:
-        """Forgets what changed, and frames that are not those of the scene's frame; what is not asked for until `sweep` goes then."""
+        """Forgets changed pieces, and frames that are not those of the scene's frame; pieces that are not asked for until `sweep` go
+        then."""
         if changed.images & {key.image for key in self.images}:
             # Materials name images by their index.
             changed = Changes(changed.images, changed.shapes, set(self.materials))
@@ -149,7 +150,7 @@ class Changes:
 
     @classmethod
     def of(cls, depsgraph: bpy.types.Depsgraph) -> Changes:
-        """What a dependency graph says of its last evaluation."""
+        """The changes of a dependency graph's last evaluation."""
         found = cls()
         for update in depsgraph.updates:
             one = update.id

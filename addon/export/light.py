@@ -31,7 +31,7 @@ class Lights:
         self._nodes: dict[int, str | None] = {}
 
     def describe(self, holder: bpy.types.Object, matrix: Matrix, hidden_from: tuple[str, ...]) -> LightDescription:
-        """What the engine is told of a lamp object; `matrix` is where this instance of it stands."""
+        """The description of a lamp object for the engine; `matrix` is the matrix of this instance of it."""
         light = holder.data
         key = light.original.as_pointer()
         if key not in self._nodes:
@@ -54,12 +54,12 @@ class Lights:
 
 
 def is_portal(light: bpy.types.Light) -> bool:
-    """Whether it only tells Cycles where the sky comes in, and gives no light."""
+    """True if the light only tells Cycles where the sky comes in, and gives no light."""
     return light.type == "AREA" and getattr(getattr(light, "cycles", None), "is_portal", False)
 
 
 def _shape(description: LightDescription, light: bpy.types.Light, matrix: Matrix) -> None:
-    """Fills in what only some kinds of light have."""
+    """Fills in the fields that only some kinds of light have."""
     if light.type in {"POINT", "SPOT"}:
         description.radius = light.shadow_soft_size
         description.soft_falloff = light.use_soft_falloff
@@ -86,7 +86,7 @@ def _colour(light: bpy.types.Light) -> Colour:
 
 
 def _nodes(light: bpy.types.Light, images: Images) -> str | None:
-    """What the engine is told of a light's nodes; a new light's, which change nothing, are left out."""
+    """The nodes of a light as the engine takes them; the nodes of a new light, which change nothing, are left out."""
     if not uses_nodes(light):
         return None
     described = graph.describe(light.node_tree, lambda node: images.of_node(node, light))
@@ -94,7 +94,7 @@ def _nodes(light: bpy.types.Light, images: Images) -> str | None:
 
 
 def _is_plain(described: dict[str, Any]) -> bool:
-    """Whether it is one Emission as Blender makes it."""
+    """True if the description is one Emission as Blender makes it."""
     first, *more = described["nodes"]
     inputs = first["inputs"]
     one = first["type"] == "ShaderNodeEmission" and inputs["Color"] == [1.0] * 3 and inputs["Strength"] == 1.0
@@ -118,7 +118,7 @@ def _cone(light: bpy.types.Light, matrix: Matrix) -> tuple[float, float]:
 
 
 def _size(light: bpy.types.Light, matrix: Matrix) -> float:
-    """What Blender divides by where a light's power is spread over its size."""
+    """The divisor by which Blender spreads a light's power over its size."""
     if light.type == "SUN":
         size = pi * sin(0.5 * light.angle) ** 2
     elif light.type == "AREA":

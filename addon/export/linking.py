@@ -9,7 +9,7 @@ import bpy
 
 from .report import Report
 
-#: As many as Cycles has, the first of which is everything.
+#: The number of sets, as in Cycles; the first of them is everything.
 MOST_SETS = 64
 ROLES = ("receiver", "blocker")
 _ALL = (1 << 64) - 1
@@ -40,15 +40,15 @@ class Links:
 
     @property
     def any(self) -> bool:
-        """Whether anything is linked."""
+        """True if anything is linked."""
         return any(self._sets.values())
 
     def sets(self, holder: bpy.types.Object) -> tuple[int, int]:
-        """Of an emitter: what it lights, and what stands in its way."""
+        """The sets of an emitter: the objects that it lights, and those that block its light."""
         return tuple(self._sets[role].get(_collection(holder, role), 0) for role in ROLES)
 
     def of(self, holder: bpy.types.Object) -> tuple[int, int, int, int] | None:
-        """Of an object: the sets of receivers and of blockers that it is in, a bit each, and its own as an emitter. None
+        """The sets of an object: those of receivers and of blockers that it is in, a bit each, and its own as an emitter. None
         where nothing is linked."""
         if not self.any:
             return None

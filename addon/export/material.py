@@ -17,7 +17,7 @@ from .image import Images
 from .kept import Kept, uid
 from .report import Report
 
-#: No material has this number.
+#: The number of smoke, which no material has.
 _SMOKE = -1
 #: From this version on the material of an empty slot is a Principled BSDF, before it a Diffuse BSDF.
 _DEFAULT_IS_PRINCIPLED = (5, 0, 0)
@@ -31,14 +31,14 @@ class Materials:
     ) -> None:
         self._builder = kept.builder
         self._kept = kept
-        #: What everything is made of instead.
+        #: The material of everything, in place of its own.
         self.override = override
         self._aovs = aovs
         self._images = images
         self._report = report
         self._known = kept.materials
         self._wanted = kept.wanted
-        #: The attributes that rays of any material ask of what they hit.
+        #: The attributes that rays of any material ask of surfaces that they hit.
         self.of_rays = _of_rays()
 
     def index(self, material: bpy.types.Material | None) -> int:
@@ -54,7 +54,7 @@ class Materials:
         self._kept.changes += 1
 
     def volume_index(self, material: bpy.types.Material | None) -> int:
-        """The same for a volume object, which without one is smoke."""
+        """The engine's index of a volume object's material; without one it is smoke."""
         material = self.override or material
         if material is not None:
             return self.index(material)
@@ -71,7 +71,7 @@ class Materials:
         return self.of_rays | (frozenset() if material is None else self._wanted.get(uid(material), frozenset()))
 
     def describe(self, material: bpy.types.Material) -> MaterialDescription:
-        """What the engine is told of a material."""
+        """The description of a material for the engine."""
         if material.grease_pencil is not None or not uses_nodes(material):
             described = MaterialDescription(material.name, json.dumps(_without_nodes(material)))
         else:
@@ -111,7 +111,7 @@ def _of_rays() -> frozenset[str]:
 
 
 def uses_nodes(holder: bpy.types.ID) -> bool:
-    """Whether a material, world or light is made of nodes."""
+    """True if a material, world or light is made of nodes."""
     if holder.node_tree is None:
         return False
     # From 5.0 on materials and worlds always are, and asking is deprecated.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a picture and its meshes fit into memory: asked before anything of them is made. An engine that runs out of memory takes
+"""The check that a picture and its meshes fit into memory, before any of it is made. An engine that runs out of memory takes
 Blender with it."""
 
 from __future__ import annotations
@@ -7,11 +7,11 @@ from __future__ import annotations
 from ..native import engine
 from .errors import ExportError
 
-#: What a triangle takes at most, with normals and one UV map, Blender's evaluated copy included; docs/design/meshes.md.
+#: Memory of a triangle at most, with normals and one UV map, Blender's evaluated copy included; docs/design/meshes.md.
 BYTES_A_TRIANGLE = 250
-#: What each that was handed over still takes when the trees over them are built.
+#: Memory that each triangle that was handed over still takes when the trees over them are built.
 BYTES_OF_TREES = 100
-#: Fewer need no question.
+#: The number of triangles below which memory is not checked.
 MANY_TRIANGLES = 100_000
 
 
@@ -40,7 +40,7 @@ def check_picture(limit_gb: float, width: int, height: int, film_bytes_a_pixel: 
 
 
 class Room:
-    """Memory for the meshes of one scene; `limit_gb` is the user's, 0 for what the machine has free."""
+    """Memory for the meshes of one scene; `limit_gb` is the user's, 0 for the machine's free memory."""
 
     def __init__(self, limit_gb: float) -> None:
         self._limit_bytes = limit_gb * 1e9

@@ -16,17 +16,17 @@ from . import attributes
 MOST_UV_MAPS = 8
 
 
-#: What values belong to ("POINT", "CORNER", "TRIANGLE"), and these, one a row.
+#: The domain of values ("POINT", "CORNER", "TRIANGLE"), and these, one a row.
 Values = tuple[str, np.ndarray]
 
 
 @dataclass
 class MeshArrays:
-    """What `SceneBuilder.add_mesh` takes: values as the mesh keeps them, and which of them each triangle has."""
+    """The arguments of `SceneBuilder.add_mesh`: values as the mesh keeps them, and which of them each triangle has."""
 
     positions: np.ndarray
     triangles: np.ndarray
-    #: Which corners of the faces the triangles' are.
+    #: By triangle, the corners of the faces that its corners are.
     loops: np.ndarray
     corner_normals: Values | None = None
     uv_maps: dict[str, Values] = field(default_factory=dict)
@@ -35,13 +35,13 @@ class MeshArrays:
 
     @property
     def loops_if_asked(self) -> np.ndarray | None:
-        """None where nothing is kept by corners."""
+        """The loops of the triangles; None where nothing is kept by corners."""
         normals = [self.corner_normals] if self.corner_normals else []
         found = any(domain == "CORNER" for domain, _ in (*normals, *self.uv_maps.values(), *self.attributes.values()))
         return self.loops if found else None
 
     def fits(self, normals: Values | None) -> bool:
-        """Whether normals are of this mesh."""
+        """True if normals are of this mesh."""
         if normals is None:
             return False
         domain, values = normals
@@ -53,7 +53,7 @@ class MeshArrays:
 
 @contextmanager
 def shape(holder: bpy.types.Object, data: bpy.types.Mesh) -> Iterator[bpy.types.Mesh]:
-    """An object's mesh; of one that is being edited, what it is now: its data are empty until then."""
+    """An object's mesh; of one in edit mode its current state: its data are empty until then."""
     if not data.is_editmode:
         yield data
         return
@@ -65,7 +65,7 @@ def shape(holder: bpy.types.Object, data: bpy.types.Mesh) -> Iterator[bpy.types.
 
 
 def triangle_count(mesh: bpy.types.Mesh) -> int:
-    """How many triangles its faces are made of."""
+    """The number of triangles that the mesh's faces are made of."""
     return max(len(mesh.loops) - 2 * len(mesh.polygons), 0)
 
 
@@ -114,7 +114,7 @@ def _attribute(mesh: bpy.types.Mesh, name: str, value: str, shape: tuple[int, ..
 
 
 def normals(mesh: bpy.types.Mesh) -> Values | None:
-    """By vertex, or by corner where that is not the same; None where all faces are flat."""
+    """The normals by vertex, or by corner where these differ; None where all faces are flat."""
     if mesh.normals_domain == "FACE":
         return None
     if mesh.normals_domain == "POINT":

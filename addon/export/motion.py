@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where everything stands a frame before and a frame after, for the Vector pass."""
+"""The places of instances a frame before and a frame after, for the Vector pass."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .report import Report
 
 Key = tuple
 
-#: What has vertices, keys or points that may move.
+#: The data with vertices, keys or points that may move.
 WITH_POSITIONS = (bpy.types.Mesh, bpy.types.Curves, bpy.types.PointCloud)
 
 
 def key(place: bpy.types.DepsgraphObjectInstance) -> Key:
-    """What is the same of an instance at every frame: its object, and which of what made it."""
+    """The key of an instance that is the same at every frame: its object, and which of the instances of its emitter."""
     if not place.is_instance:
         return (place.object.name_full,)
     return place.object.name_full, place.parent.name_full, tuple(place.persistent_id)
@@ -31,9 +31,9 @@ class Placed(NamedTuple):
     """One instance at one frame."""
 
     matrix: Matrix4
-    #: Of the mesh's vertices, curves' keys or points, object space; shared by all instances. None where they cannot move.
+    #: The positions of the mesh's vertices, curves' keys or points, object space; shared by all instances. None where they cannot move.
     positions: np.ndarray | None
-    #: Of the keys of hair, by particle system.
+    #: The positions of the keys of hair, by particle system.
     hair: dict[str, np.ndarray]
 
 
@@ -42,7 +42,7 @@ class Frame(dict[Key, Placed]):
 
     @classmethod
     def read(cls, depsgraph: bpy.types.Depsgraph) -> Frame:
-        """Where everything that has a surface stands in the graph's frame."""
+        """The places and positions of everything that has a surface, in the graph's frame."""
         found = cls()
         known: dict[int, np.ndarray | None] = {}
         known_hair: dict[str, dict[str, np.ndarray]] = {}
@@ -75,14 +75,14 @@ class Frame(dict[Key, Placed]):
 
 
 def may_deform(holder: bpy.types.Object) -> bool:
-    """Whether the mesh can have another shape at another frame: most cannot, and need not be read."""
+    """True if the mesh can have another shape at another frame: most cannot, and need not be read."""
     original = holder.original
     plain = original.type == "MESH" and not original.modifiers and original.data.shape_keys is None
     return not plain or original.data.animation_data is not None
 
 
 class Motion:
-    """What moves between two frames, for the builder."""
+    """The movement between two frames, for the builder."""
 
     def __init__(self, before: Frame, after: Frame, frame_s: float, report: Report) -> None:
         self._frames = before, after
@@ -90,7 +90,7 @@ class Motion:
         self._report = report
 
     def matrices(self, place: bpy.types.DepsgraphObjectInstance) -> tuple[Matrix4, Matrix4] | None:
-        """Where an instance stands in the neighbouring frames; None where it does not move, or is not there in one."""
+        """The matrices of an instance in the neighbouring frames; None where it does not move, or is not there in one."""
         both = self._placed(place)
         if both is None:
             return None

@@ -46,7 +46,7 @@ class Source:
 
 
 def trace(start: Input) -> Source | Input | None:
-    """What an input gets: a node's output; or the input whose own value counts; or nothing (a dead end)."""
+    """The source of an input: a node's output; or the input whose own value counts; or nothing (a dead end)."""
     socket, groups = start.socket, start.groups
     # The last one that has a value of its own.
     reader = start

@@ -11,7 +11,8 @@ _MASK = 0xFFFFFFFF
 
 
 class Numbers:
-    """For a program that drives Blender from outside: another number for each instance than its object's pass index."""
+    """The numbers of instances for a program that drives Blender from outside: another number for each instance than its object's pass
+    index."""
 
     #: Gives the number, 0 to 2^24; None: pass indices count.
     of: Callable[[bpy.types.DepsgraphObjectInstance], int] | None = None
@@ -27,7 +28,7 @@ def index(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) ->
 
 
 def random(holder: bpy.types.Object, place: bpy.types.DepsgraphObjectInstance) -> float:
-    """0 to 1: by the name of an object, by what Blender numbers an instance with."""
+    """0 to 1: by the name of an object, or by Blender's number of an instance."""
     number = place.random_id if place.is_instance else _hash(_of_name(holder.name), 0)
     return (number & _MASK) / _MASK
 

@@ -12,17 +12,17 @@ import numpy as np
 
 from . import attributes
 
-#: What Cycles takes for a radius where points have none.
+#: Cycles' radius of points without one.
 RADIUS = 0.01
 
 
 @dataclass
 class PointArrays:
-    """What `SceneBuilder.add_points` takes."""
+    """The arguments of `SceneBuilder.add_points`."""
 
     #: Place and radius, object space.
     points: np.ndarray
-    #: By name: (points, 4).
+    #: Attributes by name: (points, 4).
     attributes: dict[str, np.ndarray] = field(default_factory=dict)
 
     def send(
@@ -32,7 +32,7 @@ class PointArrays:
         moved: tuple[np.ndarray, np.ndarray] | None,
         poses: list[np.ndarray] | None,
     ) -> int:
-        """Adds them to a `SceneBuilder`; gives their index."""
+        """Adds the points to a `SceneBuilder`; returns their index."""
         return builder.add_points(
             name, self.points, attributes=self.attributes or None, moved_points=moved, poses=poses
         )

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Report:
-    """What the export could not hand over, told to the user once each."""
+    """The warnings of an export, told to the user once each."""
 
     warnings: list[str] = field(default_factory=list)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many samples a picture gets: by Petzval's own settings, or by Cycles' as long as none of Petzval's was set.
+"""The samples of a picture: by Petzval's own settings, or by Cycles' as long as none of Petzval's was set.
 
 The settings of a final render belong together, and so do those of 3D views: one of Petzval's own that is set makes all of them count.
 """
@@ -23,22 +23,22 @@ _ENDLESS = 1 << 16
 
 @dataclass(frozen=True)
 class Sampling:
-    """How many samples a picture gets."""
+    """The samples of a picture."""
 
-    #: Of a pixel; with a noise threshold, at most.
+    #: The samples of a pixel; with a noise threshold, at most.
     samples: int
-    #: In Petzval's unit; 0: all pixels get the same.
+    #: The noise threshold in Petzval's unit; 0: all pixels get the same number.
     noise_threshold: float
     min_samples: int
     time_limit_s: float
     #: Number of the first.
     sample_offset: int
-    #: The threshold is for what denoising leaves.
+    #: The threshold is for the noise that denoising leaves.
     is_after_denoising: bool
     is_of_cycles: bool
 
     def in_a_line(self) -> str:
-        """For people: that they are Cycles', and what they are; empty where they are Petzval's own."""
+        """A line for the panel: Cycles' values, named as Cycles'; empty where they are Petzval's own."""
         if not self.is_of_cycles:
             return ""
         count = f"{self.samples} samples" if self.samples < _ENDLESS else "samples without end"
@@ -53,12 +53,12 @@ class Sampling:
 
 
 def follows_cycles(scene: bpy.types.Scene, names: tuple[str, ...]) -> bool:
-    """Whether Cycles' settings count in the place of these: where it is there, and none of them was set."""
+    """True if Cycles' settings count in the place of these: where Cycles is there, and none of these was set."""
     return hasattr(scene, "cycles") and not any(scene.petzval.is_property_set(name) for name in names)
 
 
 def of_render(scene: bpy.types.Scene) -> Sampling:
-    """That of final renders."""
+    """The sampling of final renders."""
     own = scene.petzval
     if follows_cycles(scene, OF_RENDER):
         cycles = scene.cycles
@@ -82,7 +82,7 @@ def of_render(scene: bpy.types.Scene) -> Sampling:
 
 
 def of_view(scene: bpy.types.Scene) -> Sampling:
-    """That of 3D views."""
+    """The sampling of 3D views."""
     if follows_cycles(scene, OF_VIEW):
         return _of_cycles(scene.cycles, "preview_", scene.cycles.preview_samples or _ENDLESS)
     return Sampling(scene.petzval.preview_samples or _ENDLESS, 0.0, 0, 0.0, 0, False, False)
@@ -97,7 +97,7 @@ def of_layer(samples: int, scene: bpy.types.Scene, view_layer: bpy.types.ViewLay
 
 
 def make_own(scene: bpy.types.Scene, names: tuple[str, ...]) -> None:
-    """Sets Petzval's own to what counts, where that is Cycles': from then on they are Petzval's."""
+    """Copies Cycles' values into Petzval's own settings, where Cycles' count: from then on Petzval's count."""
     if not follows_cycles(scene, names):
         return
     own, now = scene.petzval, of_render(scene) if names == OF_RENDER else of_view(scene)
@@ -112,7 +112,7 @@ def make_own(scene: bpy.types.Scene, names: tuple[str, ...]) -> None:
 
 
 def follow_cycles(scene: bpy.types.Scene, names: tuple[str, ...]) -> None:
-    """Forgets what was set of Petzval's own, so that Cycles' count."""
+    """Unsets Petzval's own settings, so that Cycles' count."""
     for name in names:
         scene.petzval.property_unset(name)
     # Blender takes no notice of that by itself.
@@ -120,7 +120,7 @@ def follow_cycles(scene: bpy.types.Scene, names: tuple[str, ...]) -> None:
 
 
 def _of_cycles(cycles: object, which: str, samples: int, time_limit_s: float = 0.0, offset: int = 0) -> Sampling:
-    """As Cycles takes its own settings of final renders, or of views (`preview_`)."""
+    """The sampling by Cycles' own settings of final renders, or of views (`preview_`)."""
     threshold, least = 0.0, 0
     if getattr(cycles, f"use_{which}adaptive_sampling"):
         # Cycles' own rules for zeros, intern/cycles/scene/integrator.cpp.

@@ -31,7 +31,7 @@ def exposure_of(camera: CameraDescription, frame: int) -> dict[str, Any]:
 
 
 def raw_file_of(settings: bpy.types.PropertyGroup, frame: int, parts: list[str]) -> Path | None:
-    """Where the picture of a frame goes, with the names of its view and layer where there are several; None: nowhere."""
+    """The path of a frame's raw file, with the names of its view and layer where there are several; None if none is written."""
     if not settings.use_sensor or not settings.raw_file.strip():
         return None
     path = Path(bpy.path.abspath(settings.raw_file, library=settings.id_data.library))

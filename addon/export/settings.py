@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scene says of how it is to be rendered."""
+"""The settings of a scene for its render."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from petzval.description import Approximations, SettingsDescription
 from . import sampling, visibility
 from .stereo import View
 
-#: Of two frames: a prime.
+#: The distance of the seeds of two frames: a prime.
 _SEEDS_APART = 15_485_863
-#: Of two views, likewise.
+#: The distance of the seeds of two views, likewise.
 _VIEWS_APART = 32_452_843
 
 
@@ -63,7 +63,7 @@ def _transparent_glass(scene: bpy.types.Scene) -> float | None:
 
 
 def overrules(scene: bpy.types.Scene, name: str) -> bool:
-    """Whether a setting of Petzval's own counts, and not Cycles's in its place: where it was set, or Cycles is absent."""
+    """True if Petzval's own setting counts, and not Cycles's in its place: where it was set, or Cycles is absent."""
     return scene.petzval.is_property_set(name) or not hasattr(scene, "cycles")
 
 
@@ -104,14 +104,14 @@ def _fast_gi(scene: bpy.types.Scene, is_viewport: bool) -> str | dict[str, dict[
 
 
 def of_view(settings: SettingsDescription, view: View) -> SettingsDescription:
-    """The same with noise of its own for each view: one that both eyes see alike would lie in a plane of its own."""
+    """The settings with noise of its own for each view: noise that both eyes see alike would lie in a plane of its own."""
     return dataclasses.replace(settings, seed=(settings.seed + _VIEWS_APART * view.index) % 2**31)
 
 
 def of_layer(
     settings: SettingsDescription, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
 ) -> SettingsDescription:
-    """The same with a view layer's own number of samples, as Cycles's setting for that has it; parts of a picture have independent pixels."""
+    """The settings with a view layer's own number of samples, by Cycles's setting for that; parts of a picture have independent pixels."""
     if view_layer.petzval.use_pass_mergeable:
         settings = dataclasses.replace(settings, blue_noise=False)
     return dataclasses.replace(settings, samples=sampling.of_layer(settings.samples, scene, view_layer))

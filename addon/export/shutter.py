@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When the shutter is open, and where everything is at keys that lie evenly over that time, for motion blur."""
+"""The shutter's open time, and the places of everything at even keys over that time, for motion blur."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .camera import rows
 from .motion import WITH_POSITIONS, Key, key, may_deform
 from .report import Report
 
-#: How much of the shutter's time has gone by at the frame.
+#: The part of the shutter's time that has gone by at the frame.
 _OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
 #: Points at which the shutter's curve is read.
 _CURVE_POINTS = 256
@@ -39,13 +39,13 @@ class Shutter(NamedTuple):
 
 
 def split(time: float) -> tuple[int, float]:
-    """A frame and what is beyond it."""
+    """A time as a whole frame and the part of a frame beyond it."""
     frame = math.floor(time)
     return frame, time - frame
 
 
 def of(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Shutter | None:
-    """That of a scene in its frame; None where it or the view layer asks for no motion blur, or it is taken out."""
+    """The shutter of a scene in its frame; None where the scene or the view layer asks for no motion blur, or it is taken out."""
     render = scene.render
     # Older layers have no say.
     is_off = scene.petzval.effects.motion_blur == "OFF" or not getattr(layer, "use_motion_blur", True)
@@ -63,7 +63,7 @@ def _position(scene: bpy.types.Scene) -> str:
 
 
 def openness(render: bpy.types.RenderSettings) -> list[float]:
-    """How open the shutter is at even times; nothing where it is simply open."""
+    """The openness of the shutter at even times, 0 to 1; empty where it is constant."""
     mapping = render.motion_blur_shutter_curve
     mapping.initialize()
     curve = mapping.curves[0]
@@ -72,7 +72,7 @@ def openness(render: bpy.types.RenderSettings) -> list[float]:
 
 
 def rolling(scene: bpy.types.Scene) -> float | None:
-    """For which part of the exposure each row is exposed, of a shutter that rolls from the top down."""
+    """The part of the exposure for which each row is exposed, of a shutter that rolls from the top down; None: no rolling shutter."""
     cycles = getattr(scene, "cycles", None)
     if getattr(cycles, "rolling_shutter_type", "NONE") != "TOP":
         return None
@@ -92,7 +92,7 @@ def key_count_of(place: bpy.types.DepsgraphObjectInstance) -> int:
 
 
 def _blurs_shape(place: bpy.types.DepsgraphObjectInstance) -> bool:
-    """Whether it is to be blurred by what changes its shape."""
+    """True if a changing shape blurs the instance, by Cycles' settings."""
     both = (place.object, place.parent if place.is_instance else None)
     settings = [one.cycles for one in both if one is not None and hasattr(one, "cycles")]
     return all(one.use_deform_motion for one in settings)
@@ -106,7 +106,7 @@ class Shape(NamedTuple):
     """A mesh at one key, the keys of strands, or points with their radii."""
 
     positions: np.ndarray
-    #: None where it has none, or all faces are flat.
+    #: The normals; None where there are none, or all faces are flat.
     normals: mesh.Values | None = None
 
 
@@ -114,14 +114,14 @@ class Standing(NamedTuple):
     """One instance at one key."""
 
     matrix: Matrix4
-    #: Shared by all instances; None where it keeps its shape.
+    #: The shape, shared by all instances; None where it is constant.
     shape: Shape | None
-    #: Of the keys of hair, by particle system.
+    #: The positions of the keys of hair, by particle system.
     hair: dict[str, np.ndarray]
 
 
 def _read(depsgraph: bpy.types.Depsgraph) -> dict[Key, Standing]:
-    """Where everything stands in the graph's frame."""
+    """The instances in the graph's frame, by key."""
     found: dict[Key, Standing] = {}
     known: dict[int, Shape | None] = {}
     known_hair: dict[str, dict[str, np.ndarray]] = {}
@@ -157,16 +157,16 @@ def _shape(data: bpy.types.Mesh | bpy.types.Curves | bpy.types.PointCloud) -> Sh
 
 
 class Blur:
-    """Where everything is at keys over the exposure."""
+    """The places and shapes of instances at keys over the exposure."""
 
     def __init__(self, report: Report, seconds: float) -> None:
         self._report = report
-        #: For how long the shutter is open.
+        #: The time for which the shutter is open, s.
         self._seconds = seconds
         self._keys: list[dict[Key, Standing]] = []
 
     def read(self, depsgraph: bpy.types.Depsgraph) -> None:
-        """The next key: the graph is at its time."""
+        """Reads the next key: the graph is at its time."""
         now = _read(depsgraph)
         if self._keys:
             # What has not changed since is kept once.
@@ -178,7 +178,7 @@ class Blur:
         self._keys.append(now)
 
     def matrices(self, place: bpy.types.DepsgraphObjectInstance) -> list[Matrix4] | None:
-        """Where an instance stands at its keys; None where it stands still."""
+        """The matrices of an instance at its keys; None where it stands still."""
         found = [one.matrix for one in self._of(place)]
         return found if any(one != found[0] for one in found) else None
 
@@ -214,7 +214,7 @@ class Blur:
         return shapes
 
     def changes_strands(self, place: bpy.types.DepsgraphObjectInstance, system: str | None = None) -> None:
-        """Says so where strands change their shape: that is not blurred yet."""
+        """Warns of strands that change their shape: these are not blurred yet."""
         keys = self._of(place)
         if system is None:
             shapes = [one.shape.positions for one in keys if one.shape is not None]
@@ -227,7 +227,7 @@ class Blur:
             )
 
     def moves_light(self, place: bpy.types.DepsgraphObjectInstance) -> None:
-        """Says so where a lamp moves: it does not blur, as in Cycles."""
+        """Warns of a lamp that moves: it does not blur, as in Cycles."""
         if self.matrices(place) is not None:
             self._report.warn(
                 f"Light '{place.object.name}': it moves while the shutter is open; as in Cycles it stands still, where it is in "
@@ -253,7 +253,7 @@ def _same(one: Shape, other: Shape) -> bool:
 
 
 def most_keys(depsgraph: bpy.types.Depsgraph, camera: bpy.types.Object | None) -> int:
-    """The keys of what has most in the graph, the camera among them."""
+    """The largest number of keys of anything in the graph, the camera among it."""
     found = [key_count_of(place) for place in depsgraph.object_instances]
     return max([0 if camera is None else key_count(camera), *found])
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Views of a scene in stereo or multiview: which camera sees each, and where it stands.
+"""Views of a scene in stereo or multiview: the camera of each, and its place.
 
 Rules and names are Blender's (`BKE_camera_multiview_*` in blenkernel/intern/camera.cc).
 """
@@ -21,7 +21,7 @@ RIGHT = "right"
 class View(NamedTuple):
     """One of a render's views."""
 
-    #: Empty where there is one alone.
+    #: The view's name; empty where there is one alone.
     name: str
     index: int
     count: int
@@ -37,18 +37,18 @@ class Eye:
 
     #: The camera's object.
     holder: bpy.types.Object
-    #: Where it stands, moved aside and turned as its stereo settings say.
+    #: The matrix of the camera, moved aside and turned as its stereo settings say.
     matrix: Matrix
     #: Blender's own shift of its picture, with that of the convergence plane.
     shift_x: float
-    #: The same of a real lens: tangent of the angle between its axis and the middle of its picture, to the right.
+    #: The shift of a real lens: tangent of the angle between its axis and the middle of its picture, to the right.
     turn: float = 0.0
-    #: Each ray has its own eye.
+    #: The eye of each ray in spherical stereo; None: one eye for all rays.
     spherical: SphericalStereo | None = None
 
 
 def eye_of_render(host: bpy.types.RenderEngine, scene: bpy.types.Scene, view: View) -> Eye | None:
-    """That by which a render's view is seen, in the scene's frame; None without a camera."""
+    """The eye of a render's view, in the scene's frame; None without a camera."""
     if view.name:
         host.active_view_set(view.name)
     holder = host.camera_override or scene.camera
@@ -66,17 +66,17 @@ def eye_of_render(host: bpy.types.RenderEngine, scene: bpy.types.Scene, view: Vi
 
 
 def is_of_lens(camera: bpy.types.Camera) -> bool:
-    """Whether a lens takes the picture: it does not turn with each of its rays, as spherical stereo would have it."""
+    """True if a lens takes the picture: it does not turn with each of its rays, as spherical stereo would have it."""
     return camera.type == "PERSP" and camera.petzval.model in OF_LENS_FILE
 
 
 def is_pair(render: bpy.types.RenderSettings) -> bool:
-    """Whether views are those of two eyes of one camera."""
+    """True if the views are those of two eyes of one camera."""
     return render.use_multiview and render.views_format == "STEREO_3D"
 
 
 def turn(camera: bpy.types.Camera, render: bpy.types.RenderSettings, view: str) -> float:
-    """By what tangent a picture's middle lies to the right of the camera's axis, for both eyes to converge without being turned."""
+    """The tangent by which a picture's middle lies to the right of the camera's axis, for both eyes to converge without being turned."""
     stereo = camera.stereo
     share = _share(stereo, is_left=view != RIGHT)
     if not is_pair(render) or camera.type != "PERSP" or stereo.convergence_mode != "OFFAXIS":
@@ -85,7 +85,7 @@ def turn(camera: bpy.types.Camera, render: bpy.types.RenderSettings, view: str) 
 
 
 def _share(stereo: bpy.types.CameraStereoData, *, is_left: bool) -> float:
-    """Of the interocular distance, how far an eye stands to the left of its camera."""
+    """The distance of an eye to the left of its camera, as a part of the interocular distance."""
     if stereo.pivot == "CENTER":
         return 0.5 if is_left else -0.5
     return 0.0 if (stereo.pivot == "LEFT") == is_left else 1.0 if is_left else -1.0
@@ -110,7 +110,7 @@ def spherical(stereo: bpy.types.CameraStereoData, *, is_left: bool) -> Spherical
 def eye_of_3d_view(
     holder: bpy.types.Object, scene: bpy.types.Scene, space: bpy.types.SpaceView3D, view_matrix: Matrix
 ) -> Eye | None:
-    """That by which a 3D view looks through a camera: Blender has put the view where it stands. None: the camera as it is."""
+    """The eye of a 3D view that looks through a camera, at the place where Blender has put the view; None: the camera as it is."""
     render = scene.render
     if not render.use_multiview:
         return None
@@ -143,7 +143,7 @@ def cameras(scene: bpy.types.Scene) -> list[bpy.types.Camera]:
 
 
 def camera_of_view(holder: bpy.types.Object, scene: bpy.types.Scene, view: str) -> bpy.types.Object:
-    """In multiview the camera of the same name with the view's suffix; the scene's own where there is none."""
+    """The camera of a view in multiview: the one of the same name with the view's suffix; the scene's own where there is none."""
     views = scene.render.views
     ends = [one.camera_suffix for one in views if holder.name.endswith(one.camera_suffix)]
     chosen = views.get(view)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What simulations say of how vertices and points go, where no neighbouring frame could tell: their number may change."""
+"""The velocities of vertices and points by simulations: their number may change, so that no neighbouring frame could tell."""
 
 from __future__ import annotations
 
 import bpy
 import numpy as np
 
-#: By what it is known, of meshes and point clouds: Blender units a second, object space.
+#: The name of the attribute of meshes and point clouds: Blender units a second, object space.
 _NAME = "velocity"
 
 
 def of(data: bpy.types.ID, seconds: float) -> np.ndarray | None:
-    """How far each vertex or point goes in so many seconds, (vertices, 3); None where nothing says so."""
+    """The way of each vertex or point in so many seconds, (vertices, 3), Blender units; None without a velocity attribute."""
     if not isinstance(data, (bpy.types.Mesh, bpy.types.PointCloud)):
         return None
     attribute = data.attributes.get(_NAME)
@@ -23,5 +23,5 @@ def of(data: bpy.types.ID, seconds: float) -> np.ndarray | None:
 
 
 def frame_s(scene: bpy.types.Scene) -> float:
-    """How long a frame is, seconds."""
+    """The length of a frame, s."""
     return scene.render.fps_base / scene.render.fps

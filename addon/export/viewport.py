@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender's own camera frames: shader nodes know camera and window by it, whatever lens takes the photograph."""
+"""The window of Blender's own camera: shader nodes know camera and window by it, whatever lens takes the photograph."""
 
 from __future__ import annotations
 

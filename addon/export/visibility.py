@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The kinds of ray that things are hidden from, and how often light may bounce in each way."""
+"""The kinds of ray that things are hidden from, and the limits of bounces by kind."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from petzval.description import NO_LIMIT, RAYS, Caustics, KindLimits
 
 
 def hidden_from(*holders: bpy.types.Object) -> tuple[str, ...]:
-    """Of an object, a mesh or a light; of several, what any of them is hidden from."""
+    """The kinds of rays that an object, a mesh or a light is hidden from; of several, those that any of them is hidden from."""
     return tuple(kind for kind in RAYS if not all(getattr(holder, f"visible_{kind.lower()}") for holder in holders))
 
 
 def world_hidden_from(world: bpy.types.World) -> tuple[str, ...]:
-    """Cycles keeps ray visibility of worlds in its own settings."""
+    """The kinds of rays that the world is hidden from, by Cycles' own settings."""
     visibility = getattr(world, "cycles_visibility", None)
     names = {kind: "scatter" if kind == "VOLUME_SCATTER" else kind.lower() for kind in RAYS if kind != "SHADOW"}
     return tuple(kind for kind, name in names.items() if not getattr(visibility, name, True))
@@ -36,7 +36,7 @@ def bounces(scene: bpy.types.Scene) -> KindLimits:
 
 
 def limits_kinds(scene: bpy.types.Scene) -> bool:
-    """Whether paths of one kind of bounce end before others, and before those of a new scene do."""
+    """True if paths of one kind of bounce end before others, and before those of a new scene do."""
     cycles, most = getattr(scene, "cycles", None), most_bounces(scene)
     if cycles is None:
         return False
@@ -45,7 +45,7 @@ def limits_kinds(scene: bpy.types.Scene) -> bool:
 
 
 def leaves_out_caustics(scene: bpy.types.Scene) -> bool:
-    """Whether light that is reflected or refracted after a diffuse scattering is left out."""
+    """True if light that is reflected or refracted after a diffuse scattering is left out."""
     caustics = bounces(scene).caustics
     return not (caustics.reflective and caustics.refractive)
 

@@ -22,7 +22,7 @@ _IMAGES = {"ShaderNodeTexEnvironment", "ShaderNodeTexImage"}
 
 
 def describe(world: bpy.types.World | None, images: Images, aovs: Aovs) -> WorldDescription:
-    """What the engine is told of the world; none is black."""
+    """The description of the world for the engine; no world is black."""
     if world is None:
         return WorldDescription()
     description = _surface(world, images)
@@ -44,7 +44,7 @@ def occlusion_distance(world: bpy.types.World | None) -> float | None:
 
 
 def mist(world: bpy.types.World | None) -> tuple[float, float, float]:
-    """Where mist begins, how deep it is until nothing is seen, and the power by which it grows."""
+    """The start of mist, its depth until nothing is seen, and the power by which it grows."""
     if world is None:
         return 0.0, 1.0, 1.0
     own = world.mist_settings
@@ -52,7 +52,7 @@ def mist(world: bpy.types.World | None) -> tuple[float, float, float]:
 
 
 def fills_space(world: bpy.types.World | None) -> bool:
-    """Whether it has a volume."""
+    """True if the world has a volume."""
     if world is None or not uses_nodes(world):
         return False
     output = world.node_tree.get_output_node("CYCLES")

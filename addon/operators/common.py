@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the Lens panel's buttons do."""
+"""The helpers of the Lens panel's buttons."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def shown_camera(context: bpy.types.Context) -> bpy.types.Camera | None:
 
 
 def result_of(operator: bpy.types.Operator, work: Callable[[], Result]) -> Result | None:
-    """What the work gives; None where the engine or the export refused it, which the operator has reported then."""
+    """The result of the work; None where the engine or the export refused it: the operator has then reported that."""
     try:
         return work()
     except (ExportError, EngineMissing) as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures what accuracy costs in this scene, as `petzval cost` does, beside Blender: its window stays alive meanwhile."""
+"""Measures the cost of accuracy in this scene, as `petzval cost` does, beside Blender: its window stays alive meanwhile."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from .common import result_of
 _TELL_S = 0.2
 _STATUS = "What accuracy costs: {text}, {part:.0%}    Esc: enough"
 
-#: By the scene's name: what was found last.
+#: The last results, by the scene's name.
 _last: dict[str, dict[str, Any]] = {}
 
 
 def last(scene_name: str) -> dict[str, Any] | None:
-    """What was measured of a scene in this session."""
+    """The last measurement of a scene in this session."""
     return _last.get(scene_name)
 
 
 def subject(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, width: int) -> loop.Subject:
-    """The scene as the viewport holds it, in a picture so many pixels wide. What moves while the shutter is open stands still."""
+    """The scene as the viewport holds it, in a picture so many pixels wide. Objects that move while the shutter is open stand still."""
     native, report, began = engine(), Report(), time.perf_counter()
     whole = camera_export.resolution(scene.render)
     size = width, max(round(width * whole[1] / whole[0]), 1)

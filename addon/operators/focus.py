@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the Focus panel's buttons do."""
+"""The buttons of the Focus panel."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ..export import camera as camera_export
 from ..queries import autofocus, sharp_points, viewport_camera
 from .common import result_of, shown_camera
 
-#: The three settings of a camera that name what is to be sharp.
+#: The three settings of a camera that name the objects to be sharp.
 SHARP_OBJECTS = ("sharp_object_1", "sharp_object_2", "sharp_object_3")
 
 
 class LensOperator:
-    """For a camera of this file with a lens."""
+    """A mixin of operators for a camera of this file with a lens."""
 
     @classmethod
     def poll(cls, context):
@@ -54,7 +54,7 @@ class PETZVAL_OT_focus_here(LensOperator, bpy.types.Operator):
 
 
 def keep(camera: bpy.types.Camera, scene: bpy.types.Scene, found: dict) -> str:
-    """Writes the focus found into the settings, and says what they are now."""
+    """Writes the focus found into the settings, and reports their new values."""
     own, distance_mm = camera.petzval, found["focus_scale_mm"]
     if distance_mm is None:
         own.focus_mode = "INFINITY"

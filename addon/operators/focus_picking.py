@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Focusing on what somebody points at: an object, the 3D cursor, or a place under the mouse."""
+"""Focusing on a target that the user points at: an object, the 3D cursor, or a place under the mouse."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ _NOTHING = "Nothing there: infinity"
 
 @dataclass
 class Target:
-    """What to focus on: what is at a point of the picture, (0, 0) lower left; or a place of the world, seen there."""
+    """A target to focus on: a point of the picture, (0, 0) lower left; or a place of the world, seen there."""
 
     point: tuple[float, float]
     place: Vector | None = None
 
 
 class _Finder(LensOperator):
-    """Keeps what is found."""
+    """Keeps the target's focus."""
 
     def focus(self, context, holder: bpy.types.Object, target: Target | None) -> set[str]:
         if target is None:
@@ -63,7 +63,7 @@ def find(context: bpy.types.Context, holder: bpy.types.Object, target: Target) -
 
 def of_place(context: bpy.types.Context, holder: bpy.types.Object, place: Vector) -> Target | None:
     """A place of the world; None: behind the camera. Where in the picture it is Blender's camera says, which is near enough: the
-    place is taken for what is there."""
+    place is taken for the target."""
     x, y, depth = world_to_camera_view(context.scene, holder, place)
     return Target((x, y), place) if depth > 0.0 else None
 
@@ -94,7 +94,7 @@ def nearest_place(context: bpy.types.Context, holder: bpy.types.Object, subject:
 
 
 def _frame_at_one(holder: bpy.types.Object, scene: bpy.types.Scene) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Left and right, low and high of what Blender's camera frames, at depth one."""
+    """Left and right, low and high of the frame of Blender's camera, at depth one."""
     corners = [corner / -corner.z for corner in holder.data.view_frame(scene=scene)]
     xs, ys = [corner.x for corner in corners], [corner.y for corner in corners]
     return (min(xs), max(xs)), (min(ys), max(ys))
@@ -218,7 +218,7 @@ class PETZVAL_OT_pick_focus(_Finder, bpy.types.Operator):
 
 
 def described(context: bpy.types.Context, holder: bpy.types.Object, target: Target) -> str:
-    """What is there, in words."""
+    """The object at a target, in words."""
     found = find(context, holder, target)
     if "error" in found:
         return found["error"] or "Outside of the picture"
@@ -226,7 +226,7 @@ def described(context: bpy.types.Context, holder: bpy.types.Object, target: Targ
 
 
 def _words(found: dict) -> str:
-    """What is sharp and how far away; nothing if it is infinitely far."""
+    """The sharp object and its distance, in words; empty if it is infinitely far."""
     if found["subject_mm"] is None:
         return ""
     name = f"{found['object_name']}, " if found["object_name"] else ""
@@ -234,7 +234,7 @@ def _words(found: dict) -> str:
 
 
 def under_mouse(context: bpy.types.Context, holder: bpy.types.Object, x: int, y: int) -> Target | None:
-    """What is meant by a pixel of the window; None: neither a picture nor a view of the scene, or nothing there."""
+    """The target under a pixel of the window; None: neither a picture nor a view of the scene, or nothing there."""
     for area in context.window.screen.areas:
         if not (area.x <= x < area.x + area.width and area.y <= y < area.y + area.height):
             continue
@@ -270,7 +270,7 @@ def _in_view(context, holder: bpy.types.Object, region, view: bpy.types.RegionVi
 def picture_point(
     scene: bpy.types.Scene, holder: bpy.types.Object, region, view: bpy.types.RegionView3D, at: tuple[float, float]
 ) -> tuple[float, float] | None:
-    """Where in the picture a pixel of a camera view is; None: beside it."""
+    """The picture point of a pixel of a camera view; None: beside the picture."""
     matrix = holder.matrix_world.normalized()
     corners = [
         view3d_utils.location_3d_to_region_2d(region, view, matrix @ corner)

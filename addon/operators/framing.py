@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lens set to frame what Blender's own camera frames: the other way of "Match Viewport Camera"."""
+"""The lens set to the frame of Blender's own camera: the inverse of "Match Viewport Camera"."""
 
 from __future__ import annotations
 

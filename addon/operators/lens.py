@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the Lens panel's buttons do with lens files: favourites, and lens files of other programs."""
+"""The buttons of the Lens panel for lens files: favourites, and lens files of other programs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..data import favourites, lens_files
 from ..native import EngineMissing, engine
 from .common import shown_camera
 
-#: As the engine reads them: its own, Zemax, CODE V, OSLO, pbrt, and tables of the Optical Bench.
+#: The endings of lens files that the engine reads: its own, Zemax, CODE V, OSLO, pbrt, and tables of the Optical Bench.
 ENDINGS = (".lens", ".zmx", ".seq", ".len", ".dat", ".txt")
 # More lines would fill the screen.
 _MOST_REMARKS = 4

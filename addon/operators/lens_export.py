@@ -122,7 +122,7 @@ class PETZVAL_OT_export_osl(LensOperator, ExportHelper, bpy.types.Operator):
 
 
 def _assign(camera: bpy.types.Camera, path: str) -> bool:
-    """False: this Blender has no such cameras."""
+    """Assigns the script to the camera; False if this Blender has no such cameras."""
     if not hasattr(camera, "custom_filepath"):
         return False
     camera.type, camera.custom_mode, camera.custom_filepath = "CUSTOM", "EXTERNAL", path

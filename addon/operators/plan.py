@@ -18,7 +18,7 @@ from .common import result_of
 
 
 def plan(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> dict:
-    """The plan of a scene as the viewport holds it; raises what a render would report. What the lens does while the shutter is
+    """The plan of a scene as the viewport holds it; raises the errors of a render. What the lens does while the shutter is
     open is measured at a render alone."""
     native = engine()
     report = Report()

@@ -18,7 +18,7 @@ CAN_REGISTER = hasattr(bpy.utils, "register_preset_path")
 
 _CAMERA = 'petzval = (getattr(bpy.context, "camera", None) or bpy.context.scene.camera.data).petzval'
 OF_LENS = tuple(LensProperties.__annotations__)
-#: What else belongs to the camera.
+#: The other settings of the camera.
 OF_BODY = ("film_mode", "film_width", "film_height", "anchor", "focus_relation")
 OF_SAMPLING = ("samples", "use_noise_threshold", "noise_threshold", "min_samples", "use_blue_noise", "time_limit")
 
@@ -46,7 +46,7 @@ class _AddPreset(AddPresetBase):
         return shipped(self.preset_subdir.rpartition("/")[2])
 
     def _make_paths_absolute(self, context) -> None:
-        """A path that begins with // is of this file, and a preset is for all."""
+        """Makes the paths of a preset absolute: one that begins with // is of this file, and a preset is for all."""
         from petzval import atomic_files
 
         from .common import shown_camera

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lens report: what the lens of the camera does, as a picture."""
+"""The lens report: the effects of the camera's lens, as a picture."""
 
 from __future__ import annotations
 

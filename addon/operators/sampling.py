@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whose settings say how many samples a picture gets, Petzval's own or Cycles': the Sampling panels' buttons."""
+"""The Sampling panels' buttons: they choose Petzval's own settings of the number of samples, or Cycles'."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Selects what a message is about."""
+"""Selects the object of a message."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What autofocus would find, for the panels: asked with Blender's own rays, remembered, never while a panel draws.
+"""The autofocus of panels: asked with Blender's own rays, remembered, never while a panel draws.
 
 A render asks the engine's own scene; here Blender's ray casting stands for it, so that nothing has to be exported: it sees
-what the viewport holds.
+the viewport's state of the scene.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ _MOST_SKIPPED = 64
 
 @dataclass
 class Finding:
-    """What was found for a camera, and whether the scene is still as it was then."""
+    """The answer of autofocus for a camera, and whether the scene is still as it was then."""
 
-    #: The engine's `autofocus_by_json`, with what was met: `object_name`, and `subject_mm` from the camera along its axis.
+    #: The engine's `autofocus_by_json`, with the hit: `object_name`, and `subject_mm` from the camera along its axis.
     #: Where it fails only `error`, one line.
     answer: dict[str, Any]
     is_current: bool
@@ -46,7 +46,7 @@ def find(
     place: Vector | None = None,
 ) -> dict[str, Any]:
     """Looks now; takes about a tenth of a second. At the camera's own point of the picture, or another; `place`, of the world, is taken
-    for what is there."""
+    for the target."""
     width, height = camera_export.resolution(scene.render)
     met: list[str] = []
 
@@ -79,7 +79,7 @@ def find(
 def nearest(
     scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, origin: Vector, direction: Vector
 ) -> tuple[float | None, str]:
-    """How far it is to what a camera ray meets in the render, and its name."""
+    """The distance to the first object that a camera ray hits in the render, and the object's name; None and empty without a hit."""
     start = origin
     for _ in range(_MOST_SKIPPED):
         is_hit, place, _normal, _index, what, _matrix = scene.ray_cast(depsgraph, start, direction)
@@ -93,7 +93,7 @@ def nearest(
 
 
 def for_panel(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Finding | None:
-    """What is known of the camera; has it looked at soon where that is nothing or out of date."""
+    """The answer that is known of the camera; looks at the scene soon where there is none or it is out of date."""
     known = LOOKOUT.for_panel(holder, scene, view_layer)
     return None if known is None else Finding(*known)
 
@@ -114,7 +114,7 @@ LOOKOUT = Lookout(find, _asked)
 
 
 def forget() -> None:
-    """Drops what is remembered."""
+    """Drops the remembered answers."""
     LOOKOUT.forget()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the engine says of a camera's file of calibrations, remembered so that a panel may ask at every redraw."""
+"""The engine's answers about a camera's file of calibrations, remembered so that a panel may ask at every redraw."""
 
 from __future__ import annotations
 

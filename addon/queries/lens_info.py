@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the engine says of a camera's lens, remembered so that a panel may ask at every redraw."""
+"""The engine's answers about a camera's lens, remembered so that a panel may ask at every redraw."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def of_camera(
 
 
 def for_panel(camera: bpy.types.Object, scene: bpy.types.Scene, found: dict[str, Any] | None = None) -> dict[str, Any]:
-    """`of_camera`; while a render runs, what was last shown.
+    """`of_camera`; while a render runs, the last answer.
 
     Blender keeps in one place, for all threads, whether Python may change the scene, and sets it back after each call.
     Where a panel lets go of Python's lock, to look for a file or to ask the engine, and a render ends just then in its own
@@ -57,7 +57,7 @@ def for_panel(camera: bpy.types.Object, scene: bpy.types.Scene, found: dict[str,
 
 
 def coverage(camera: bpy.types.Object, scene: bpy.types.Scene) -> str:
-    """What of the picture the lens does not light, why, and what helps; empty if it lights all, and while a render runs."""
+    """The part of the picture that the lens does not light, why, and the remedy; empty if it lights all, and while a render runs."""
     if redraw.is_rendering():
         return ""
     size = camera_export.resolution(scene.render)
@@ -86,6 +86,6 @@ def _ask(description: CameraDescription, width: int, height: int, function: str 
 
 
 def forget() -> None:
-    """Drops what is remembered."""
+    """Drops the remembered answers."""
     _answers.clear()
     _shown.clear()

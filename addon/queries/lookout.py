@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What panels show and is too slow to be found out while they draw: a timer finds it once nothing has changed for a while, and it is
-remembered by camera."""
+"""The answers that panels show and that take too long to find while they draw: a timer finds one once nothing has changed for a while, and
+it is remembered by camera."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Lookout:
     def for_panel(
         self, holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer
     ) -> tuple[Any, bool] | None:
-        """What is known, and whether it is of now; has it looked for soon where that is nothing or out of date."""
+        """The remembered answer, and whether it is current; asks for a new one soon where there is none or it is out of date."""
         kept = self._kept.get((scene.name, holder.name_full))
         if redraw.is_rendering():
             # As for the lens's data: nothing is asked meanwhile.
@@ -67,7 +67,7 @@ class Lookout:
         return None if kept is None else (kept.answer, is_current)
 
     def forget(self) -> None:
-        """Drops what is remembered."""
+        """Drops the remembered answers."""
         self._kept.clear()
         self._wanted, self.quiet_s = None, _QUIET_S
 

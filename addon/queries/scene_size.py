@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How large the scene is for the lens, for the Scale panel: measured by a timer when nothing has changed for a while, remembered,
+"""The size of the scene for the lens, for the Scale panel: measured by a timer when nothing has changed for a while, remembered,
 never while a panel draws.
-
-What is measured are the boxes of what is rendered, and the nearest of what Blender's own rays meet in the camera's view.
+// The measurement covers the boxes of everything that is rendered, and the nearest hit of Blender's own rays in the camera's view.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ class Size:
     nearest: float | None = None
     nearest_mm: float | None = None
     nearest_name: str = ""
-    #: What makes no sense, a sentence each.
+    #: The warnings, a sentence each.
     warnings: list[str] = field(default_factory=list)
     is_current: bool = True
 
@@ -138,14 +137,14 @@ def _of_axis(camera: CameraDescription) -> dict[str, Any]:
 
 
 def _front_diameter_mm(lens: dict[str, Any]) -> float:
-    """Of the foremost glass or mirror."""
+    """The diameter of the foremost glass or mirror, mm."""
     surfaces = lens["surfaces"]
     glass = next((one for one in surfaces if one["points"] and (one["glass_behind"] or one["is_mirror"])), surfaces[0])
     return 2.0 * max((abs(place[1]) for place in glass["points"]), default=0.0)
 
 
 def for_panel(holder: bpy.types.Object, scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Size | None:
-    """What is known; has it measured soon where that is nothing or out of date."""
+    """The measurement that is known; measures again soon where there is none or it is out of date."""
     known = LOOKOUT.for_panel(holder, scene, view_layer)
     if known is None:
         return None
@@ -163,7 +162,7 @@ LOOKOUT = Lookout(measure, _asked)
 
 
 def forget() -> None:
-    """Drops what is remembered."""
+    """Drops the remembered sizes."""
     LOOKOUT.forget()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeps Blender's own camera in step with the lens, so that the camera view frames what will be photographed.
+"""Keeps Blender's own camera in step with the lens, so that the camera view shows the frame of the photograph.
 
 Only cameras whose lens was set up are touched, and they are put back as they were while another engine is chosen. Nothing is written
 while drawing or rendering.
@@ -23,7 +23,7 @@ from . import lens_info
 _SAME = 1e-5
 
 
-#: Of the defaults of a camera's settings: 0.1 had others, and no number.
+#: The version of the defaults of a camera's settings: 0.1 had others, and no number.
 SETTINGS_VERSION = 2
 
 _switches = 0
@@ -41,12 +41,12 @@ def switching() -> Iterator[None]:
 
 
 def is_switching() -> bool:
-    """Whether the model is being set by Through the Lens."""
+    """True while Through the Lens is setting the model."""
     return _switches > 0
 
 
 def switched(camera: bpy.types.Camera, scene: bpy.types.Scene | None) -> None:
-    """The user has turned Through the Lens: what is seen stays what it was."""
+    """Handles a change of Through the Lens by the user: the view stays the same."""
     settings = camera.petzval
     if settings.model in OF_LENS_FILE:
         lens_changed(camera, scene)
@@ -116,7 +116,7 @@ def _keep(camera: bpy.types.Camera) -> None:
 
 
 def restore(camera: bpy.types.Camera) -> None:
-    """Blender's own camera as it was before it followed the lens."""
+    """Restores Blender's own camera to its state before it followed the lens."""
     settings = camera.petzval
     if camera.library or not settings.blender_sensor_fit:
         return
@@ -175,7 +175,7 @@ def _file_opened(_path: str) -> None:
 
 
 def _listen() -> None:
-    """Has Blender tell when the engine is changed; what is asked of it is lost when a file is opened."""
+    """Has Blender tell when the engine is changed; the subscription is lost when a file is opened."""
     bpy.msgbus.clear_by_owner(_OWNER)
     key = (bpy.types.RenderSettings, "engine")
     bpy.msgbus.subscribe_rna(key=key, owner=_OWNER, args=(), notify=_engine_of_any_scene_changed)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake of one object: Blender lays out the points of its surface, the engine finds what is there, Blender writes it to images."""
+"""A bake of one object: Blender lays out the points of its surface, the engine renders them, Blender writes the values to images."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from . import loop, messages, staging
 
 #: The camera of a scene without one.
 _NOWHERE = CameraDescription("", tuple(tuple(float(i == j) for j in range(4)) for i in range(4)), "PINHOLE")
-#: What is denoised where pictures are.
+#: The kinds of bake that are denoised where pictures are.
 _DENOISED = {"COMBINED", "SHADOW"}
 #: Parts of the engine that a kind of bake keeps, at most: each is a film of its own.
 _MOST_PARTS = 10
@@ -36,7 +36,7 @@ class Bake:
         self._scene = depsgraph.scene_eval
         self._report = Report()
         self._camera = self._find_camera()
-        #: By whether there is nothing but what catches shadows.
+        #: The prepared scenes; True: that of shadow catchers alone.
         self._stages: dict[bool, Any] = {}
         self._images = 0
 
@@ -95,7 +95,7 @@ class Bake:
         return job
 
     def _denoising(self, kind: str) -> DenoisingDescription | None:
-        """How a bake is denoised: as Cycles' are, where pictures of the view layer are."""
+        """The denoising of a bake; None: not denoised. A bake is denoised, as in Cycles, where pictures of the view layer are."""
         if kind not in _DENOISED or not passes.is_denoised(self._scene, self._depsgraph.view_layer_eval):
             return None
         how = denoising.of_render(self._scene)

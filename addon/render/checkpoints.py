@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a render is kept while it goes on, and how it is known that a later one is of the same picture."""
+"""The files that a running render is kept in, and the test that a later render is of the same picture."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from ..native import engine
 from . import loop
 from .persistent import KeptScene
 
-#: From the end of one writing to the next: with the time of writing, less than ten seconds of work are lost.
+#: Time from the end of one writing to the next, s: with the time of writing, less than ten seconds of work are lost.
 EVERY_S = 8.0
-#: After so many days a stopped render in the user's own folder is not gone on with any more.
+#: Days after which a stopped render in the user's own folder is no longer resumed.
 KEPT_DAYS = 30.0
 
 
 def of(depsgraph: bpy.types.Depsgraph, view: View, *, is_part: bool) -> Checkpoint | None:
-    """That of a view of a view layer; None where nothing is to be kept, and the picture is no part of another one."""
+    """The checkpoint of a view of a view layer; None where nothing is to be kept, and the picture is no part of another one."""
     file = _file(depsgraph, view)
     is_part = is_part or loop.WATCH.share is not None
     return None if file is None and not is_part else Checkpoint(file)
@@ -76,7 +76,7 @@ def _short(text: str) -> str:
 
 #: Settings that differ between parts of one picture.
 _OF_A_PART = ("samples", "sample_offset", "seed", "threads")
-#: What says where a camera's lens is, and not which it is.
+#: Names of settings that say where a camera's lens is, and not which it is.
 _PLACES = ("object_name", "lens_path", "lens.aperture_mask", "calibration", "calibration.path")
 #: Characters of a value that is told as it is; of a longer one a short digest.
 _LONGEST_VALUE = 40
@@ -103,7 +103,7 @@ class Checkpoint:
             feed(self._scene, piece)
 
     def pieces(self) -> dict[str, str]:
-        """Short digests of the images, materials and meshes, by what they are called."""
+        """Short digests of the images, materials and meshes, by their names."""
         names = {} if self._told is None else self._told.names
         return {
             f"{kind} {index} '{names.get((kind, index), '')}'": digest.hex()[:16]
@@ -127,7 +127,7 @@ class Checkpoint:
         return self.file, fingerprint, every
 
     def picture(self, settings: Any, camera: Any, **others: Any) -> dict[str, str]:
-        """What decides the picture, whichever of its samples are taken: names with short values or digests. Parts of one picture
+        """The data that decide the picture, whichever of its samples are taken: names with short values or digests. Parts of one picture
         have the same."""
         told = {}
         for kind, whole, left_out in (("camera", camera, _PLACES), ("settings", settings, _OF_A_PART)):

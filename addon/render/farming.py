@@ -22,7 +22,7 @@ from petzval import processes
 #: Between two looks at the parts that have come, s.
 LOOK_S = 3.0
 _HTTP_S = 20.0
-#: How each scheduler is handed a job: the words of `petzval farm`, or a script of the job's folder.
+#: The ways to hand a job to each scheduler: words of `petzval farm`, or a script of the job's folder.
 SENDS = ("LOCAL", "DASK", "SHELL", "SLURM", "FLAMENCO", "OPENJD")
 
 
@@ -32,7 +32,7 @@ class FarmError(Exception):
 
 @dataclass
 class Asked:
-    """What the user asked for."""
+    """The user's request: command, scene, folder, parts."""
 
     #: The command `petzval` as words.
     command: list[str]
@@ -43,11 +43,11 @@ class Asked:
     folder: Path
     engine: str
     parts: int
-    #: Such as 1-250; empty: the frame of the file.
+    #: The frames, such as 1-250; empty: the frame of the file.
     frames: str = ""
     #: Parts at a time on this machine.
     at_a_time: int = 1
-    #: Of Dask's scheduler, or Flamenco's Manager.
+    #: The address of Dask's scheduler, or Flamenco's Manager.
     address: str = ""
 
 
@@ -58,19 +58,19 @@ class FarmRun:
     asked: Asked
     #: Told of each picture that was merged.
     show: Callable[[Path], None] = lambda _: None
-    #: For the status: what goes on.
+    #: The current step, for the status.
     status: str = ""
     is_done: bool = False
     _process: subprocess.Popen[bytes] | None = None
     _merging: subprocess.Popen[bytes] | None = None
-    #: What the last process says of errors.
+    #: The last process' stderr.
     _said: IO[bytes] | None = None
     _is_sent: bool = False
     _seen: set[str] = field(default_factory=set)
     _next_look: float = 0.0
 
     def advance(self) -> None:
-        """Goes on by a step; raises `FarmError` where it cannot."""
+        """Advances the job by a step; raises `FarmError` where it cannot."""
         if self._process is not None and not self._is_sent:
             if self._process.poll() is None:
                 return
@@ -85,7 +85,7 @@ class FarmRun:
             self._look()
 
     def stop(self) -> None:
-        """Asks what runs here to keep what it has, and to end. What a scheduler was handed goes on."""
+        """Asks the processes on this machine to keep their work, and to end. Jobs of a scheduler go on."""
         for process in (self._process, self._merging):
             if process is not None and process.poll() is None:
                 processes.ask_to_end(process)
@@ -131,7 +131,7 @@ class FarmRun:
             raise FarmError(f"{address} cannot be reached: {error}") from None
 
     def _look(self) -> None:
-        """Merges what has come; ends when all has."""
+        """Merges the finished parts; ends when all are."""
         is_over = self._process is None or self._process.poll() is not None
         if self._merging is not None:
             if self._merging.poll() is None:

@@ -34,9 +34,9 @@ class Subject:
     settings: Any
     over_the_shutter: list
     wishes: dict[str, Any]
-    #: How the shutter opens; None where nothing moves.
+    #: The opening of the shutter; None where nothing moves.
     shutter: Any
-    #: That reading the scene took.
+    #: Time to read the scene, s.
     sync_seconds: float
 
 
@@ -46,20 +46,20 @@ class Part:
 
     #: The tiles that are rendered: from one slot to before another, of so many; see the engine's `Job`.
     slots: tuple[int, int, int]
-    #: The file that the film is written to. View layers and what they need beside have files of their own, named after it.
+    #: The file that the film is written to. View layers and their auxiliary renders have files of their own, named after it.
     film: str
-    #: The file in which it is kept while it goes on, named as `film` is.
+    #: The checkpoint of the part while it is rendered, named as `film` is.
     checkpoint: str
     #: The films and the checkpoints that were written.
     written: list[str] = field(default_factory=list)
     checkpoints: list[Any] = field(default_factory=list)
-    #: That all view layers took so far, s.
+    #: Time of all view layers so far, s.
     seconds: float = 0.0
 
 
 @dataclass
 class Share:
-    """Parts of a picture that is rendered on several machines, or what is to be joined of them."""
+    """Parts of a picture that is rendered on several machines, or the films that are to be joined."""
 
     #: The parts that are rendered, one after another of each view layer; none: parts are joined.
     parts: list[Part] = field(default_factory=list)
@@ -70,9 +70,9 @@ class Share:
     agreement: str = ""
     #: The films that are joined: number of the part, file and slots.
     joined: list[tuple[int, str, tuple[int, int, int]]] = field(default_factory=list)
-    #: Whether the films that are joined are to be the whole picture: only then is it denoised, and stray light laid over it.
+    #: True if the films that are joined are to be the whole picture: only then is it denoised, and stray light laid over it.
     is_whole: bool = False
-    #: Parts that were not taken, each with the reason; and how many films were.
+    #: Parts that were not taken, each with the reason; and the number of films that were.
     refused: dict[int, str] = field(default_factory=dict)
     taken: int = 0
     #: The reason why a film could not be written.
@@ -85,12 +85,12 @@ class Beside:
 
     #: The frame that everything is looked at in.
     frame: float
-    #: Where the scene's camera stands in it, row by row.
+    #: The matrix of the scene's camera in this frame, row by row.
     camera_matrix: Matrix4
 
 
 class Watch:
-    """For a program that drives Blender from outside: it may ask to stop, and be told of the progress."""
+    """The interface of a program that drives Blender from outside: it may ask to stop, and be told of the progress."""
 
     def __init__(self) -> None:
         self.stop = threading.Event()
@@ -101,20 +101,20 @@ class Watch:
         self.checkpoint_every_s: float | None = None
         #: The checkpoints of the renders of such a file: whoever writes the picture deletes them.
         self.written_checkpoints: list[Any] = []
-        #: Instead of a render: is handed what would be rendered, once for each view layer.
+        #: The function that is called instead of a render, with its `Subject`, once for each view layer.
         self.study: Callable[[Subject], None] | None = None
-        #: The part of the picture that is rendered; None: all of it.
+        #: The part of the picture that is rendered; None: the whole picture.
         self.share: Share | None = None
-        #: Before and after, instead of the frames that lie beside the one that is rendered.
+        #: The frames before and after, instead of the neighbours of the one that is rendered.
         self.beside: tuple[Beside, Beside] | None = None
-        #: Is handed each pass of a finished picture: the names of its view layer, of its view and of the pass, and its pixels (height,
-        #: width, channels), first row at the bottom.
+        #: The function that gets each pass of a finished picture: the names of its view layer, of its view and of the pass, and its pixels
+        #: (height, width, channels), first row at the bottom.
         self.taken: Callable[[str, str, str, Any], None] | None = None
         #: The reason why a raw file could not be written; the picture is there all the same.
         self.raw_problem = ""
 
 
-#: Read by every render of this process.
+#: The watch that every render of this process reads.
 WATCH = Watch()
 
 
@@ -154,7 +154,7 @@ def follow(
     limit_s: float = 0.0,
 ) -> bool:
     """Follows a job to its end, or to its stop when asked; True where it was stopped. After `limit_s` seconds, where that is not
-    0, it ends with what it has, but with no less than a sample everywhere; that is no stop.
+    0, it ends with the samples taken, but with no less than one everywhere; that is no stop.
 
     `show` gets the tiles that changed, `tell` the progress and the samples done. What is there at the end is for the
     caller to take: `Job.image`.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What could not be shown as the scene has it, for the Messages panel: of the last render and of the viewport, once each. No bpy."""
+"""The differences between scene and picture, for the Messages panel: of the last render and of the viewport, once each. No bpy."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _BEGINS = re.compile(r"(\w+) '(.+?)'(?=[:,\s]|$)")
 # More would fill a line.
 _MOST_NAMES = 3
 
-#: By the scene's name.
+#: The viewport's warnings by the scene's name.
 _viewport: dict[str, list[str]] = {}
 
 
 class Message(NamedTuple):
-    """`kind` and `name` of what it is about, in small letters as it is written: "object", "material"; empty: of nothing."""
+    """A message. `kind` and `name` of its subject, the kind in small letters: "object", "material"; empty: none."""
 
     text: str
     kind: str
@@ -34,7 +34,7 @@ def of_text(text: str) -> Message:
 
 
 def grouped(texts: Iterable[str]) -> list[str]:
-    """Messages that differ only by the name of what they are about, as one: a scene may have hundreds of a kind."""
+    """Messages that differ only by the name of their subject, as one: a scene may have hundreds of a kind."""
     names: dict[tuple[str, str], list[str]] = {}
     for text in dict.fromkeys(texts):
         found = _BEGINS.match(text)
@@ -50,19 +50,19 @@ def _of_all(kind: str, rest: str, names: list[str]) -> str:
 
 
 def keep_viewport(scene_name: str, warnings: list[str]) -> bool:
-    """What the viewport has to say, instead of what it said before; whether that is something else."""
+    """Keeps the viewport's warnings, instead of those before; True if they have changed."""
     is_new = _viewport.get(scene_name, []) != warnings
     _viewport[scene_name] = list(warnings)
     return is_new
 
 
 def all_of(scene_name: str) -> list[Message]:
-    """Of a scene, the last render's first, grouped."""
+    """The messages of a scene, the last render's first, grouped."""
     render = statistics.last(scene_name)
     texts = [*(render.warnings if render is not None else ()), *_viewport.get(scene_name, ())]
     return [of_text(text) for text in grouped(texts)]
 
 
 def forget() -> None:
-    """Drops those of the viewport."""
+    """Drops the messages of the viewport."""
     _viewport.clear()

@@ -81,7 +81,7 @@ class Moments:
         return blur, self._opened(keys), moving
 
     def _opened(self, keys: list[CameraDescription]) -> ShutterDescription:
-        """How the shutter opens, and where the camera is at its keys."""
+        """The opening of the shutter, and the camera's matrices at its keys."""
         eye = self.eye()
         own = 0 if eye is None else shutters.key_count(eye.holder)
         matrices = [key.matrix_world for key in keys[:: (len(keys) - 1) // (own - 1)]] if own else []
@@ -126,7 +126,7 @@ class Moments:
         return stereo.eye_of_render(self.host, self.scene, self.view)
 
     def described(self, width: int, height: int) -> CameraDescription:
-        """The same as the engine takes it, without a mask."""
+        """The camera as the engine takes it, without an aperture mask."""
         eye = self.eye()
         holder = self.scene.camera if eye is None else eye.holder
         return camera_export.describe(holder, self.scene, width, height, self.report, eye=eye)

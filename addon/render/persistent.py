@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender's Persistent Data keeps from one frame to the next: images, materials, meshes and trees."""
+"""The data that Blender's Persistent Data keeps from one frame to the next: images, materials, meshes and trees."""
 
 from __future__ import annotations
 
@@ -26,27 +26,28 @@ class KeptScene:
     kept: Kept
     #: The settings that all images, materials and meshes depend on; None where these cannot be kept.
     shared_settings: tuple | None
-    #: What could not be handed over, in this frame or before.
+    #: The warnings of the export, of this frame or before.
     report: Report = field(default_factory=Report)
     fingerprints: Pieces = field(default_factory=dict)
     scene: Any = None
 
     def finish(self, place: tuple[float, float, float], threads: int) -> Callable[[], Any]:
-        """A function that gives the engine's scene, and does not need Blender: the trees of the last one are drawn anew around what moved."""
+        """A function that gives the engine's scene, and does not need Blender: the trees of the last one are refitted around moved
+        objects."""
         if self.shared_settings is None:
             return lambda: self.builder.build(place, threads, self.scene)
         draft = self.builder.draft(place)
         return lambda: draft.build(threads, self.scene, is_final=True)
 
 
-#: One at most, for it may be large.
+#: The last kept scene: one at most, for it may be large.
 _last: KeptScene | None = None
 
 
 def begin(depsgraph: bpy.types.Depsgraph, native: Any, view: View, *, is_still: bool, is_watched: bool) -> KeptScene:
-    """What is kept of the last frame or view of a view layer, without what has changed since; else an empty builder. `is_still`: of shapes
-    nothing is sent but how they are now; `is_watched`: fingerprints are wanted. Nothing is kept until `keep`, for a render that is stopped
-    has sent a part."""
+    """The kept scene of the last frame or view of a view layer, without the pieces that have changed since; else an empty builder.
+    `is_still`: of shapes nothing is sent but how they are now; `is_watched`: fingerprints are wanted. Nothing is kept until `keep`, for a
+    render that is stopped has sent a part."""
     global _last
     last, _last = _last, None
     of = depsgraph.scene_eval.name, depsgraph.view_layer_eval.name

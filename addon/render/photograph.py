@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One render of one view of a view layer: what is read when, what the engine is given, and what is said meanwhile."""
+"""One render of one view of a view layer: the order of reading, the arguments of the engine, and the messages meanwhile."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from .results import Results, deliver_black, region
 
 # Samples: with fewer, the time that a forecast takes would be seen.
 _WORTH_A_FORECAST = 1 << 21
-# The part of the light that strays before which a guess of the rest of the time is worth nothing.
+# The part of the stray light before which a guess of the rest of the time is worth nothing.
 _LEAST_PART = 0.02
 
 
@@ -70,7 +70,7 @@ class Photograph:
         return self.depsgraph.scene_eval
 
     def take(self) -> None:
-        """Takes it; `loop.Stopped` if the user stops it first."""
+        """Takes the photograph; `loop.Stopped` if the user stops it first."""
         shutter = shutters.of(self.scene, self.depsgraph.view_layer_eval)
         now = self.scene.frame_current + self.scene.frame_subframe
         if shutter is None or shutter.middle == now:
@@ -245,7 +245,7 @@ class Photograph:
                 share.finished(part)
 
     def _warn_late(self, scene) -> None:
-        """Says what the engine's scene has come upon during the render."""
+        """Reports the warnings of the engine's scene during the render."""
         for warning in scene.warnings():
             if warning not in self.report.warnings:
                 self.report.warn(warning)
@@ -257,7 +257,8 @@ class Photograph:
             self.host.report({"WARNING"}, warning)
 
     def _show_all(self, job, picture_of: dict[str, str], beside: tuple | None) -> np.ndarray:
-        """Hands over the finished picture, and gives its colours. `beside`: the renders of what catches shadows alone, and of the sky, where things catch shadows."""
+        """Hands over the finished picture, and gives its colours. `beside`: the renders of shadow catchers alone, and of the sky, where
+        things catch shadows."""
         pictures = {passes.COMBINED.name: job.image()}
         if self.results.is_denoised:
             pictures[passes.NOISY.name] = job.noisy_image()
@@ -277,7 +278,7 @@ class Photograph:
         return any(row["effect"] == effect and row["decision"] == "on" for row in self.told["effects"])
 
     def _develop(self, job) -> None:
-        """Lays over the picture what of the light strays."""
+        """Lays the stray light over the picture."""
         began, share = time.monotonic(), self._share_after_samples() - self.denoise_share
 
         def meanwhile() -> None:
@@ -294,12 +295,12 @@ class Photograph:
             job.stop_developing()
 
     def _share_after_samples(self) -> float:
-        """The part of the time that denoising and the light that strays are to take, after the samples."""
+        """The part of the time that denoising and the stray light are to take, after the samples."""
         predicted = self.told.get("predicted")
         return predicted["after_seconds"] / predicted["seconds"] if predicted and predicted["seconds"] else 0.0
 
     def _denoising(self) -> DenoisingDescription | None:
-        """How the picture is denoised once its samples are there; None: it is not."""
+        """The denoising of the picture once its samples are there; None: not denoised."""
         how = denoising.of_render(self.scene) if self.results.is_denoised else None
         if how is None and self.results.is_denoised:
             # It is on unless it is turned off: who turned it on wants to know.
@@ -328,7 +329,7 @@ class Photograph:
     def _beside_all(
         self, native, camera, settings, moving, size, place, blur, opened, fingerprint, how, part=None, *, is_sky: bool
     ):
-        """The finished render of what catches shadows without anything that throws them, or of the sky alone."""
+        """The finished render of shadow catchers without anything that casts shadows, or of the sky alone."""
         builder = native.SceneBuilder()
         if is_sky:
             staging.fill_sky(builder, self.depsgraph, camera, size, Report())
@@ -363,7 +364,7 @@ class Photograph:
         return job
 
     def _plan(self, native, scene, camera, settings, moving, opened, how) -> SettingsDescription:
-        """Decides what is simulated; the settings, in a border only of what it needs."""
+        """Decides which effects are simulated; the settings, in a border only those that it needs."""
         self._tell("Planning the effects", 0.0)
         wishes = effects.wishes(self.scene.petzval)
         self.plan = loop.stoppable(

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The last plan of each scene: what is simulated of its lens, and why. Kept in memory, for panels and programs. No bpy."""
+"""The last plan of each scene: the simulated effects of its lens, and why. Kept in memory, for panels and programs. No bpy."""
 
 from __future__ import annotations
 
 from typing import Any
 
-#: By the scene's name: the engine's `Plan.json` as a dictionary.
+#: The engine's `Plan.json` as a dictionary, by the scene's name.
 _last: dict[str, dict[str, Any]] = {}
 
 
@@ -20,5 +20,5 @@ def last(scene_name: str) -> dict[str, Any] | None:
 
 
 def forget() -> None:
-    """Drops all of them."""
+    """Drops all plans."""
     _last.clear()

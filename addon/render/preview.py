@@ -23,7 +23,7 @@ _MOST_BOUNCES = 4
 
 
 def render(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> None:
-    """Renders one; `loop.Stopped` where Blender no longer wants it."""
+    """Renders a preview; `loop.Stopped` where Blender no longer wants it."""
     native, scene, report = engine(), depsgraph.scene_eval, Report()
     width, height = camera_export.resolution(scene.render)
     results = Results(host, depsgraph)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said of a render while it goes on: the time that is left, and how many rays a second. No bpy."""
+"""The status of a running render: the time that is left, and the rays a second. No bpy."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _LEAST_PART = 0.003
 
 
 class Progress:
-    """Of one job, from when it is made; `limit_s` is the time that it has, 0 for no limit."""
+    """The progress of one job, from its making; `limit_s` is the time that it has, 0 for no limit."""
 
     def __init__(self, job: Any, limit_s: float = 0.0, clock: Callable[[], float] = time.monotonic) -> None:
         self._job, self._limit_s, self._clock = job, limit_s, clock
@@ -44,12 +44,12 @@ class Progress:
         return self._per_second
 
     def remaining(self, part: float) -> str:
-        """As Cycles says it, with the bar that parts it from what follows; empty where it is not known."""
+        """The remaining time in Cycles' words, with the bar that separates it from the rest; empty where it is not known."""
         left = self.left_s(part)
         return "" if left is None or part >= 1.0 else f"Remaining:{clock_time(left)} | "
 
     def speed(self) -> str:
-        """Likewise the rays; empty until they were counted."""
+        """The rays a second in words; empty until they were counted."""
         rays = self.rays_per_second()
         return f" | {in_short(rays)} rays/s" if rays > 0.0 else ""
 
@@ -58,7 +58,7 @@ class Progress:
 
 
 def clock_time(seconds: float) -> str:
-    """As Blender writes a time: minutes and seconds with hundredths, hours where there are any."""
+    """A time as Blender writes it: minutes and seconds with hundredths, hours where there are any."""
     minutes, rest = divmod(max(seconds, 0.0), 60.0)
     hours, minutes = divmod(int(minutes), 60)
     return f"{hours}:{minutes:02d}:{int(rest):02d}" if hours else f"{minutes:02d}:{rest:05.2f}"

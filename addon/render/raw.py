@@ -21,7 +21,7 @@ from . import loop
 
 
 def check(depsgraph: bpy.types.Depsgraph, view: str, camera: CameraDescription) -> None:
-    """Raises `ExportError` where what the camera's sensor is to write cannot be written: before the render, not after it."""
+    """Raises `ExportError` where the raw file of the camera's sensor cannot be written: before the render, not after it."""
     native, file, name = engine(), *_asked(depsgraph, view)
     if file is None or name is None:
         return
@@ -54,7 +54,7 @@ def write(
     pixels: np.ndarray,
     warn: Callable[[str], None],
 ) -> None:
-    """Writes what the camera's sensor says of a picture, if it is to. What goes wrong is said, and the picture stays."""
+    """Writes the raw file of the camera's sensor, if one is asked for. Errors are reported, and the picture stays."""
     native, file, name = engine(), *_asked(depsgraph, view)
     if file is None or name is None:
         return

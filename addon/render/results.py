@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender is handed of a render: tiles while it goes on, at its end all passes that the view layer asks for."""
+"""The transfer of a render into Blender's result: tiles while it goes on, at its end all passes that the view layer asks for."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def region(render: bpy.types.RenderSettings) -> tiles.Window:
 
 
 def views(host: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph) -> list[stereo.View]:
-    """Those that are to be rendered."""
+    """The views that are to be rendered."""
     if not depsgraph.scene_eval.render.use_multiview or loop.WATCH.study is not None:
         return [stereo.ONLY]
     result = host.begin_result(0, 0, 1, 1, layer=depsgraph.view_layer_eval.name)
@@ -82,26 +82,26 @@ class Results:
 
     @property
     def has_data(self) -> bool:
-        """Whether the engine is to keep what surfaces the pixels see."""
+        """True if the engine is to keep the data of the surfaces that pixels see."""
         return bool(self._data)
 
     @property
     def has_vectors(self) -> bool:
-        """Whether it is to keep how these move."""
+        """True if the engine is to keep the movement of the surfaces that pixels see."""
         return any(one.engine_name == "VECTOR" for one in self._data)
 
     @property
     def has_denoising_data(self) -> bool:
-        """Whether the picture may be denoised later, by the passes that guide that."""
+        """True if the picture may be denoised later, by the passes that guide that."""
         return any(one in passes.DENOISING for one in self._parts)
 
     @property
     def is_mergeable(self) -> bool:
-        """Whether the picture is to be joined with others: what strays belongs to the whole."""
+        """True if the picture is to be joined with others: its stray light belongs to the whole."""
         return len(self._merging) > 1
 
     def for_job(self) -> dict[str, Any]:
-        """What the engine is to keep, as `Job` takes it."""
+        """The passes that the engine is to keep, as `Job` takes them."""
         return {
             "mattes": [one.engine_name for one in (*self._mattes, *self._indices)],
             "matte_levels": self._matte_levels,
@@ -135,8 +135,8 @@ class Results:
 
     def show_all(self, job: Any, pictures: dict[str, np.ndarray], plan: dict, picture_of: dict[str, str]) -> None:
         """The finished picture with its passes of data, at once: a result without a pass would blacken it. `pictures` by the names of their
-        passes; those that the job knows are added. `plan` as the engine tells it; `picture_of`: what decides the picture, whichever of its
-        samples it holds."""
+        passes; those that the job knows are added. `plan` as the engine tells it; `picture_of`: the data that decide the picture, whichever
+        of its samples it holds."""
         layer = self._depsgraph.view_layer_eval.name
         width, height = self._window.width, self._window.height
         result = self._host.begin_result(0, 0, width, height, layer=layer, view=self._view)
@@ -170,7 +170,7 @@ class Results:
                 yield one.name, channels[..., 4 * i : 4 * i + 4]
 
     def _name_effects(self, plan: dict) -> None:
-        """Says in the picture's metadata what of the lens was simulated."""
+        """Writes the simulated effects of the lens into the picture's metadata."""
         whole = self._host.get_result()
         for row in plan["effects"]:
             whole.stamp_data_add_field(f"petzval/effects/{row['effect']}", f"{row['decision']}: {row['why']}")
@@ -198,7 +198,7 @@ class Results:
             self._host.get_result().stamp_data_add_field(f"petzval/view/{self._view}/{layer}", f"{zlib.crc32(red):08x}")
 
     def _name_mattes(self, job: Any) -> None:
-        """Says in the picture's metadata what the mattes' numbers stand for."""
+        """Writes the names of the mattes' numbers into the picture's metadata."""
         whole = self._host.get_result()
         for layer in self._mattes:
             name = f"{self._depsgraph.view_layer_eval.name}.{layer.name}"

@@ -16,14 +16,14 @@ from ..export.stereo import View
 from . import loop
 from .checkpoints import Checkpoint, of_view
 
-#: Another machine's file may be seen before it is whole.
+#: Tries and pauses of reading: another machine's file may be seen before it is whole.
 _TRIES, _PAUSE_S = 20, 0.1
 #: Pieces that are named.
 _MOST_NAMED = 5
 
 
 def for_job(share: loop.Share | None, part: loop.Part | None) -> dict[str, Any]:
-    """What the engine's `Job` is told of a part, or of the joining of parts, which renders no tile."""
+    """The arguments of the engine's `Job` for a part, or for the joining of parts, which renders no tile."""
     if share is None:
         return {}
     return {"share": (0, 0, 1) if part is None else part.slots}
@@ -64,7 +64,7 @@ def agree(
 
 
 def _read(file: str) -> dict[str, Any] | None:
-    """What the first part wrote; None where it never became whole."""
+    """The content of the first part's file; None where it never became whole."""
     for _ in range(_TRIES):
         try:
             with open(file, encoding="utf-8") as stream:
@@ -85,7 +85,7 @@ def keep(
     of: tuple[bpy.types.Depsgraph, View],
     beside: str = "",
 ) -> None:
-    """Writes the film of a part that has ended. `beside`: what the render is, where it is none of the picture but of something that the
+    """Writes the film of a part that has ended. `beside`: the name of the render, where it is none of the picture but of something that the
     picture needs."""
     file = of_view(part.film, *of) + beside
     try:
@@ -110,7 +110,7 @@ def join(share: loop.Share, job: Any, fingerprint: str, of: tuple[bpy.types.Deps
 
 
 def is_last(depsgraph: bpy.types.Depsgraph, view: View) -> bool:
-    """Whether no other view layer or view follows in the picture, as far as that is known before its end."""
+    """True if no other view layer or view follows in the picture, as far as that is known before its end."""
     # Of an evaluated scene the layer that is rendered comes first.
     used = [layer.name for layer in depsgraph.scene.view_layers if layer.use]
     return depsgraph.view_layer_eval.name == used[-1] and view.index + 1 == view.count

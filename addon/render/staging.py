@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a scene of Blender to what the engine renders: the steps that a render and a measurement share."""
+"""The steps from a scene of Blender to the engine's scene that a render and a measurement share."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def camera(
 
 
 def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int, report: Report) -> None:
-    """What of the lens's file could not be used, and glasses that are not known at the camera's own wavelength."""
+    """Warns of the rows of the lens's file that could not be used, and of glasses that are not known at the camera's own wavelength."""
     if camera.model == "PINHOLE":
         return
     if camera.model == "CALIBRATED":
@@ -55,7 +55,7 @@ def tell_of_lens(native: Any, camera: CameraDescription, width: int, height: int
 
 
 def in_a_line(native: Any, camera: CameraDescription, width: int, height: int, by: str) -> str:
-    """What takes the picture; `by`: what has focused it, if not the user."""
+    """The camera of the picture, in a line; `by`: the source of its focus, if not the user."""
     info = None
     if camera.model in OF_LENS_FILE:
         # A complaint comes when the camera is made.
@@ -80,9 +80,9 @@ def fill(
     eye: Eye | None = None,
     baked: Baked | None = None,
 ) -> bool:
-    """Tells the engine's `SceneBuilder` all that the camera may see; whether something catches shadows. `only_catchers`: what
-    does not is a hole for the camera, and nothing to all else. `eye`: of a view in stereo. `kept`, `seen_in` and `baked` as `export.send_scene` has
-    them."""
+    """Tells the engine's `SceneBuilder` all that the camera may see; returns True if something catches shadows. `only_catchers`: objects
+    that do not are holes for the camera, and nothing to all else. `eye`: of a view in stereo. `kept`, `seen_in` and `baked` as
+    `export.send_scene` has them."""
     catches = export.send_scene(
         depsgraph,
         builder,
@@ -113,7 +113,7 @@ def fill_sky(
 
 
 def place(of: CameraDescription) -> tuple[float, float, float]:
-    """Where a camera stands in the world."""
+    """The position of a camera in the world."""
     return tuple(row[3] for row in of.matrix_world[:3])
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the last render of each scene took and did; kept in memory, for the panels and for programs. No bpy."""
+"""The statistics of the last render of each scene; kept in memory, for the panels and for programs. No bpy."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from typing import Any
 
 from .progress import in_short
 
-#: Where camera rays are lost that no lens takes, by what takes the picture.
+#: The words for the place where camera rays are lost that no lens takes, by the camera model.
 _OUTSIDE = {"panoramic": "outside of the projection", "calibrated": "outside of the calibration"}
-#: By the scene's name.
+#: The last renders by the scene's name.
 _last: dict[str, LastRender] = {}
 
 
 @dataclass
 class LastRender:
-    """`stats` is the engine's `Job.stats_json`, with the seconds of `sync` added, and `camera`: what has taken the picture, in a line."""
+    """`stats` is the engine's `Job.stats_json`, with the seconds of `sync` added, and `camera`: the camera of the picture, in a line."""
 
     stats: dict[str, Any]
     warnings: list[str] = field(default_factory=list)
     stopped: bool = False
 
     def lines(self) -> list[str]:
-        """For people."""
+        """The statistics in words."""
         seconds = self.stats["seconds"]
         lost = self.stats["camera_rays_lost"] / max(self.stats["camera_rays"], 1)
         where = _OUTSIDE.get(self.stats["lens"], "lost in the lens")
@@ -61,13 +61,13 @@ class LastRender:
         return lines
 
     def was_late(self) -> bool:
-        """Whether its time was up before it had all samples."""
+        """True if the time limit was up before the render had all samples."""
         limit = self.stats.get("time_limit_s") or 0.0
         return 0.0 < limit <= self.stats["seconds"]["render"] and not self.stopped
 
 
 def _seconds(seconds: dict[str, Any]) -> str:
-    """What took how long, and all together."""
+    """The time of each step and of all together, in words."""
     strays = sum((seconds.get("strays") or {}).values())
     parts = {"sync": seconds["sync"], "trees": seconds["bvh"], "samples": seconds["render"]}
     if "denoise" in seconds:
@@ -96,5 +96,5 @@ def last(scene_name: str) -> LastRender | None:
 
 
 def forget() -> None:
-    """Drops all of them."""
+    """Drops all statistics."""
     _last.clear()

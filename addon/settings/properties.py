@@ -14,7 +14,7 @@ from .camera import PetzvalCamera
 
 
 class PetzvalEffects(bpy.types.PropertyGroup):
-    """`Scene.petzval.effects`: what the user says of each effect."""
+    """`Scene.petzval.effects`: the user's wish for each effect."""
 
     __annotations__ = {
         effect.name: EnumProperty(name=effect.label, description=effect.tooltip, items=WORDS) for effect in EFFECTS
@@ -199,7 +199,7 @@ class PetzvalScene(bpy.types.PropertyGroup):
 
 
 class PetzvalViewLayer(bpy.types.PropertyGroup):
-    """What a view layer is to hold."""
+    """The settings of a view layer."""
 
     use_pass_mergeable: BoolProperty(
         name="Mergeable",

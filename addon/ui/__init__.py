@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels: small, without arithmetic; what they show is asked of the engine."""
+"""Panels: small, without arithmetic; their numbers come from the engine."""
 
 from __future__ import annotations
 

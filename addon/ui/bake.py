@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Bake panel, as Cycles' own: what is baked, of what light, from which objects, and where to. Blender keeps all but the type."""
+"""The Bake panel, as Cycles' own: the type, the parts of light, the source objects, and the target. Blender keeps all but the type."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import bpy
 
 from .mixin import PetzvalPanel, columns
 
-#: Types for which it matters from where the surface is seen.
+#: Types that depend on the place from which the surface is seen.
 _SEEN = {"COMBINED", "SHADOW", "EMIT", "DIFFUSE", "GLOSSY", "TRANSMISSION"}
 #: Types of one kind of lobe.
 _OF_LOBES = {"DIFFUSE", "GLOSSY", "TRANSMISSION"}
-#: Settings of what is baked from multiresolution data, which Blender does itself: since 5.0 with the others, before apart.
+#: Settings of bakes from multiresolution data, which Blender makes itself: since 5.0 with the others, before apart.
 _OLD_NAMES = {
     "use_multires": "use_bake_multires",
     "type": "bake_type",
@@ -23,7 +23,7 @@ _OLD_NAMES = {
 
 
 def _multires(render: bpy.types.RenderSettings, name: str) -> tuple[bpy.types.bpy_struct, str]:
-    """Where Blender keeps a setting of multiresolution baking."""
+    """The place where Blender keeps a setting of multiresolution baking: a struct and the setting's name."""
     return (render.bake, name) if hasattr(render.bake, "use_multires") else (render, _OLD_NAMES[name])
 
 

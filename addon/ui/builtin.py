@@ -33,7 +33,7 @@ LEFT_OUT = {
     "VIEWLAYER_PT_freestyle_lineset",
     "VIEWLAYER_PT_layer_passes",
 }
-#: EEVEE's panels of what is the same here: material slots, previews, shadow terminators.
+#: EEVEE's panels of settings that are the same here: material slots, previews, shadow terminators.
 TAKEN_FROM_EEVEE = {
     "EEVEE_MATERIAL_PT_context_material",
     "MATERIAL_PT_preview",

@@ -125,7 +125,7 @@ def _chosen_lens(context, layout) -> None:
 
 
 def _calibration(context, layout) -> None:
-    """The file of calibrations, the camera in it, and what that is; with depth of field or an ST map, Blender's sensor and focal length."""
+    """The file of calibrations, the camera in it, and its facts; with depth of field or an ST map, Blender's sensor and focal length."""
     camera = context.camera
     settings = camera.petzval
     found, chosen = calibrations.of_camera(camera), calibrations.chosen_in(camera)
@@ -160,7 +160,7 @@ def _calibration(context, layout) -> None:
 
 
 def _photographic(context, layout, chosen: dict) -> None:
-    """What was measured of a lens of a lensfun database, at the camera's setting."""
+    """The measurements of a lens of a lensfun database, at the camera's setting."""
     fact(layout, "Focal Length", f"{chosen['marked_mm']:.4g} mm")
     stops, lateral = chosen["corner_stops"], chosen["corner_lateral_px"]
     if stops is not None:
@@ -186,7 +186,7 @@ def _lens_info(context) -> dict:
 
 
 def _coverage(context) -> str:
-    """What of the picture the lens does not light; empty if it lights all."""
+    """The part of the picture that the lens does not light; empty if it lights all."""
     holder = viewport_camera.camera_object(context.camera, context.scene)
     return lens_info.coverage(holder, context.scene) if holder is not None else ""
 

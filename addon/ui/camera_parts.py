@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the parts of the camera's Lens panel share."""
+"""The shared parts of the camera's Lens panel."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LENS_PANEL = "PETZVAL_CAMERA_PT_lens"
 
 
 class CameraPanel(PetzvalPanel):
-    """For a panel of the camera."""
+    """A mixin of panels of the camera."""
 
     bl_context = "data"
 

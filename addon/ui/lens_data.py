@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The camera's Lens Data panel: what the lens does as it is set, in the engine's numbers."""
+"""The camera's Lens Data panel: the numbers of the lens as it is set, from the engine."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def _groups(_settings: Any, _context: bpy.types.Context | None) -> list[tuple[st
 
 
 class PetzvalGallery(bpy.types.PropertyGroup):
-    """What of the lenses is shown: of this session alone."""
+    """The gallery's view of the lenses: of this session alone."""
 
     words: StringProperty(
         name="Search",
@@ -72,7 +72,7 @@ def favourite_entries() -> list[dict[str, Any]]:
 
 
 def key_of(entry: dict[str, Any]) -> str:
-    """What a camera's settings say for it."""
+    """The key of a lens, as a camera's settings keep it."""
     return entry["id"] if entry.get("is_own") else lens_files.file_name(entry)
 
 

@@ -9,7 +9,7 @@ ENGINES = {ENGINE}
 
 
 class PetzvalPanel:
-    """For panels that show while Petzval is the engine."""
+    """A mixin of panels that show while Petzval is the engine."""
 
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"

@@ -10,7 +10,7 @@ from ..export.material import uses_nodes
 
 
 def draw_nodes(layout: bpy.types.UILayout, holder: bpy.types.ID, name: str) -> bool:
-    """What is plugged into the output's socket of that name; whether the holder has nodes at all."""
+    """Draws the node that is plugged into the output's socket of that name; True if the holder has nodes at all."""
     if not uses_nodes(holder) or holder.node_tree is None:
         if holder.node_tree is not None or bpy.app.version < (5, 0, 0):
             layout.prop(holder, "use_nodes", icon="NODETREE")

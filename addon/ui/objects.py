@@ -105,7 +105,7 @@ class PETZVAL_OBJECT_PT_culling(_ObjectPanel, bpy.types.Panel):
 
 
 class PETZVAL_OBJECT_PT_shadow_terminator(_ObjectPanel, bpy.types.Panel):
-    """Where Blender has no panel of every engine for it: there Cycles keeps it"""
+    """Shadow terminator offsets that Cycles keeps, where Blender has no panel of every engine for them"""
 
     bl_label = "Shadow Terminator"
     bl_options = {"DEFAULT_CLOSED"}

@@ -50,7 +50,7 @@ def _own_rows(layout, scene) -> None:
 
 
 def _cycles_rows(layout, scene, which: str = "") -> None:
-    """Those of Cycles, of final renders or of views (`preview_`)."""
+    """The rows of Cycles' samples, of final renders or of views (`preview_`)."""
     cycles, use = scene.cycles, f"use_{which}adaptive_sampling"
     _threshold(layout, cycles, use, f"{which}adaptive_threshold")
     layout.prop(cycles, f"{which}samples", text="Max Samples" if getattr(cycles, use) else "Samples")
@@ -70,7 +70,7 @@ def _threshold(layout, settings, use: str, threshold: str) -> None:
 
 
 def _whose(layout, scene, of: str, is_own: bool) -> None:
-    """Whose settings count, and the button for the others."""
+    """The row that shows whose settings count, and the button for the others."""
     if not hasattr(scene, "cycles"):
         return
     row = layout.row()
@@ -110,7 +110,7 @@ class _DenoisePanel(_RenderPanel):
 
 
 def _denoise_rows(layout, cycles, which: str) -> None:
-    """Those of final renders, or of views (`preview_`), as this Blender has them."""
+    """The rows of denoising, of final renders or of views (`preview_`), as this Blender has them."""
     layout.active = getattr(cycles, f"use_{which}denoising")
     for name, text in (
         ("input_passes", "Passes"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels of what became of a render: Last Render, and Messages with what they are about."""
+"""Panels of a render's results: Last Render, and Messages with their subjects."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .mixin import PetzvalPanel
 
 # More would fill the panel.
 _MOST_MESSAGES = 24
-#: By what a message is about.
+#: The icons by the kind of a message's subject.
 _ICONS = {
     "object": "OBJECT_DATA",
     "material": "MATERIAL",
@@ -69,14 +69,14 @@ class PETZVAL_RENDER_PT_messages(_RenderPanel, bpy.types.Panel):
 
 
 def _messages(context) -> list[messages.Message]:
-    """Those of the scene, and the notes on its camera's lens that no render has told."""
+    """The messages of the scene, and the notes on its camera's lens that no render has told."""
     found = messages.all_of(context.scene.name)
     told = {message.text for message in found}
     return found + [messages.of_text(note) for note in _notes_on_lens(context) if note not in told]
 
 
 def _notes_on_lens(context) -> list[str]:
-    """What of the lens file could not be used, and glasses that are not known for all light."""
+    """The notes on the lens: rows of its file that could not be used, and glasses that are not known for all light."""
     holder = context.scene.camera
     if holder is None or holder.type != "CAMERA" or holder.data.petzval.model not in OF_LENS_FILE:
         return []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The camera's Scale panel: millimetres to a Blender unit, and how large the scene then is for the lens."""
+"""The camera's Scale panel: millimetres to a Blender unit, and the size of the scene for the lens."""
 
 from __future__ import annotations
 
@@ -64,6 +64,6 @@ def length(own: float, units: bpy.types.UnitSettings) -> str:
 
 
 def millimetres(value: float) -> str:
-    """In the lens's world, with thin spaces between thousands."""
+    """A length in the lens's world in words, mm, with thin spaces between thousands."""
     digits = 0 if value >= 100.0 else 1 if value >= 1.0 else 4
     return f"{value:,.{digits}f} mm".replace(",", "\u2009")

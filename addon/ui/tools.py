@@ -69,7 +69,7 @@ class PETZVAL_CAMERA_PT_tools(LensPart, bpy.types.Panel):
 
 
 def _costs(layout, found) -> None:
-    """The time that each camera takes for the picture, and how far pixels are off."""
+    """The time that each camera takes for the picture, and the error of its pixels."""
     from petzval.cost import page
     from petzval.cost.advice import percent, seconds
 
@@ -83,7 +83,7 @@ def _costs(layout, found) -> None:
 
 
 def _entry(menu, context) -> None:
-    """At the end of Blender's own menus, while Petzval is the engine and the scene's camera has a lens."""
+    """Draws the entry at the end of Blender's own menus, while Petzval is the engine and the scene's camera has a lens."""
     holder = context.scene.camera
     if context.engine != ENGINE or holder is None or holder.type != "CAMERA":
         return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rendered shading in a 3D view: what changed is sent on, a thread renders, the screen shows what there is."""
+"""Rendered shading in a 3D view: changes are sent on, a thread renders, the screen shows its last picture."""
 
 from __future__ import annotations
 

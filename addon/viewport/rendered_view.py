@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One 3D view in rendered shading: hands on what Blender tells it, and has it drawn."""
+"""One 3D view in rendered shading: hands on Blender's events, and has the picture drawn."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from .screen import Screen
 from .session import Session, Wanted
 from .sync import SceneSync
 
-#: How often it is looked whether there is a new picture, s.
+#: Time between two looks for a new picture, s.
 _LOOK_S = 0.04
-#: Blender units: a camera farther from where the scene's origin was set has it set anew, for single precision's sake.
+#: The distance of a camera from the scene's origin, Blender units, beyond which that is set anew, for single precision's sake.
 _FAR = 100.0
 
 
@@ -107,13 +107,13 @@ class RenderedView:
         return seen
 
     def _pixel_size(self, scene: bpy.types.Scene) -> float:
-        """Petzval's own where it was set, or Blender's, which may go by the screen."""
+        """The pixel size: Petzval's own where it was set, or Blender's, which may go by the screen."""
         if scene.petzval.is_property_set("preview_pixel_size"):
             return float(scene.petzval.preview_pixel_size)
         return float(self._host().get_preview_pixel_size(scene))
 
     def _guarded(self, what: str, work: Callable[[], Any]) -> Any:
-        """What the work gives; what went wrong is said in the view until the same goes well."""
+        """The result of the work; an error is shown in the view until the same work succeeds."""
         try:
             found = work()
         except Exception as error:
@@ -126,7 +126,7 @@ class RenderedView:
 
     @property
     def warnings(self) -> list[str]:
-        """What could not be handed over, and what the engine left out."""
+        """The warnings of the export and of the engine."""
         told = self._sync.report.warnings
         return [*told, *(one for one in self.session.warnings if one not in told)]
 
@@ -161,7 +161,7 @@ class RenderedView:
 
 
 def _threads(render: bpy.types.RenderSettings) -> int:
-    """As the scene says; else all but one, which Blender's window needs."""
+    """The number of threads by the scene's setting; else all but one, which Blender's window needs."""
     return render.threads if render.threads_mode == "FIXED" else max((os.cpu_count() or 1) - 1, 1)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders what a view asks for in a thread of its own: a coarse picture at once, then one that is refined. No bpy."""
+"""Renders the request of a view in a thread of its own: a coarse picture at once, then one that is refined. No bpy."""
 
 from __future__ import annotations
 
@@ -17,32 +17,32 @@ from petzval.description import CameraDescription, DenoisingDescription, Setting
 from ..data.tiles import Window
 from ..render import loop
 
-#: How long a first picture may take, s; it has as many fewer pixels as that needs.
+#: Time for a first picture at most, s; it has as many fewer pixels as that needs.
 FIRST_S = 0.05
 _DIVIDERS = (1, 2, 4, 8, 16)
 #: Pixels in a second, before that is known.
 _GUESSED_RATE = 1e5
-#: From one picture to the next, s, while it is refined: soon at first.
+#: Time from one picture to the next, s, while it is refined: short at first.
 _SHOW_S, _SHOW_LATER_S = 0.1, 0.5
 _POLL_S = 0.02
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a view asks for."""
+    """The request of a view."""
 
     camera: CameraDescription
-    #: With the picture's size, the part of it that is seen, and the most samples.
+    #: The settings, with the picture's size, the part of it that is seen, and the most samples.
     settings: SettingsDescription
-    #: Of the effects: as the engine's `Plan` takes them.
+    #: The wishes for effects, as the engine's `Plan` takes them.
     wishes: dict[str, Any] = field(default_factory=dict)
-    #: How pictures are denoised, from so many samples on; None: they are not.
+    #: The denoising of pictures, from `denoise_from` samples on; None: off.
     denoising: DenoisingDescription | None = None
     denoise_from: int = 1
 
     @property
     def parts(self) -> list[str]:
-        """What guides the denoiser: the engine keeps it."""
+        """The passes that guide the denoiser: the engine keeps them."""
         how = self.denoising
         if how is None:
             return []
@@ -50,7 +50,7 @@ class Wanted:
 
     @property
     def has_wishes(self) -> bool:
-        """What the engine decides by itself is too small to be seen: only who wants something else needs a plan."""
+        """True if an effect is not left to the engine: its own decisions leave out only invisible effects, and need no plan."""
         return any(word != "auto" for word in self.wishes.get("effects", {}).values())
 
     @property
@@ -61,11 +61,11 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Picture:
-    """What there is to show."""
+    """The picture of a view."""
 
     #: (height, width, 4), scene-linear, rows from below: the part of the picture that is seen.
     pixels: np.ndarray
-    #: That part, of the whole picture: left, bottom, width, height; 0 to 1.
+    #: The place of `pixels` in the whole picture: left, bottom, width, height; 0 to 1.
     place: tuple[float, float, float, float]
     samples: int
     wanted: Wanted
@@ -89,7 +89,7 @@ class Session:
         self._scene: Any = None
         #: The last picture.
         self.picture: Picture | None = None
-        #: What went wrong last, and what the engine left out.
+        #: The last error, and the warnings of the engine.
         self.error = ""
         self.warnings: list[str] = []
         #: Seconds that the first and the last scene took to be built, and from a wish to its first picture.
@@ -104,7 +104,7 @@ class Session:
             self._wake.notify()
 
     def look(self, wanted: Wanted) -> None:
-        """Renders this from now on, if it is not what was asked for."""
+        """Renders this request from now on, if it differs from the last."""
         if wanted == self._asked:
             return
         with self._wake:
@@ -113,7 +113,7 @@ class Session:
 
     @property
     def is_busy(self) -> bool:
-        """More is to come."""
+        """True if more samples are to come."""
         return (self._is_busy or self._is_new) and not self._is_closed
 
     def close(self) -> None:
@@ -123,7 +123,7 @@ class Session:
             self._wake.notify()
 
     def wait(self, seconds: float) -> bool:
-        """Until nothing more is to come; False where that takes longer. For tests and tools."""
+        """Waits until the last picture is there; False where that takes longer. For tests and tools."""
         end = time.monotonic() + seconds
         while self.is_busy:
             if time.monotonic() > end:

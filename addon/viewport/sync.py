@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sends a scene that is edited to the engine: the first time all of it, then what changed."""
+"""Sends a scene that is edited to the engine: the first time all of it, then the changes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..export.report import Report
 
 
 class SceneSync:
-    """What the engine was told of the scene that a view shows."""
+    """The scene of a view, as the engine was last told."""
 
     def __init__(self, native: Any) -> None:
         self._native = native
@@ -23,7 +23,7 @@ class SceneSync:
         self._kept: Kept | None = None
         self._of: tuple | None = None
         self._last: tuple | None = None
-        #: What could not be handed over.
+        #: The warnings of the export.
         self.report = Report()
 
     def update(
@@ -33,7 +33,7 @@ class SceneSync:
         space: bpy.types.SpaceView3D | None,
         origin: tuple[float, float, float],
     ) -> Any | None:
-        """A `SceneDraft` of the scene as it is now; None where it is what it was. `space`: the view whose own choice of objects counts.
+        """A `SceneDraft` of the scene as it is now; None where nothing has changed. `space`: the view whose own choice of objects counts.
         Raises `ExportError` and the engine's."""
         of = export.shared_settings(depsgraph, is_render=False)
         if of != self._of:

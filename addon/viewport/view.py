@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a 3D view looks through: the scene's camera with its lens, or Blender's own perspective; and where its picture lies."""
+"""The view of a 3D view: the scene's camera with its lens, or Blender's own perspective; and the place of its picture."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..export import aperture_mask, stereo
 from ..export import camera as camera_export
 from ..export.report import Report
 
-#: Of a view along parallel lines, which shows what lies behind its middle too: how far before that it begins, of its depth.
+#: The distance before its middle at which an orthographic view begins, as a part of its depth: it shows things behind its middle, too.
 _BEFORE = 0.5
 #: Width that a picture of our own perspective is given, mm: only its part of the focal length counts.
 _WIDTH_MM = 36.0
@@ -30,14 +30,14 @@ class View:
     camera: CameraDescription
     #: Pixels of the whole picture.
     size: tuple[int, int]
-    #: Where the picture lies in the region: left, bottom, width, height; pixels of the screen.
+    #: The place of the picture in the region: left, bottom, width, height; pixels of the screen.
     frame: tuple[float, float, float, float]
     #: The part of the picture that is seen, in its pixels.
     window: Window
 
 
 def of(context: bpy.types.Context, depsgraph: bpy.types.Depsgraph, pixel_size: float, report: Report) -> View | None:
-    """That of a region; None where nothing of the picture is in it. Raises `ExportError` as the camera's export does."""
+    """The view of a region; None where nothing of the picture is in it. Raises `ExportError` as the camera's export does."""
     region, space, rv3d = context.region, context.space_data, context.region_data
     if rv3d.view_perspective == "CAMERA":
         holder = space.camera if space.use_local_camera else depsgraph.scene_eval.camera
@@ -59,7 +59,7 @@ def frame_in(
     rv3d: bpy.types.RegionView3D,
     eye: stereo.Eye | None = None,
 ) -> tuple[float, float, float, float]:
-    """Where a view through a camera, or its `eye`, has its frame: left, bottom, width, height; pixels of the region."""
+    """The frame of a view through a camera or its `eye`: left, bottom, width, height; pixels of the region."""
     # Blender's view knows nothing of scale.
     place = (holder.matrix_world if eye is None else eye.matrix).normalized()
     frame = holder.data.view_frame(scene=scene)
@@ -73,7 +73,7 @@ def frame_in(
 
 
 def _aside(frame: Sequence[Vector], camera: bpy.types.Camera, eye: stereo.Eye) -> float:
-    """How far an eye's shift moves the corners of a camera's frame."""
+    """The shift of the corners of a camera's frame by an eye, Blender units."""
     across, up = (max(corner[i] for corner in frame) - min(corner[i] for corner in frame) for i in (0, 1))
     fitted = {"HORIZONTAL": across, "VERTICAL": up}.get(camera.sensor_fit, max(across, up))
     return (eye.shift_x - camera.shift_x) * fitted

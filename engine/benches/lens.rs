@@ -80,7 +80,7 @@ fn bench_kind<R: Traced>(c: &mut Criterion, lens: &str, kind: &str, tracer: &Tra
     group.finish();
 }
 
-/// Two roots and two divisions of each number, which depend on nothing else: what a sphere cannot be traced without.
+/// Two roots and two divisions of each number, which depend on nothing else: the least operations to trace a sphere.
 struct RootsAndDivisions<'a, R>(&'a mut [R]);
 
 impl<R: Real> LaneKernel<R> for RootsAndDivisions<'_, R> {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What 3D views draw of a camera's focus: the geometry, without a screen. The window itself: test_window.py."""
+"""The drawing of a camera's focus in 3D views: the geometry, without a screen. The window itself: test_window.py."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_it_is_asked_anew_only_where_the_camera_changed(overlay):
 
 
 def test_an_infinite_focus_has_no_surface(overlay):
-    """But a near limit."""
+    """A focus at infinity still has a near limit."""
     part, bpy = overlay
     holder = bpy.context.scene.camera
     holder.data.petzval.focus_mode = "INFINITY"

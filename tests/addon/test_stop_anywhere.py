@@ -19,12 +19,12 @@ PHASES = (
     ("Planning the effects", 0.0),
     ("Sample", 0.2),
 )
-#: Of a finished picture: with few samples, and so large that it takes a while.
+#: Steps of a finished picture: with few samples, and so large that it takes a while.
 AFTER_SAMPLES = (("Denoising", 0.1),)
 
 
 def seconds_to_stop(bpy, loop, phase: str, after_s: float) -> float:
-    """From the wish to the end of the operator."""
+    """The time from the wish to the end of the operator."""
     asked: list[float] = []
 
     def ask() -> None:

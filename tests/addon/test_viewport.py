@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes that are edited: what the 3D view's rendered shading sends of them, and what it shows. The window itself: test_window.py."""
+"""Scenes that are edited: the data that the 3D view's rendered shading sends of them, and its pictures. The window itself:
+test_window.py."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ ORIGIN = (1.0, -2.0, 0.5)
 
 
 class Viewer:
-    """What a view does, without a screen: hears of edits as Blender tells them, and renders."""
+    """A view without a screen: hears of edits as Blender tells them, and renders."""
 
     def __init__(self, bpy):
         import petzval
@@ -67,7 +68,7 @@ class Viewer:
         return self.session.picture.pixels
 
     def afresh(self, samples=8):
-        """The same, of a scene that is sent anew."""
+        """The picture of a scene that is sent anew."""
         other = self.session_of(self.native)
         depsgraph = self.bpy.context.evaluated_depsgraph_get()
         other.build(self.sync_of(self.native).update(depsgraph, self.changes_of(depsgraph), None, ORIGIN))

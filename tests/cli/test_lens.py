@@ -136,7 +136,7 @@ def test_trace_scales_and_stops_down(petzval_cli, good_lens):
 
 @pytest.mark.parametrize(("lens", "focus_mm"), [("anamorphic-2x-front-focus", 2700.0), ("nikkor-105-f1.4", 3000.0)])
 def test_trace_is_focused(petzval_cli, lens, focus_mm):
-    """Light of a point in focus meets the film in one, upright and across, once the lens's groups stand where they belong."""
+    """Light of a point in focus hits the film in one point, upright and across, once the lens's groups stand where they belong."""
     info = json.loads(petzval_cli("lens", "info", lens, "--focus-distance", focus_mm, "--json").stdout)
     pupil_mm = info["entrance_pupil"]["z_mm"]
     point = [0.0, 0.0, pupil_mm - focus_mm]

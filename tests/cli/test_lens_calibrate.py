@@ -20,7 +20,7 @@ FISHEYE = ("fisheye-nikkor-16-f2.8", "--size", "192x128", "--model", "fisheye")
 
 @pytest.fixture(scope="module")
 def calibrate(petzval_cli):
-    """What `petzval lens calibrate ... --json` answers."""
+    """The answer of `petzval lens calibrate ... --json`."""
 
     def run(*arguments):
         done = petzval_cli("lens", "calibrate", *arguments, "--json")
@@ -63,7 +63,7 @@ def test_a_shifted_film_shifts_the_principal_point(calibrate):
 
 @pytest.mark.parametrize("case", [WIDE, FISHEYE])
 def test_rays_of_the_map_come_back(calibrate, petzval_cli, tmp_path, case):
-    """Every twelfth ray, sent from the scene through the lens, meets the film in the middle of its pixel: to the rounding of 32 bits."""
+    """Every twelfth ray, sent from the scene through the lens, hits the film in the middle of its pixel: to the rounding of 32 bits."""
     found = calibrate(*case, "--map", tmp_path / "rays.exr")
     origin, direction, is_lit = rays_of(tmp_path / "rays.exr")
     assert is_lit.mean() == pytest.approx(found["lit"], abs=0.01)
@@ -90,7 +90,7 @@ def test_rays_of_the_map_come_back(calibrate, petzval_cli, tmp_path, case):
 
 
 def numpy_residual(found, direction):
-    """Where OpenCV's formulas put directions, from the middles of their pixels."""
+    """The distances of directions, projected by OpenCV's formulas, from the middles of their pixels, pixels."""
     p = found["parameters"]
     x, y = direction[..., 0] / direction[..., 2], direction[..., 1] / direction[..., 2]
     r2 = x * x + y * y

@@ -19,7 +19,7 @@ STOP_MM = 10.0
 
 @pytest.fixture
 def lens(tmp_path):
-    """Its stop, surface 2, is the round hole of 10 mm that limits it."""
+    """A lens whose stop, surface 2, is the round hole of 10 mm that limits it."""
     path = tmp_path / "good.lens"
     path.write_text(GOOD_LENS)
     return path

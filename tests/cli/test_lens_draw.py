@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens draw`: pictures and what they show."""
+"""`petzval lens draw`: pictures and their content."""
 
 import json
 import math

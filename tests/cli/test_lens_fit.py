@@ -24,7 +24,7 @@ RATIONAL = ("--coefficients", "k1,k2,k3,k4,k5,k6")
 
 @pytest.fixture(scope="module")
 def fit(petzval_cli):
-    """What `petzval lens fit LENS --calibration FILE ... --json` answers."""
+    """The answer of `petzval lens fit LENS --calibration FILE ... --json`."""
 
     def run(lens, calibration, *arguments):
         done = petzval_cli("lens", "fit", lens, "--calibration", calibration, *arguments, "--json")

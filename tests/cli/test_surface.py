@@ -20,7 +20,7 @@ pytestmark = pytest.mark.once
 HARD_CASES = REFERENCE / "hard-cases.json"
 CASES = json.loads(HARD_CASES.read_text())["cases"]
 
-#: The reference's word for what became of a ray, and the command's.
+#: The reference's word for the fate of a ray, and the command's.
 STATUS = {
     "ok": {"ok"},
     "miss": {"missed", "wrong_sheet"},

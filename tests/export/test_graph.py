@@ -46,7 +46,7 @@ def show(tree, output):
 
 
 def glow(description):
-    """What a described surface glows with, at position (2, 3, 5)."""
+    """The emission colour of a described surface at position (2, 3, 5)."""
     from petzval import _native
 
     points = {"position": np.array([[2.0, 3.0, 5.0]], np.float32)}
@@ -169,7 +169,7 @@ def test_what_the_engine_does_not_know_is_named(tree, describe):
 
 
 def test_every_shader_node_can_be_described(blender, tree, describe):
-    """Whatever options a node has, they are plain data."""
+    """The options of every node are plain data."""
     made = 0
     for kind in dir(blender.types):
         if not kind.startswith("ShaderNode") or kind.startswith("ShaderNodeOutput"):

@@ -146,7 +146,7 @@ def test_openjd(job, finished_job, tmp_path, program):
 
 
 def test_openjd_has_the_shape_of_the_specification(job):
-    """What Open Job Description 2023-09 asks of a template, where no openjd is there to check it."""
+    """The shape that Open Job Description 2023-09 asks of a template, where no openjd is there to check it."""
     template = json.loads((job / "template.json").read_text())
     assert template["specificationVersion"] == "jobtemplate-2023-09"
     assert {one["name"]: one["type"] for one in template["parameterDefinitions"]} == {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How unsharp points are in the photograph: circles and polygons of confusion, and planes that a turned film leans."""
+"""The blur of points in the photograph: circles and polygons of confusion, and planes that a turned film leans."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FOCAL_MM, FOCUS = 50.0, 2.0
 
 
 class Lamp:
-    """A lamp whose image is about so large, and what that adds to the covariance of its spot."""
+    """A lamp whose image is about so large, and its addition to the covariance of its spot."""
 
     def __init__(self, exact: Camera, at: np.ndarray, diameter_px: float) -> None:
         scale = exact.scale_at(at)
@@ -34,7 +34,7 @@ class Lamp:
 
 
 def diameter(covariance: np.ndarray) -> float:
-    """Of a disc with this covariance."""
+    """The diameter of a disc with this covariance."""
     return 4.0 * sqrt(max(np.trace(covariance) / 2.0, 0.0))
 
 
@@ -88,7 +88,7 @@ def symmetry_moment(spot: Spot, fold: int) -> complex:
 
 def test_a_pentagon_turns_over_where_the_focus_is_passed(blender, tmp_path):
     """Without exact rays: one corner of the opening points to the right as the lens is seen from behind. Nearer than the
-    focus the film is met before the rays have crossed, and the picture is the film turned by half a turn."""
+    focus the rays hit the film before they have crossed, and the picture is the film turned by half a turn."""
     moments = {}
     for depth, film_mm in ((0.6, 3.0), (8.0, 1.0)):
         studio = Studio(blender, tmp_path, (36, 36), samples=128)

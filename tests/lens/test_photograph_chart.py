@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where points of a scene come to lie in the photograph: exact rays from the scene against Blender's render."""
+"""The places of points of a scene in the photograph: exact rays from the scene against Blender's render."""
 
 from __future__ import annotations
 

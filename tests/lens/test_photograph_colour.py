@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fringes of colour in the photograph: how far red, green and blue of a point lie apart, and the shape of its spot."""
+"""Fringes of colour in the photograph: the distances of red, green and blue of a point, and the shape of its spot."""
 
 from __future__ import annotations
 

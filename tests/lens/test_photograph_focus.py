@@ -19,7 +19,7 @@ WIDTH, HEIGHT = 48, 32
 
 
 def info(studio: Studio) -> dict:
-    """What the panel shows."""
+    """The lens data that the panel shows."""
     studio.bpy.context.view_layer.update()
     shown = sys.modules["petzval_addon"].queries.lens_info.of_camera(studio.holder, studio.scene)
     assert "error" not in shown, shown

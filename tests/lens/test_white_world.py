@@ -18,7 +18,7 @@ from support.places import ROOT
 LENSES = sorted((ROOT / "lenses").glob("*.lens"))
 OPENINGS = {"wide open": {}, "f/8": {"f_number": 8.0}, "f/8, five blades": {"f_number": 8.0, "blades": 5}}
 WIDTH, HEIGHT, SAMPLES = 6, 4, 256
-#: Its gradients take 20 s to be ready for any opening: the smallest one with blades stands for the others in `make test`.
+#: The eye whose gradients take 20 s to be ready for any opening: the smallest one with blades stands for the others in `make test`.
 SLOW = "eye-liou-brennan"
 #: The number of the opening with blades.
 BLADES = 1

@@ -15,7 +15,7 @@ from support.places import ROOT
 pytestmark = pytest.mark.once
 
 PAGE = (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
-#: Of a small picture with few samples, settings that change it by less say little.
+#: The least change that counts: in a small picture with few samples smaller ones say little.
 LEAST = 0.05
 #: Samples of a pixel, and of one where those leave a doubt.
 SAMPLES = (8, 64, 256)
@@ -76,7 +76,7 @@ def test_what_shows_still_shows_alike(blender):
 
 
 def is_grossly_apart(one: dict[str, Any]) -> bool:
-    """Whether a setting does something else than in Cycles, or nothing in one of both."""
+    """True if a setting does something else than in Cycles, or nothing in one of both."""
     assert "failed" not in one, one
     apart = compare.Change(**one["apart"])
     return apart.shows and apart.size > 0.5 * max(one["cycles"]["size"], one["here"]["size"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `make bench` computes by itself: its scene, its measure of noise, its camera script for Cycles."""
+"""The computations of `make bench` itself: its scene, its measure of noise, its camera script for Cycles."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_bodies_are_closed_and_face_outwards():
 
 
 def _facing(vertices, triangles):
-    """Of each vertex, the mean normal of its triangles weighted by their area: another way to a smooth normal."""
+    """The mean normal of each vertex' triangles weighted by their area: another way to a smooth normal."""
     corners = vertices[triangles]
     total = np.zeros_like(vertices)
     for k in range(3):

@@ -16,7 +16,7 @@ SAMPLES = (32, 64)
 
 
 def result(name: str, flip: float, theirs: float) -> SimpleNamespace:
-    """Of a scene by others; without denoising twice the error."""
+    """The result of a scene by others; without denoising twice the error."""
     errors, seconds = {}, {}
     for program, level in (("petzval", flip), ("cycles", theirs)):
         for count in SAMPLES:

@@ -62,7 +62,7 @@ def test_corners_are_counted(corners):
 
 
 def test_noise_is_no_sharpness():
-    """What is left of detail: all of it in the same picture, a known part of blurred stripes, nothing in noise of its own."""
+    """The detail that is left: all of it in the same picture, a known part of blurred stripes, nothing in noise of its own."""
     chance = np.random.default_rng(2)
     stripes = 1.0 + 0.3 * np.sin(np.arange(200) * 2.0 * np.pi / 5.0)[None, :] * np.ones((80, 1))
     light = np.repeat(stripes[..., None], 3, axis=2)

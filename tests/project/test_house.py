@@ -239,12 +239,12 @@ def test_the_addon_does_not_use_the_command_line():
 
 #: Where a file of tests could be imported from by its name alone.
 FOLDERS_OF_TESTS = {"", "tests", *(path.name for path in TESTS.iterdir() if path.is_dir())}
-#: Functions that import what a text names.
+#: Functions that import a module named by a text.
 IMPORTERS = {"import_module", "__import__", "importorskip", "spec_from_file_location", "run_path"}
 
 
 def is_of_tests(name: str) -> bool:
-    """True of the name of a file of tests or of a conftest.py, and of what stands in one."""
+    """True of the name of a file of tests or of a conftest.py, and of a name that stands in one."""
     return any(part == "conftest" or part.startswith("test_") for part in re.split(r"[./]", name))
 
 

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.once
 HERE = pages.Made("bench", "0123456789ab", True, "2026-11-24", "Some (R) Model, 2 cores", "43 min")
 LENS = pages.Page("docs/lens.md", "lens", ("lenses", ":(exclude)lenses/README.md"))
 VIEW = pages.Page("docs/view.md", "view", ("addon",), options=("HOW=all",))
-#: Its recipe stamps nothing.
+#: A page whose recipe stamps nothing.
 IDLE = pages.Page("docs/idle.md", "idle", ("addon",))
 MAKEFILE = """
 STAMPED = sed -i "s/commit [0-9a-f]*/commit $$(git rev-parse HEAD | cut -c1-12)/"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `make parity` says of two pictures: how far blocks are apart, and how far noise brings them."""
+"""The comparison of two pictures by `make parity`: the differences of blocks, and the part of them by noise."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ ASKING = {
 
 
 def posix_only(source: str) -> set[str]:
-    """What a Python source uses that Windows has not."""
+    """The modules, names and folders of a Python source that Windows has not."""
     found: set[str] = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):

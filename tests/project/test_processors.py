@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which of the wheel's engines is picked for which processor."""
+"""The choice among the wheel's engines for a processor."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_windows_numbers_its_features():
     assert choose(ALL, processors._flags_by_windows(lambda number: number in v2 | {39, 40, 41})) == "x86-64-v4"
 
 
-#: As `sysctl` says it on a Mac of 2015, and of 2012.
+#: The output of `sysctl` on a Mac of 2015, and of 2012.
 FEATURES = (
     "FPU VME DE PSE TSC MSR PAE MCE CX8 APIC SEP MTRR PGE MCA CMOV PAT PSE36 CLFSH DS ACPI MMX FXSR SSE SSE2 SS HTT TM PBE SSE3 PCLMULQDQ "
     "DTES64 MON DSCPL VMX EST TM2 SSSE3 CX16 TPR PDCM SSE4.1 SSE4.2 x2APIC POPCNT AES PCID XSAVE OSXSAVE TSCTMR AVX1.0 RDRAND F16C"

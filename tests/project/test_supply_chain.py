@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Petzval is built from: licences, sources, known vulnerabilities, hashes."""
+"""The parts that Petzval is built from: licences, sources, known vulnerabilities, hashes."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.once
 
 STUB = ROOT / "engine/python/petzval/_native.pyi"
 DESCRIPTIONS = ROOT / "engine/python/petzval/description.py"
-#: By dataclass: the struct that it becomes, and its file in engine/.
+#: The struct of each dataclass, and its file in engine/.
 READERS = {
     "LensSettings": ("LensSettings", "optics/src/system.rs"),
     "Focusing": ("Focusing", "optics/src/focus/scale.rs"),

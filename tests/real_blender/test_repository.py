@@ -94,7 +94,7 @@ class Installation:
         return tomllib.loads(manifest.read_text())["version"]
 
     def kept(self, *which: str) -> str:
-        """What a user finds of what was kept."""
+        """The line about kept settings that a run of Blender prints."""
         script = self.folder / "keep.py"
         script.write_text(KEEP)
         words = ["-b", "--addons", NAME, "--python-exit-code", "3", "--python", script, "--"]

@@ -23,7 +23,7 @@ STOPS_AT_LAST_WITHIN_S = 3.0
 
 @pytest.fixture(scope="module")
 def walked(run_blender, installed_extension, tmp_path_factory):
-    """What window_steps.py saw, the folder of its pictures, and all that Blender said meanwhile."""
+    """The observations of window_steps.py, the folder of its pictures, and all that Blender said meanwhile."""
     folder = tmp_path_factory.mktemp("window")
     done = run_blender(
         "--addons",

@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.window, pytest.mark.once]
 
 @pytest.fixture(scope="module")
 def walked(run_blender, installed_extension, tmp_path_factory):
-    """What window_viewport_steps.py saw, and all that Blender said meanwhile."""
+    """The observations of window_viewport_steps.py, and all that Blender said meanwhile."""
     folder = tmp_path_factory.mktemp("viewport")
     done = run_blender(
         "--addons",

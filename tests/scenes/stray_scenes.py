@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two scenes full of light that strays: a street at night, and the sun between trees. Made of nothing but numbers; CC0.
+"""Two scenes full of stray light: a street at night, and the sun between trees. Made of nothing but numbers; CC0.
 
 python tests/scenes/stray_scenes.py night street.blend
 python tests/scenes/stray_scenes.py sun trees.blend

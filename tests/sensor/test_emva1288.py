@@ -21,7 +21,7 @@ WITHIN = 0.01
 WAVELENGTH_NM = 525.0
 EFFICIENCY = KNOWN["peak_quantum_efficiency"]
 GAIN = KNOWN["gain_dn_per_e"]
-#: Of the electrons before the gain, and of the numbers behind it.
+#: The read noise before the gain and behind it, together, electrons.
 READ_NOISE_E = np.hypot(KNOWN["read_noise"][0]["upstream_e"], KNOWN["read_noise"][0]["downstream_dn"] / GAIN)
 
 
@@ -48,7 +48,7 @@ LEVELS = [(1400.0 * step, 0.5 * step) for step in range(1, 12)]
 
 @pytest.fixture(scope="module")
 def pairs(photographs):
-    """For each level its photons, its time, a pair with light and a pair without."""
+    """The photons, the time, a pair with light and a pair without, of each level."""
     frames = iter(range(10_000))
     return [
         (photons, shutter_s, [[photographs(light, shutter_s, next(frames)) for _ in "ab"] for light in (photons, 0.0)])
@@ -168,7 +168,7 @@ def test_film_speed_is_gain(photographs):
 
 
 def test_dark_current_doubles(photographs, tmp_path):
-    """So many degrees warmer it is twice as much (equation 16)."""
+    """The dark current doubles by so many degrees (equation 16)."""
     sensor = sensor_file(tmp_path, dark_current_doubles_by_c=8.0)
     at = [photographs(0.0, 10.0, 0, of=sensor, temperature_c=c, noiseless=True).mean() for c in (25.0, 33.0, 17.0)]
     electrons = (np.array(at) - KNOWN["black_level_dn"]) / GAIN

@@ -36,7 +36,7 @@ def build(width: int, height: int, samples: int) -> bpy.types.Scene:
 
 
 def _paint(floor: bpy.types.Object, layer: bpy.types.ViewLayer) -> None:
-    """Its material asks for attributes, whose order no render may depend on, and shows them as AOVs."""
+    """A mesh whose material asks for attributes, whose order no render may depend on, and shows them as AOVs."""
     tree = floor.data.materials[0].node_tree
     for number, name in enumerate(ATTRIBUTES):
         values = np.full(len(floor.data.vertices), 0.2 * number, np.float32)

@@ -50,7 +50,7 @@ def is_reproducible() -> bool:
 
 
 def _place() -> Path | None:
-    """Where the next picture of the running test is kept; `None` outside of tests."""
+    """The file of the running test's next picture; `None` outside of tests."""
     global _running, _asked
     test = os.environ.get("PYTEST_CURRENT_TEST")
     if test is None:
@@ -66,7 +66,7 @@ def _place() -> Path | None:
 
 
 def digest(*more: object) -> str:
-    """Of all that decides what Cycles' next picture in the running test shows; `more` tells the pictures of a test apart."""
+    """The digest of all data that decide Cycles' next picture in the running test; `more` tells the pictures of a test apart."""
     test = os.environ["PYTEST_CURRENT_TEST"]
     made = hashlib.blake2b(digest_size=12)
     for part in (*_state(), _meshes(), sources.digest(sources.file_of(test))):
@@ -96,7 +96,7 @@ def _meshes() -> bytes:
     return digest.digest()
 
 
-#: In place of names of meshes.
+#: The value in place of names of meshes.
 EVERY = frozenset({""})
 
 
@@ -121,7 +121,7 @@ def _faces(mesh: bpy.types.Mesh, corners: np.ndarray) -> bytes:
 
 
 def _state() -> tuple:
-    """What a test does not say by its sources."""
+    """The state of Blender that decides a picture beside the test's sources."""
     scene = bpy.context.scene
     render, holder = scene.render, scene.camera
     camera = holder.data if holder else None

@@ -43,7 +43,7 @@ def find(key: str) -> Pictures | None:
 
 
 def check(key: str, pictures: Pictures, blocks: tuple[int, int]) -> None:
-    """Holds what is stored against the pictures that Cycles has rendered anew."""
+    """Holds the stored blocks against the pictures that Cycles has rendered anew."""
     stored = _file(_place()).get(key)
     if stored is None or not kept_references.is_reproducible():
         return

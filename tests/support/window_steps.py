@@ -32,7 +32,7 @@ def part(name):
 
 
 def picture(name):
-    """Of the whole screen: bpy's own screenshot is black without a graphics card."""
+    """A picture of the whole screen: bpy's own screenshot is black without a graphics card."""
     subprocess.run(["import", "-window", "root", str(FOLDER / f"{name}.png")], check=True)
 
 
@@ -44,7 +44,7 @@ def set_preferences():
 
 
 def open_panels():
-    """Every panel of the add-on unfolded, and how long each takes to draw written down."""
+    """Every panel of the add-on unfolded, and the time to draw each written down."""
     names = ("camera", "render", "effects", "render_shapes", "render_film", "render_results", "light", "material")
     for module in [part(f"ui.{name}") for name in (*names, "objects", "world", "view_layer")]:
         module.unregister()
@@ -147,7 +147,7 @@ def rendering():
 
 
 def writable():
-    """Whether Blender lets the scene be changed: for a moment after a render it does not."""
+    """True if Blender lets the scene be changed: for a moment after a render it does not."""
     own = bpy.context.scene.petzval
     try:
         own.samples = own.samples
@@ -195,7 +195,7 @@ def escape_after(seconds):
 
 
 def failing_render(info):
-    """A render without a lens: what Blender tells its user, as its Info editor lists it."""
+    """A render without a lens: Blender's message to its user, as its Info editor lists it."""
     yield writable, 10.0
     bpy.context.scene.camera.data.petzval.lens_file = "no-such.lens"
     try:
@@ -283,7 +283,7 @@ def lens_pictures():
 
 
 def other_tabs():
-    """Of a light, a shape, its material and the world."""
+    """Shows the tabs of a light, a shape, its material and the world."""
     scene = bpy.context.scene
     light = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "AREA"))
     scene.collection.objects.link(light)

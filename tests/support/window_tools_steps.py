@@ -33,7 +33,7 @@ def in_view():
 
 
 def mouse(across, up):
-    """To a part of the view's width and height."""
+    """Moves the mouse to a part of the view's width and height."""
     _, region = view()
     x, y = region.x + across * region.width, window().height - (region.y + up * region.height)
     subprocess.run(["xdotool", "mousemove", str(round(x)), str(round(y))], check=True)

@@ -86,7 +86,7 @@ def at_rest():
 
 
 def note(name):
-    """What the view shows."""
+    """Notes the picture of the view."""
     pixels = session().picture.pixels[..., :3]
     seen["shown"][name] = [float(pixels.mean()), *map(float, pixels.mean(axis=(0, 1)))]
     seen["seconds"][name] = dict(session().seconds)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python -m bench [--quick] [--page]`, in the environment .venv-bench, tools/ on the path: what `make bench` runs.
+"""`python -m bench [--quick] [--page]`, in the environment .venv-bench, tools/ on the path: the program of `make bench`.
 
 --quick    a few samples of the small scene, to try; the page goes to output/bench/
 --page     writes the page of the last full run again

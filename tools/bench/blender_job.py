@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One process of Cycles or Petzval: `python -m bench.blender_job JOB`, JOB as `programs.Job` in JSON.
 
-Writes a line of JSON a render, after the mark that tells it from what Blender says.
+Writes a line of JSON a render, after the mark that tells it from Blender's output.
 """
 
 from __future__ import annotations

@@ -116,7 +116,7 @@ def _camera(facts: dict) -> None:
 
 
 def _settings(bounces: int) -> None:
-    """What does not depend on the engine, and Cycles without all that trades truth for speed."""
+    """Sets the settings that no program decides, and Cycles without all that trades truth for speed."""
     own = bpy.context.scene
     render, cycles = own.render, own.cycles
     render.resolution_percentage = 100

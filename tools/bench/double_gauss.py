@@ -31,7 +31,7 @@ class Lens:
 
 
 def glass_index(name: str, catalogues: Path) -> float:
-    """At the wavelength of the script."""
+    """The index of a glass at the wavelength of the script."""
     if name == "air":
         return 1.0
     for file in sorted(catalogues.glob("*.json")):
@@ -45,7 +45,7 @@ def glass_index(name: str, catalogues: Path) -> float:
 
 
 def focal_length(radius: np.ndarray, thickness: np.ndarray, behind: np.ndarray) -> float:
-    """By a paraxial ray along the axis."""
+    """The focal length by a paraxial ray along the axis."""
     height, slope, index = 1.0, 0.0, 1.0
     for r, t, after in zip(radius, thickness, behind, strict=True):
         bend = 0.0 if r == 0.0 else height * (after - index) / r
@@ -55,7 +55,7 @@ def focal_length(radius: np.ndarray, thickness: np.ndarray, behind: np.ndarray) 
 
 
 def read(path: Path, info: dict) -> Lens:
-    """From a lens file of spheres, and what `petzval lens info --json` says of it at the wanted size and focus."""
+    """The lens from a file of spheres, and the answer of `petzval lens info --json` at the wanted size and focus."""
     lines = [line.split() for line in path.read_text().splitlines() if line.strip() and not line.startswith("#")]
     radius, thickness, diameter = (np.array([float(line[k]) for line in lines]) for k in (0, 1, 3))
     behind = np.array([glass_index(line[2], path.parent / "glass") for line in lines])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a ray costs in Embree, by way of Mitsuba: the rays of a first view, and those of a first diffuse bounce."""
+"""The cost of a ray in Embree, by way of Mitsuba: the rays of a first view, and those of a first diffuse bounce."""
 
 from __future__ import annotations
 

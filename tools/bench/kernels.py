@@ -25,7 +25,7 @@ def run(top: Path) -> None:
 
 
 def read(top: Path) -> dict[str, dict[str, float]]:
-    """By group and name, nanoseconds an element (the whole, where a bench has no count)."""
+    """Nanoseconds an element, by group and name (the whole, where a bench has no count)."""
     folder = Path(os.environ.get("CARGO_TARGET_DIR", top / "target")) / "criterion"
     found: dict[str, dict[str, float]] = {}
     for about in sorted(folder.glob("**/new/benchmark.json")):

@@ -17,11 +17,11 @@ from .programs import CAMERAS, CAN, CYCLES, LLVM, NAMES, PETZVAL, SCALAR, Bench,
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is measured."""
+    """The extent of a measurement: scenes, cameras, rounds, sizes, samples."""
 
     scenes: tuple[str, ...]
     cameras: tuple[str, ...]
-    #: Those whose noise is measured.
+    #: The cameras whose noise is measured.
     noise_cameras: tuple[str, ...]
     rounds: int
     size: tuple[int, int]
@@ -31,11 +31,11 @@ class Plan:
     reference_samples: int
     #: Programs render with so many threads, one after the other, to be compared; none: it is not measured.
     threads: tuple[int, ...]
-    #: Of `places.MAKERS`.
+    #: Names of `places.MAKERS`.
     places: tuple[str, ...]
 
 
-#: As `places.MAKERS` has them, which only a Python with bpy can import.
+#: The names of `places.MAKERS`, which only a Python with bpy can import.
 PLACES = ("meadow", "room", "night")
 FULL = Plan(
     ("small", "large"),
@@ -52,14 +52,14 @@ FULL = Plan(
 )
 QUICK = Plan(("small",), ("thin", "lens-one"), ("thin",), 1, (160, 90), 2, (48, 27), (4, 16), 32, (), PLACES[-1:])
 
-#: Of the two halves of a converged picture: their difference is its noise.
+#: The seeds of the two halves of a converged picture: their difference is its noise.
 REFERENCE_SEEDS = (77, 78)
 #: Seeds of the pictures whose noise is measured; one is enough for 20,000 pixels.
 NOISE_SEED = 5
 
 
 class Experiments:
-    """Runs all, and keeps what was found as plain data."""
+    """Runs all, and keeps the results as plain data."""
 
     def __init__(self, bench: Bench, plan: Plan) -> None:
         self.bench, self.plan = bench, plan
@@ -91,7 +91,7 @@ class Experiments:
         print(f"petzval: {time.perf_counter() - self._began:5.0f} s  {text}", file=sys.stderr, flush=True)
 
     def memory(self) -> None:
-        """Of Blender with the scene loaded, before anybody renders."""
+        """Measures the memory of Blender with the scene loaded, before a render."""
         for scene in self.plan.scenes:
             done = self._run(Job("blender", "", scene=scene))
             if done:
@@ -155,7 +155,7 @@ class Experiments:
         self._agreement(pixels)
 
     def _agreement(self, pixels: dict) -> None:
-        """Of Petzval's converged pictures with the others', the noise of both taken off."""
+        """Measures the agreement of Petzval's converged pictures with the others', the noise of both subtracted."""
         mitsuba = LLVM if LLVM in self.bench.programs() else SCALAR
         pairs = [(PETZVAL, CYCLES), (PETZVAL, mitsuba), (CYCLES, mitsuba)]
         for camera in self.plan.noise_cameras:
@@ -212,7 +212,7 @@ def beside(
     petzval: list[list[dict]], cycles: list[list[dict]], samples: int, size: tuple[int, int]
 ) -> dict[str, float]:
     """Microseconds of a sample of both, and Petzval's noise variance and time to equal noise over Cycles'. A render's own time is the
-    quickest of all; the first one is of a single sample, and what it takes is done once."""
+    quickest of all; the first one is of a single sample, and its time is that of work done once."""
     count = size[0] * size[1]
     sample_us, variance, means = [], [], []
     for rounds in (petzval, cycles):
@@ -237,7 +237,7 @@ def _converged(pictures: list[np.ndarray]) -> np.ndarray:
 
 
 def middle(rounds: list[dict], key: str) -> float | None:
-    """The median of what every round has found."""
+    """The median of the rounds' results."""
     values = [one[key] for one in rounds if key in one]
     return median(values) if values else None
 

@@ -62,7 +62,7 @@ def _bsdf(facts: dict) -> dict[str, Any]:
 
 
 def description(folder: Path, size: tuple[int, int], thin: bool) -> dict[str, Any]:
-    """For `mitsuba.load_dict`."""
+    """The description of the scene for `mitsuba.load_dict`."""
     about, arrays = scene.read(folder)
     camera = about["camera"]
     eye = list(camera["eye"])

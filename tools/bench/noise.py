@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a noisy picture is from its limit, and what it takes to come nearer."""
+"""The error of a noisy picture against its limit, and the samples that lower it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 #: Part of the pixels, the worst ones, that is left out: a few sparks would decide it all.
 TRIMMED = 1e-3
-#: Of the reference's mean: keeps black pixels from deciding.
+#: The floor of brightness as a part of the reference's mean: keeps black pixels from deciding.
 FLOOR = 0.01
 
 
@@ -38,7 +38,7 @@ def rel_mse(picture: np.ndarray, reference: np.ndarray, samples: int = 0, refere
 
 
 def difference(first: Sequence[np.ndarray], second: Sequence[np.ndarray]) -> tuple[float, float]:
-    """Trimmed relMSE of two pictures, each given in two halves, and how much of it is noise.
+    """Trimmed relMSE of two pictures, each given in two halves, and the part of it that is noise.
 
     The noise is taken over the pixels that the error keeps, and relative to the same reference.
     """
@@ -59,11 +59,11 @@ class Convergence:
     seconds_per_sample: float
 
     def error(self, samples: float) -> float:
-        """What is left after so many samples a pixel."""
+        """The error that is left after so many samples a pixel."""
         return self.error_samples / samples
 
     def seconds_to(self, error: float) -> float:
-        """CPU seconds until the error is down to this."""
+        """CPU seconds until the error is down to `error`."""
         return self.error_samples / error * self.seconds_per_sample
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three places as .blend files, after what scenes by others are made of: a meadow under a sun, a room lit by its window, and a street at
+"""Three places as .blend files, made as scenes by others are: a meadow under a sun, a room lit by its window, and a street at
 night. Imported where bpy is. Metres, z up; all numbers are drawn from fixed seeds.
 """
 
@@ -16,7 +16,7 @@ from . import scene
 
 #: Blades of a cluster of grass, clusters in the meadow, and leaves of a tree.
 BLADES, CLUSTERS, LEAVES = 30, 4000, 1500
-#: Of the street at night.
+#: The number of lamps of the street at night.
 LAMPS = 70
 
 
@@ -106,7 +106,7 @@ def night() -> None:
     _camera((0.0, -2.0, 1.8), 1.55, 26.0)
 
 
-#: How each place is made, by its name.
+#: The functions that make the places, by name.
 MAKERS: dict[str, Callable[[], None]] = {"meadow": meadow, "room": room, "night": night}
 
 

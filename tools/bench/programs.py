@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The programs that are compared, what each can do here, and one measurement in a process of its own."""
+"""The programs that are compared, the cameras of each, and one measurement in a process of its own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CAMERAS = {
     "lens-one": "exact lens, one wavelength",
     "lens": "exact lens, spectrum",
 }
-#: Which program has which camera.
+#: The cameras of each program.
 CAN = {
     PETZVAL: ("pinhole", "thin", "lens-one", "lens"),
     CYCLES: ("pinhole", "thin", "lens-one"),
@@ -52,7 +52,7 @@ class Job:
 
 
 class Bench:
-    """Where the programs are."""
+    """The places of the programs, their versions, and the programs that are missing."""
 
     def __init__(self) -> None:
         self.blender_python = _first(".venv-bpy52", ".venv-bpy45")
@@ -86,11 +86,11 @@ class Bench:
             self._find_llvm()
 
     def programs(self) -> list[str]:
-        """Those that can run here."""
+        """The programs that can run here."""
         return [program for program in NAMES if program != LLVM or "DRJIT_LIBLLVM_PATH" in self._environment]
 
     def run(self, job: Job) -> list[dict]:
-        """Runs the process; what it has found for each render."""
+        """Runs the process; returns its results for each render."""
         return self._process(f"{NAMES.get(job.program, job.program)}, {job.camera}, {job.scene}", job)
 
     def _process(self, title: str, job: Job) -> list[dict]:

@@ -206,5 +206,5 @@ def _kernels(found: dict) -> str:
 
 
 def number(value: float | None, places: int) -> str:
-    """With a dash for what is not there."""
+    """The cells of a row, with a dash for missing values."""
     return "–" if value is None else f"{value:.{places}f}"

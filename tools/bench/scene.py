@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene that all programs render, as plain data: one .npz a size, with what describes it in scene.json beside it.
+"""The scene that all programs render, as plain data: one .npz a size, with its description in scene.json beside it.
 
 Metres, z up. The camera stands at (0, 0, 1.2) and looks along +y over five rows of bodies, each row farther away, on a
 ground before a wall. 24 small lamps hang between them under a sky that is lighter at the horizon.
@@ -92,7 +92,7 @@ def icosahedron() -> tuple[np.ndarray, np.ndarray]:
 
 
 def smooth_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """At each vertex the mean of its triangles' normals, weighted by their angles there, as Blender has it."""
+    """The mean of the triangles' normals at each vertex, weighted by their angles there, as Blender has it."""
     corners = vertices[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
@@ -184,7 +184,7 @@ def write(folder: Path) -> None:
 
 
 def read(folder: Path) -> tuple[dict, dict[str, np.ndarray]]:
-    """What `write` has written for one size: the description and the arrays."""
+    """The files that `write` has written for one size: the description and the arrays."""
     folder = Path(folder)
     with np.load(folder / "scene.npz") as arrays:
         return json.loads((folder / "scene.json").read_text()), dict(arrays)

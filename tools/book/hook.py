@@ -1,4 +1,4 @@
-"""What `make docs` does beside MkDocs' own: the chapters from docs/README.md, pages of the sources that chapters link to, formulas
+"""The hook of `make docs`, beside MkDocs' own work: the chapters from docs/README.md, pages of the sources that chapters link to, formulas
 as MathML, and a look at every link of the finished pages. docs/ itself is written for a reader of the repository."""
 
 import html
@@ -115,7 +115,7 @@ def page_of(path, docs):
 
 
 def outside(text, folder):
-    """The files and folders outside of docs/ that a page in `folder` links to; what does not exist is left for the builder to find."""
+    """The files and folders outside of docs/ that a page in `folder` links to; missing ones are left for the builder to find."""
     found = []
 
     def note(line):
@@ -178,7 +178,7 @@ def normal(path):
 
 
 class Links(HTMLParser):
-    """What a page links to, and what may be linked to in it."""
+    """The links of a page, and the names in it that links may point to."""
 
     def __init__(self):
         super().__init__()

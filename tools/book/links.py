@@ -55,7 +55,7 @@ def targets(text):
 
 
 def anchors(text):
-    """What may stand behind the # of a link to a page: its headings as GitHub names them, and what bears an id."""
+    """The anchors of a page: its headings as GitHub names them, and its ids."""
     names, seen = set(), {}
 
     def note(line):

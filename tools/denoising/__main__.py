@@ -29,7 +29,7 @@ from .measure import Error, error
 
 TOP = Path(__file__).resolve().parents[2]
 GALLERY = TOP / "tests" / "scenes" / "gallery"
-#: Where scenes by others are from.
+#: The sources of scenes by others.
 KNOWN = TOP / "tools" / "other_scenes" / "known.toml"
 #: Guides by Cycles' name of the choice.
 GUIDES = {"none": "RGB", "both": "RGB_ALBEDO_NORMAL"}
@@ -83,14 +83,14 @@ LENSES = (
 
 @dataclass
 class Result:
-    """What was found of a scene."""
+    """The measurements of a scene."""
 
     scene: Scene
-    #: By program, samples, quality and guides.
+    #: The errors by program, samples, quality and guides.
     errors: dict[tuple[str, int, str, str], Error] = field(default_factory=dict)
     #: Processor time of samples and denoising, s, likewise.
     seconds: dict[tuple[str, int, str, str], float] = field(default_factory=dict)
-    #: Why it was left out.
+    #: The reason why it was left out.
     left_out: str = ""
 
 

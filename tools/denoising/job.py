@@ -63,7 +63,7 @@ def read(path: str, out: str, *pictures: str) -> None:
 
 
 def _pixels(image: bpy.types.Image) -> np.ndarray:
-    """Of a file as they are, (height, width, 3)."""
+    """The pixels of a file without conversion, (height, width, 3)."""
     image.colorspace_settings.name, image.alpha_mode = "Non-Color", "CHANNEL_PACKED"
     width, height = image.size
     flat = np.empty(width * height * image.channels, np.float32)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a picture is from a converged one: to the eye (FLIP, Andersson et al. 2020), and by relative mean square."""
+"""The difference of a picture from a converged one: to the eye (FLIP, Andersson et al. 2020), and by relative mean square."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ class Error:
 
     #: Mean over the pixels, 0 to 1, of the pictures as the scene's view shows them.
     flip: float
-    #: Of radiance, without the worst thousandth of the pixels.
+    #: The relative mean square error of radiance, without the worst thousandth of the pixels.
     rel_mse: float
 
 
 def error(pixels: Mapping[str, np.ndarray], reference: str, picture: str) -> Error:
-    """Of two pictures that the step `read` has written."""
+    """The error of a picture, of two that the step `read` has written."""
     shown = [np.ascontiguousarray(np.clip(pixels[f"{one} shown"], 0.0, 1.0)) for one in (reference, picture)]
     _, flip, _ = flip_evaluator.evaluate(*shown, "LDR")
     return Error(float(flip), rel_mse(pixels[picture].astype(np.float64), pixels[reference]))

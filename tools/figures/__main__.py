@@ -2,7 +2,7 @@
 """`python -m figures [--size smallest|small|full|large] [--only KEY ...] [--keep] [--check]`, where petzval and bpy are, tools/ on the path.
 
 Takes the photographs into output/figures, reads them, and writes docs/figures.md and its pictures; with --check or --only no page is
-written, with --keep what was rendered with the same wishes is not rendered again.
+written, with --keep pictures rendered with the same wishes are not rendered again.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .photograph import ROOT, SIZES, Studio
 
 
 def figures() -> list[Figure]:
-    """All of them, in the order of the page."""
+    """All figures, in the order of the page."""
     names = sorted(one.name for one in pkgutil.iter_modules(here) if one.name.startswith("fig"))
     return [importlib.import_module(f"{__package__}.{name}").FIGURE for name in names if name != "figure"]
 

@@ -9,7 +9,7 @@ from .figure import luminance
 
 
 def _middle(grey: np.ndarray) -> tuple[float, float]:
-    """Column and row of the light's middle, what is around it taken off."""
+    """Column and row of the light's middle, the background subtracted."""
     over = np.clip(grey - np.median(grey), 0.0, None)
     over = np.where(over > 0.15 * np.quantile(over, 0.98), over, 0.0)
     rows, columns = np.indices(grey.shape)
@@ -24,7 +24,7 @@ def _polar(grey: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def profile(light: np.ndarray, mm_per_px: float, limit_mm: float, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Middles of rings, mm, and the mean light of each, what lies around the lamp taken off."""
+    """Middles of rings, mm, and the mean light of each, the background of the lamp subtracted."""
     grey = luminance(light)
     away, _ = _polar(grey)
     away = away * mm_per_px
@@ -36,7 +36,7 @@ def profile(light: np.ndarray, mm_per_px: float, limit_mm: float, count: int) ->
 
 
 def edge(light: np.ndarray, parts: int = 72) -> np.ndarray:
-    """The radius, pixels, at which light falls to half of what it is inside, for so many angles."""
+    """The radius, pixels, at which light falls to half of the light inside, for so many angles."""
     grey = luminance(light)
     away, angle = _polar(grey)
     grey = grey - np.median(grey)

@@ -14,7 +14,7 @@ from .sharpness import box
 LENS, F_NUMBER, FOCUS_MM, ASPECT = "wide-angle-smith-f3.4", 8.0, 1370.0, 4.0 / 3.0
 #: Focal length and film's diagonal, mm, in pairs.
 PAIRS = (((100.0, 30.0), (80.0, 30.0)), ((60.0, 50.0), (60.0, 80.0)))
-#: The scale of one picture of a pair over the other is right to this part.
+#: The tolerance of the scale of one picture of a pair over the other.
 NEAR = 0.005
 
 
@@ -49,8 +49,8 @@ def chief_rays(focal: float, angles: np.ndarray) -> np.ndarray:
 def scale_between(
     first: Taken, second: Taken, radii: tuple[np.ndarray, np.ndarray], film_mm: tuple[float, float]
 ) -> float:
-    """By what the second picture has to be enlarged beyond what chief rays say, so that it is most like the first. `radii` are those of
-    the same angles on the two films."""
+    """The factor by which the second picture has to be enlarged beyond that of chief rays, so that it is most like the first. `radii` are
+    those of the same angles on the two films."""
     (columns, lines), mm_per_px = first.size, film_mm[0] * 0.8 / first.size[0]
     x, y = (np.arange(columns) - 0.5 * columns + 0.5) * mm_per_px, (np.arange(lines) - 0.5 * lines + 0.5) * mm_per_px
     away = np.hypot(x[None, :], y[:, None])

@@ -17,7 +17,7 @@ FOCAL_MM = 100.4
 #: Objects by their distance, m.
 OBJECTS = {2.0: "Vase", 3.0: "Books", 5.0: "Cushion", 10.0: "Painting"}
 _FILM = ("--film", f"{FILM_MM[0]:g}x{FILM_MM[1]:g}")
-#: Of the detail that it has where it is in focus, others have at most so much.
+#: The most detail of an object out of focus, as a part of its detail in focus.
 MOST = 0.85
 
 

@@ -20,7 +20,8 @@ LENSES = (("double-gauss-f2-tronnier", "double Gauss", 2.02), ("angenieux-retrof
 SWINGS_DEG = (10.0, 20.0)
 #: Half of the strip's height, and of its width, m.
 LIFT, HALF = 0.007, 0.24
-#: So much of the band in which spots are at most twice their smallest the sharpest column may be beside where exact rays have it.
+#: The largest offset of the sharpest column from its place by exact rays, as a part of the band in which spots are at most twice their
+#: smallest.
 NEAR = 0.6
 
 
@@ -60,7 +61,7 @@ def _shots() -> list[Shot]:
 def foretold(
     strip: np.ndarray, lens: str, f_number: float, swing_rad: float, mm_per_px: float
 ) -> tuple[np.ndarray, ...]:
-    """Places along the film, mm to the right of the picture's middle; what exact rays leave there of the contrast of detail some pixels
+    """Places along the film, mm to the right of the picture's middle; the contrast by exact rays there of detail some pixels
     wide in the strip; and the size (root mean square, mm) of their spots."""
     rays = Rays(lens, FOCUS_MM, focal_length_mm=FOCAL_MM, f_number=f_number)
     waves = 2.0 * np.pi / (mm_per_px * np.array([4.0, 6.0, 9.0]))
@@ -79,8 +80,8 @@ def foretold(
 
 
 def seen(picture: Taken, sharp: Taken, rows: slice, fine: np.ndarray, left: np.ndarray) -> float:
-    """How far to the right of where exact rays have it the band of sharpness lies, mm: the shift by which the contrast that they leave
-    is most like that of the columns."""
+    """The shift of the band of sharpness to the right of its place by exact rays, mm: the shift at which the contrast by these rays is
+    most like that of the columns."""
     columns, _ = picture.size
     found = contrast_by_column(picture.light, sharp.light, rows, max(columns // 160, 2), columns // 32)
     at = ((np.arange(columns) + 0.5) / columns - 0.5) * FILM_MM[0]

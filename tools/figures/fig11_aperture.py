@@ -12,7 +12,7 @@ from .rays import Rays
 from .scene import in_lens_space, places_mm
 
 LENS, FOCAL_MM, FOCUS_MM = "wide-angle-smith-f3.4", 100.0, 1250.0
-#: A lamp that no other is near to, where its image is on the film, mm, and how wide it is.
+#: A lamp that no other is near to, where its image is on the film, mm, and its width.
 LAMP, AT_MM, LAMP_RADIUS_MM = "Lamp in the hedge 10", (9.52, 7.26), 9372.0 * 0.0030 * 0.35
 #: Kind, label, options, width of the film on which one blurred lamp is seen alone, mm.
 KINDS = (
@@ -60,7 +60,7 @@ def _shots() -> list[Shot]:
 
 
 def foretold(blend) -> tuple[np.ndarray, float]:
-    """Radii from the middle at which exact rays of the lamp meet the film, mm, wide open, and the lamp's radius there."""
+    """Radii from the middle at which exact rays of the lamp hit the film, mm, wide open, and the lamp's radius there."""
     rays = Rays(LENS, FOCUS_MM, focal_length_mm=FOCAL_MM)
     place = places_mm(blend, LAMP)[LAMP]
     hits = rays.on_film(in_lens_space(place, rays.pupil_z), 0.0, 20000)

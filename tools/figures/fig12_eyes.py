@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figure 12: what relaxed schematic eyes see of charts six metres away, straight ahead and to the sides; and a thin lens."""
+"""Figure 12: the view of relaxed schematic eyes of charts six metres away, straight ahead and to the sides; and a thin lens."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Eye:
         self.radius = radius_mm
 
     def on_retina(self, place_mm: np.ndarray, count: int = 1200) -> np.ndarray:
-        """Where light of a place before the camera meets the retina, (n, 3), mm in lens space."""
+        """The hits of a place's light on the retina, (n, 3), mm in lens space; the place is before the camera."""
         point = in_lens_space(place_mm, self.rays.pupil_z)
         places, out = self.rays.through(point, count)
         centre = np.array([0.0, 0.0, self.rays.film_z - self.radius])

@@ -12,9 +12,9 @@ from .rays import Rays
 from .scene import in_lens_space, places_mm
 
 LENS, FOCUS_MM = "reflex-nikkor-500-f8", 9000.0
-#: A lamp that no other's blur touches, how wide it is, and where its image is on the film, mm.
+#: A lamp that no other's blur touches, its width, and the place of its image on the film, mm.
 LAMP, LAMP_RADIUS_MM, AT_MM, FILM_MM = "Lamp in the hedge 23", 6.0, (3.77, 4.06), 5.4
-#: Of the profile: its limit as a part of the blur's radius, and its rings.
+#: The limit of the profile as a part of the blur's radius, and its number of rings.
 LIMIT, RINGS = 1.4, 28
 _PLAIN = ("--effect", "ghosts=off", "--effect", "glare=off", "--effect", "diffraction=off")
 
@@ -30,7 +30,7 @@ def _shots() -> list[Shot]:
 
 
 def edges(at: np.ndarray, light: np.ndarray) -> tuple[float, float]:
-    """Where light rises to half of the ring's, and where it has fallen to half, going outwards."""
+    """The radii where light rises to half of the ring's, and where it has fallen to half, going outwards."""
     level = 0.5 * np.median(light[light > 0.5 * light.max()])
     above = np.flatnonzero(light > level)
     first, last = above[0], above[-1]

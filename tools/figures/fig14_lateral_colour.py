@@ -59,7 +59,7 @@ def _shots() -> tuple[Shot, ...]:
 
 
 def foretold_um(lens: str) -> float:
-    """How far to the right of red blue lies, micrometres on the film, of the point that red has in the middle of the part."""
+    """The distance of blue to the right of red, micrometres on the film, for the point whose red is in the middle of the part."""
     red, blue = (Rays(lens, FOCUS_MM, nm, focal_length_mm=FOCAL_MM, f_number=F_NUMBER) for nm in (RED_NM, BLUE_NM))
     # One film and one scale for both, those of the main wavelength.
     main = Rays(lens, FOCUS_MM, focal_length_mm=FOCAL_MM, f_number=F_NUMBER)
@@ -76,7 +76,7 @@ def foretold_um(lens: str) -> float:
 
 
 def seen_um(picture: Taken) -> float:
-    """By how much blue lies to the right of red in the picture, micrometres on the film: the shift that makes them most alike."""
+    """The shift of blue to the right of red in the picture, micrometres on the film: the one that makes them most alike."""
     columns, lines = picture.size
     red, _, blue = (picture.light[..., k] for k in range(3))
     radius = max(columns // 40, 3)

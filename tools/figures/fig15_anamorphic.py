@@ -11,9 +11,9 @@ from .rays import LINE_NM, Rays
 from .scene import in_lens_space, places_mm
 
 LENS, FOCUS_MM, FILM_MM, SQUEEZE = "anamorphic-2x-front-focus", 3870.0, (22.0, 18.6), 2.0
-#: A lamp that no other's blur touches, how wide it is, where its image is on the film, and a part of the film about it, mm.
+#: A lamp that no other's blur touches, its width, the place of its image on the film, and a part of the film about it, mm.
 LAMP, LAMP_RADIUS_MM, AT_MM, PART_MM = "Lamp in the hedge 24", 7432.0 * 0.0030 * 0.6, (6.81, -4.57), (1.4, 2.8)
-#: What flares.
+#: The lamp that flares.
 BARE = "Bare lamp 0"
 _SET = ("--focus-distance", f"{FOCUS_MM:g}", "--coating", "none")
 _STRAY = tuple(word for name in ("ghosts", "glare", "diffraction") for word in ("--effect", f"{name}=off"))

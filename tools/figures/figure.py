@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a figure is made of. Plain Python and numpy."""
+"""The parts of a figure. Plain Python and numpy."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Contradiction(AssertionError):
-    """A picture that does not show what the numbers say."""
+    """A picture that contradicts the numbers."""
 
 
 @dataclass(frozen=True)
@@ -20,18 +20,18 @@ class Shot:
     """One photograph. `options` are those of `petzval render`."""
 
     name: str
-    #: Of a scene in tests/scenes/gallery, and its view.
+    #: The name of a scene in tests/scenes/gallery, and its view.
     scene: str
     lens: str | None
     options: tuple[str, ...] = ()
     view: str = ""
-    #: What stands under it.
+    #: The line under the picture.
     label: str = ""
     #: Width over height, and the width and the samples beside those of the figures' size.
     aspect: float = 1.5
     width: float = 1.0
     samples: float = 1.0
-    #: So many times as wide as it was taken is it shown: what an anamorphic lens squeezed.
+    #: The factor of width by which the picture is shown, for an anamorphic lens that squeezed it.
     widened: float = 1.0
     #: Taken for a check, and not shown.
     is_hidden: bool = False
@@ -58,7 +58,7 @@ class Taken:
 
 @dataclass
 class Caption:
-    """What was measured, as people read it: sentences, and rows of a table below a head."""
+    """The measurements in readable form: sentences, and rows of a table below a head."""
 
     sentences: list[str] = field(default_factory=list)
     head: tuple[str, ...] = ()
@@ -69,7 +69,7 @@ class Caption:
 class Figure:
     """`read` makes the caption of the photographs by name, and raises `Contradiction`."""
 
-    #: Of the file and the anchor: fig-09.
+    #: The key of the file and the anchor: fig-09.
     key: str
     title: str
     shots: tuple[Shot, ...]
@@ -79,7 +79,7 @@ class Figure:
 
 
 def luminance(light: np.ndarray) -> np.ndarray:
-    """Of scene-linear Rec. 709 colours."""
+    """The luminance of scene-linear Rec. 709 colours."""
     return light[..., :3] @ np.array([0.2126, 0.7152, 0.0722])
 
 

@@ -17,7 +17,7 @@ Figures 8 to 12 of Wu et al. 2011, and three that the paper could not make, phot
 `tests/scenes/gallery`. Numbers below a figure are computed, by exact rays through the prescription or
 from the picture itself, and the build fails where a picture contradicts them; `tools/figures` says how.
 """
-#: Between pictures, and for what stands below one, pixels.
+#: The space between pictures, and that for the line below one, pixels.
 GAP, FOOT = 8, 30
 
 
@@ -48,7 +48,7 @@ def montage(figure: Figure, taken: dict[str, Taken], folder: Path) -> Image.Imag
 
 
 def chapter(figure: Figure, caption: Caption) -> str:
-    """Of the page."""
+    """The chapter of a figure on the page."""
     lines = [
         f"## {figure.title}",
         "",
@@ -63,7 +63,7 @@ def chapter(figure: Figure, caption: Caption) -> str:
 
 
 def save(sheet: Image.Image, path: Path) -> None:
-    """As a JPEG that a page can hold."""
+    """Saves a sheet as a JPEG that a page can hold."""
     path.parent.mkdir(parents=True, exist_ok=True)
     if sheet.width > 1940:
         sheet = sheet.resize((1940, round(sheet.height * 1940 / sheet.width)), Image.LANCZOS)

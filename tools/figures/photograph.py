@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Takes the photographs: builds a scene once, renders it by the command `petzval render`, and reads what came of it. Needs bpy."""
+"""Takes the photographs: builds a scene once, renders it by the command `petzval render`, and reads the picture. Needs bpy."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ ROOT = Path(__file__).resolve().parents[2]
 GALLERY = ROOT / "tests/scenes/gallery"
 #: Pixels of width, samples of a shot that is hidden, and of one that is shown: a reader sees noise that a check does not mind.
 SIZES = {"smallest": (120, 16, 16), "small": (240, 24, 24), "full": (480, 64, 128), "large": (960, 192, 512)}
-#: Those of a shot that asks for more are so many times as many at most, but where noise decides.
+#: The largest factor of samples of a shot that asks for more, but where noise decides.
 MOST = {"smallest": 4.0, "small": 4.0, "full": 1.0, "large": 1.0}
 
 
 class Studio:
-    """Where scenes and photographs lie; what is there from a run with the same wishes is not made again."""
+    """The folder of scenes and photographs; files of a run with the same wishes are not made again."""
 
     def __init__(self, folder: Path, size: str, *, again: bool = True) -> None:
         self.folder, self.size, self.again = folder, size, again
@@ -38,7 +38,7 @@ class Studio:
         return path
 
     def take(self, shot: Shot) -> Taken:
-        """Renders it."""
+        """Renders the shot."""
         width, hidden, shown = SIZES[self.size]
         samples = hidden if shot.is_hidden else shown
         times = shot.samples if "--noise-threshold" in shot.options else min(shot.samples, MOST[self.size])
@@ -80,7 +80,7 @@ def read(exr: Path) -> np.ndarray:
 
 
 def developed(taken: Taken, png: Path) -> np.ndarray:
-    """As the scene's view shows it: (height, width, 3), 0 to 255."""
+    """The picture as the scene's view shows it: (height, width, 3), 0 to 255."""
     import bpy
     from PIL import Image
 

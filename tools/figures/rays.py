@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exact rays through a lens, by the command line's own numbers: what the captions are computed from. Needs petzval, no bpy.
+"""Exact rays through a lens, by the command line's own numbers: the numbers of the captions. Needs petzval, no bpy.
 
 Lens space: millimetres, z along the axis in the direction of the light, z = 0 at the first vertex.
 """
@@ -14,9 +14,9 @@ import numpy as np
 from petzval.description import LensSettings, focal_length
 from petzval.lens_loading import load
 
-#: Rays are handed over so far before the first vertex.
+#: The distance before the first vertex at which rays are handed over, mm.
 BEFORE_MM = 100.0
-#: Of captions, where they name none.
+#: The wavelength of captions that name none.
 LINE_NM = 550.0
 
 
@@ -42,7 +42,7 @@ class Rays:
     def trace(
         self, origins: np.ndarray, directions: np.ndarray, *, from_film: bool = False
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Where rays leave the last surface and their directions, (n, 3) each; NaN where they do not come through."""
+        """The places where rays leave the last surface, and their directions, (n, 3) each; NaN where they do not come through."""
         rays = [
             {"origin": list(map(float, o)), "direction": list(map(float, d)), "wavelength_nm": self.nm}
             for o, d in zip(origins, directions, strict=True)
@@ -55,8 +55,8 @@ class Rays:
         return np.array([p for p, _ in places]), np.array([d for _, d in places])
 
     def through(self, point: np.ndarray, count: int, margin: float = 1.3) -> tuple[np.ndarray, np.ndarray]:
-        """Where light of a point in lens space leaves the last surface, and where to, (n, 3) each, NaN where it does not: rays spread
-        evenly over the entrance pupil and a margin around it."""
+        """The places where the light of a point in lens space leaves the last surface, and its directions, (n, 3) each, NaN where it does
+        not: rays spread evenly over the entrance pupil and a margin around it."""
         i = np.arange(count) + 0.5
         radius, turn = margin * self.pupil_radius * np.sqrt(i / count), i * np.pi * (3.0 - np.sqrt(5.0))
         pupil = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(count, self.pupil_z)], -1)
@@ -65,8 +65,8 @@ class Rays:
         return self.trace(pupil - towards * ((self.pupil_z + BEFORE_MM) / towards[:, 2:]), towards)
 
     def on_film(self, point: np.ndarray, swing_rad: float = 0.0, count: int = 1500, margin: float = 1.3) -> np.ndarray:
-        """Where the light of a point in lens space meets the film, along its sides, (n, 2) mm. A swung film is turned about its vertical
-        axis, its normal (sin, 0, cos)."""
+        """The hits of a point's light on the film, along its sides, (n, 2) mm; the point is in lens space. A swung film is turned about its
+        vertical axis, its normal (sin, 0, cos)."""
         places, out = self.through(point, count, margin)
         sin, cos = np.sin(swing_rad), np.cos(swing_rad)
         before = cos * (self.film_z - places[:, 2]) - sin * places[:, 0]

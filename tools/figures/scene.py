@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where things of a scene are, as its camera has them. Needs bpy."""
+"""The places of a scene's objects, as its camera has them. Needs bpy."""
 
 from __future__ import annotations
 
@@ -29,13 +29,14 @@ def places_mm(blend: Path, words: str, lift: float = 0.0) -> dict[str, np.ndarra
 
 
 def in_lens_space(place_mm: np.ndarray, pupil_z_mm: float) -> np.ndarray:
-    """Of a place before the camera, which stands in the middle of the entrance pupil."""
+    """The point in lens space of a place before the camera, which stands in the middle of the entrance pupil."""
     x, y, depth = place_mm
     return np.array([x, y, pupil_z_mm - depth])
 
 
 def corners_mm(blend: Path, name: str) -> np.ndarray:
-    """Of the bounding box of the object whose name begins so, (8, 3): mm to the right of the camera, above it, and before it."""
+    """The corners of the bounding box of the object whose name begins so, (8, 3): mm to the right of the camera, above it, and before
+    it."""
     import bpy
     from mathutils import Vector
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How sharp a picture is, beside one of the same things that is sharp everywhere. numpy alone."""
+"""The sharpness of a picture, relative to one of the same things that is sharp everywhere. numpy alone."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ def box(values: np.ndarray, radius: int) -> np.ndarray:
 
 
 def detail(light: np.ndarray, radius: int) -> np.ndarray:
-    """Relative differences of pixels from what is around them."""
+    """Relative differences of pixels from the mean around them."""
     grey = luminance(light)
     around = box(grey, radius)
     return (grey - around) / np.maximum(around, 1e-6)
 
 
 def contrast(light: np.ndarray, sharp: np.ndarray, mask: np.ndarray | slice | tuple, radius: int) -> float:
-    """Of fine detail, what is left of that of the sharp picture: 1 if as sharp, 0 if nothing. Noise of the two has nothing in common,
+    """The contrast of fine detail relative to that of the sharp picture: 1 if as sharp, 0 if none. Noise of the two has nothing in common,
     so it adds nothing."""
     mine, full = detail(light, radius)[mask], detail(sharp, radius)[mask]
     return float((mine * full).sum() / (full * full).sum())
 
 
 def contrast_by_column(light: np.ndarray, sharp: np.ndarray, rows: slice, radius: int, around: int) -> np.ndarray:
-    """The same of each column, with so many to both sides of it."""
+    """The contrast of each column, relative to the sharp picture, with so many columns to both sides of it."""
     mine, full = detail(light, radius)[rows], detail(sharp, radius)[rows]
     above, below = ((mine * full).sum(0), (full * full).sum(0))
     window = np.hanning(2 * around + 3)[1:-1]

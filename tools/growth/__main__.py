@@ -36,7 +36,7 @@ COLUMNS = {
 }
 DIGITS = {"once_s": 2, "again_s": 2, "sample_us": 2, "memory_mb": 0}
 PROGRAMS = ("petzval", "cycles")
-#: Samples are timed as a difference of two renders: it says nothing below this part of what is done once, which varies.
+#: Samples are timed as a difference of two renders: it says nothing below this part of the time of work done once, which varies.
 LEAST_PART = 0.2
 
 Row = dict[str, dict[str, float]]
@@ -78,7 +78,7 @@ def measured(name: str, number: int, programs: list[str], samples: int, rounds: 
 
 
 def without_lost_samples(row: Row, samples: int) -> None:
-    """Takes away the time of a sample where it is lost in what is done once."""
+    """Removes the time of a sample where it is lost in that of work done once."""
     for figures in row.values():
         sampled_s = figures.get("sample_us", 0.0) * 1e-6 * WIDTH * HEIGHT * samples
         if sampled_s < LEAST_PART * figures["once_s"]:

@@ -2,7 +2,7 @@
 """One measurement inside of bpy: `python -m growth.job PROGRAM KIND NUMBER SAMPLES` prints a line of JSON.
 
 `once_s`: processor time of a render of one sample a pixel; `again_s`: of the next frame, before which the camera moves; `sample_us`: of each
-further sample; `memory_mb`: the most that the first render takes beside what Blender holds.
+further sample; `memory_mb`: the most that the first render takes beside Blender's own memory.
 """
 
 from __future__ import annotations

@@ -83,14 +83,14 @@ def triangles(scene: bpy.types.Scene, count: int) -> None:
 
 
 def objects(scene: bpy.types.Scene, count: int) -> None:
-    """Each with a mesh of its own, of eight triangles."""
+    """Objects, each with a mesh of its own, of eight triangles."""
     side = 8.0 / count**0.5
     for index, (x, y) in enumerate(places(count)):
         linked(f"Object {index}", waves(f"Mesh {index}", 8, side)).location = (x, y, 0.5)
 
 
 def instances(scene: bpy.types.Scene, count: int) -> None:
-    """At the vertices of a mesh."""
+    """Instances at the vertices of a mesh."""
     mesh = bpy.data.meshes.new("Places")
     mesh.vertices.add(count)
     at = places(count)
@@ -100,7 +100,7 @@ def instances(scene: bpy.types.Scene, count: int) -> None:
 
 
 def materials(scene: bpy.types.Scene, count: int) -> None:
-    """On the faces of one mesh, each with a colour of its own and a noise."""
+    """Materials on the faces of one mesh, each with a colour of its own and a noise."""
     faces = max(int(np.ceil(count**0.5)), 1)
     mesh = waves("Faces", 2 * faces * faces, 11.0)
     for index in range(count):
@@ -130,7 +130,7 @@ def textures(scene: bpy.types.Scene, count: int) -> None:
 
 
 def texture_pixels(scene: bpy.types.Scene, count: int) -> None:
-    """Of one image of bytes on the ground."""
+    """Pixels of one image of bytes on the ground."""
     side = max(round(count**0.5), 1)
     image = bpy.data.images.new("Image", side, side)
     row = np.linspace(0.0, 1.0, side, dtype=np.float32)
@@ -153,7 +153,7 @@ def lamps(scene: bpy.types.Scene, count: int) -> None:
 
 
 def glowing_triangles(scene: bpy.types.Scene, count: int) -> None:
-    """Of one mesh that shines."""
+    """Triangles of one mesh that shines."""
     material = bpy.data.materials.new("Glow")
     material.use_nodes = True
     tree = material.node_tree
@@ -166,7 +166,7 @@ def glowing_triangles(scene: bpy.types.Scene, count: int) -> None:
 
 
 def hairs(scene: bpy.types.Scene, count: int) -> None:
-    """Of eight points each."""
+    """Strands of eight points each."""
     data = bpy.data.hair_curves.new("Hairs")
     data.add_curves([8] * count)
     dice = np.random.default_rng(1)
@@ -185,7 +185,7 @@ def nothing(scene: bpy.types.Scene, count: int) -> None:
 
 
 def lens_surfaces(scene: bpy.types.Scene, count: int) -> None:
-    """Of the exact lens: a triplet of seven surfaces behind flat windows, a pair of surfaces each."""
+    """Surfaces of the exact lens: a triplet of seven surfaces behind flat windows, a pair of surfaces each."""
     windows = ["0.0 0.1 1.517/64.2 30 0.0 0", "0.0 0.1 air 30 0.0 0"] * ((count - len(TRIPLET)) // 2)
     header = ("# name: windows before a triplet", "#radius thickness glass diameter conic isstop")
     path = Path(bpy.app.tempdir) / f"windows-{count}.lens"
@@ -195,7 +195,7 @@ def lens_surfaces(scene: bpy.types.Scene, count: int) -> None:
 
 
 class Kind(NamedTuple):
-    """A number that grows: what it counts, its values, and how a scene of so many is built."""
+    """A number that grows: the things that it counts, its values, and how a scene of so many is built."""
 
     title: str
     values: tuple[int, ...]

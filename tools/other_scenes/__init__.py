@@ -1,2 +1,3 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Petzval beside Cycles on scenes by others: whether the pictures agree, and what the same noise costs. What `make other-scenes` runs."""
+"""Petzval beside Cycles on scenes by others: the agreement of the pictures, and the cost of the same noise. The program of `make
+other-scenes`."""

@@ -31,16 +31,16 @@ from . import compare
 
 TOP = Path(__file__).resolve().parents[2]
 PAGE = TOP / "docs" / "other-scenes.md"
-#: What is known of scenes: where they are from, and why they differ.
+#: The known facts about scenes: their sources, and why they differ.
 KNOWN = Path(__file__).with_name("known.toml")
 PROGRAMS = ("petzval", "cycles")
-#: Samples of the short render: what is done once is taken off by it.
+#: Samples of the short render: the time of work done once is subtracted by it.
 FEW = 8
-#: Processor time, s, that samples must take to be timed, and no less than what is done once, which varies by a tenth of itself and more.
+#: Processor time, s, that samples must take to be timed, and no less than work done once, which varies by a tenth of itself and more.
 #: Where they take less, a longer render is timed, but of no more than so many times the samples.
 LEAST_S = 4.0
 MOST_LONGER = 32
-#: Processor time of a sample below which it is lost in what is done once, even so.
+#: Processor time of a sample below which it is lost in work done once, even so.
 LEAST_US = 0.05
 #: Two pictures of each program are enough where they give the noise within this part; else there are more, as long as renders are short, s
 #: of processor time.
@@ -54,7 +54,7 @@ LONGEST_LOOK_S = 120
 TURNS = 3
 #: A render that takes longer, s, is given up.
 LONGEST_S = 1500
-#: Why a file that is a part of others is left out, as `other_scenes.job` says it.
+#: The reason why a file that is a part of others is left out, as `other_scenes.job` says it.
 NO_CAMERA = "it has no camera"
 #: The difference beyond noise up to which pictures agree.
 ALIKE = 0.01
@@ -105,7 +105,7 @@ def main() -> int:
 
 
 def look(scenes: list[Path], width: int, height: int, samples: int) -> int:
-    """Tells how far the programs are apart in each scene; those that take Blender down are told, too."""
+    """Prints the difference of the programs in each scene; those that take Blender down are told, too."""
     left, apart = list(scenes), 0
     while left:
         some = left[:LOOKED_AT_TOGETHER]
@@ -162,7 +162,7 @@ def run(*command: object) -> float:
 
 
 def compared(path: Path, width: int, height: int, samples: int) -> dict:
-    """What both programs make of a scene."""
+    """The comparison of both programs on a scene."""
     python = Path(sys.executable)
     job = (python, "-m", "other_scenes.job")
     size = (str(width), str(height))
@@ -228,7 +228,7 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
 
 
 def pixels_of(file: Path, pictures: dict[str, list[Path]]) -> dict[str, list[np.ndarray]]:
-    """The pixels of each program's pictures, out of what the step `read` has written."""
+    """The pixels of each program's pictures, out of the files of the step `read`."""
     found = np.load(file)
     return {program: [found[one.stem].astype(np.float64) for one in own] for program, own in pictures.items()}
 
@@ -242,7 +242,7 @@ def measured_noise(job: tuple, file: Path, pictures: dict[str, list[Path]]) -> d
 
 
 def is_timed(row: dict) -> bool:
-    """Whether its times say anything: a picture of next to nothing takes too little, and without noise there is none to compare."""
+    """True if the times of a row count: a picture of next to nothing takes too little, and without noise there is none to compare."""
     return all(row[one]["sample_us"] >= LEAST_US and row[one]["noise"] > 0.0 for one in PROGRAMS)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What two pictures of each program, of other seeds, say: how far apart the programs are beyond noise, and how noisy each is."""
+"""The comparison of two pictures of each program, of other seeds: the distance of the programs beyond noise, and the noise of each."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def blocks(picture: np.ndarray) -> np.ndarray:
 
 
 def difference(ours: list[np.ndarray], theirs: list[np.ndarray]) -> Difference:
-    """Of two pictures each."""
+    """The difference of two programs, by two pictures each."""
     (a, b), (c, d) = [list(map(blocks, one)) for one in (ours, theirs)]
     first, second = (a + b) / 2, (c + d) / 2
     scale = 0.5 * (first + second) + FLOOR * second.mean() + 1e-12
@@ -60,7 +60,8 @@ class Noise:
 
 
 def noise(pictures: list[np.ndarray], mean: np.ndarray) -> Noise:
-    """From pictures of different seeds; `mean` of all that there are. Where few pixels have all the noise, two pictures say little."""
+    """The noise from pictures of different seeds; `mean` of all that there are. Where few pixels have all the noise, two pictures say
+    little."""
     count = len(pictures)
     scale = mean**2 + (0.01 * mean.mean()) ** 2 + 1e-20
     variances = np.sort((np.var(pictures, axis=0, ddof=1) / scale).mean(-1).ravel())

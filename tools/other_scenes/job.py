@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One step inside of bpy: `python -m other_scenes.job STEP ...`.
 
-prepare SCENE COPY                     the scene without what the comparison leaves out
+prepare SCENE COPY                     the scene without the parts that the comparison leaves out
 cycles SCENE OUT.exr WIDTH HEIGHT SAMPLES SEED
 read OUT.npz PICTURE.exr ...           pixels of pictures, (height, width, 3), by their stems
 """
@@ -26,7 +26,7 @@ def opened(path: str) -> bpy.types.Scene:
 
 
 def prepare(path: str, copy: str) -> None:
-    """Saves a copy of a scene without what differs."""
+    """Saves a copy of a scene without the parts that differ."""
     scene = opened(path)
     if scene.camera is None:
         raise SystemExit("it has no camera")

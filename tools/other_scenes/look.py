@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A first look at scenes, several in one Blender, about a second each: `python -m other_scenes.look WIDTH HEIGHT SAMPLES SCENE ...` prints a
-line of JSON a scene, with how far Petzval and Cycles are apart. A scene without a camera is seen from a corner of the box about all that
+line of JSON a scene, with the difference of Petzval and Cycles. A scene without a camera is seen from a corner of the box about all that
 it shows, under a sun if it has no light.
 """
 
@@ -24,7 +24,7 @@ from . import compare
 from .job import opened, pixels_of, without_what_differs
 
 SEEDS = (1, 2)
-#: From the middle of what is seen to the camera.
+#: The distance from the middle of the seen objects to the camera.
 TOWARDS_CAMERA = Vector((0.6, -0.9, 0.5)).normalized()
 SHAPES = {"MESH", "CURVE", "FONT", "SURFACE", "META", "CURVES", "VOLUME", "POINTCLOUD"}
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The generated pages of docs/: which they are, what each of them measures, and the line at a page's end that says where it came from.
+"""The generated pages of docs/: their names, the sources that each of them measures, and the line at a page's end that says where it came
+from.
 
 That line is the page's footer: the make target, the commit, the date, the machine and the time taken. `registry` lists the pages,
 `history` finds the commits since then, `python3 -m pages` (tools/ on the path) prints them and remakes stale pages. Standard library only:
@@ -44,7 +45,7 @@ _FOOTER = re.compile(
 
 
 class Made(NamedTuple):
-    """Where a page came from."""
+    """The origin of a page."""
 
     target: str
     #: HEAD when it was made, 12 digits; empty outside of a checkout.
@@ -53,13 +54,13 @@ class Made(NamedTuple):
     is_changed: bool
     date: str
     machine: str
-    #: How long the target ran, with its unit; empty if unknown.
+    #: The time that the target ran, with its unit; empty if unknown.
     time: str = ""
     #: The generated part of a page that is otherwise written by hand: "Tables", "Pictures"; empty for the whole page.
     part: str = ""
 
     def took(self, seconds: float) -> Made:
-        """The same, with the time that it took."""
+        """The origin with the time that the target took."""
         return self._replace(time=f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min")
 
 
@@ -110,7 +111,7 @@ def stamped(text: str, origin: Made | None) -> str:
 
 
 def provenance(text: str) -> Made | None:
-    """What a page's footer says; None where it has none."""
+    """The origin in a page's footer; None without a footer."""
     found = _FOOTER.search(text)
     if not found:
         return None
@@ -126,7 +127,7 @@ def provenance(text: str) -> Made | None:
 
 
 def kept(page: str, root: Path = ROOT) -> Made | None:
-    """What the footer of the page on the disk says: the origin of a page that is renewed in part, which stays the older one."""
+    """The origin in the footer of the page on the disk: that of a page that is renewed in part, which stays the older one."""
     path = root / page
     return provenance(path.read_text(encoding="utf-8")) if path.exists() else None
 
@@ -147,7 +148,7 @@ def filled(text: str, mark: str, rows: list[str]) -> str:
 
 
 def _git(root: Path, *arguments: str) -> str:
-    """What git prints; nothing where there is no checkout."""
+    """The output of git; empty where there is no checkout."""
     try:
         done = subprocess.run(["git", *arguments], cwd=root, capture_output=True, text=True, check=False)
     except OSError:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python3 -m pages`, tools/ on the path: the generated pages, and the commits since each was made that touch what it measures.
+"""`python3 -m pages`, tools/ on the path: the generated pages, and the commits since each was made that touch the sources that it measures.
 
 `python3 -m pages` lists them (`make pages`), `again [--only FILE ...]` remakes stale pages, one after the other (`make pages-again`), and
 `stamp FILE` puts the footer under a page that was written just now.

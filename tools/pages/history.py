@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The state of a page: the commits after the one in its footer that touch what it measures."""
+"""The state of a page: the commits after the one in its footer that touch the sources that it measures."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ class State:
     """A page with its footer and the history since then."""
 
     page: Page
-    #: None for a page without a footer.
+    #: The origin; None for a page without a footer.
     made: Made | None
     #: Short hash and subject of each commit since, the newest first; None if the footer's commit is not in this repository.
     since: tuple[str, ...] | None
 
     @property
     def is_stale(self) -> bool:
-        """It should be made again."""
+        """True if the page should be made again."""
         return self.since is None or len(self.since) > 0
 
 

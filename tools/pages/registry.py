@@ -12,13 +12,13 @@ class Page:
 
     file: str
     target: str
-    #: A commit that touches none of these leaves the page as true as it was.
+    #: The sources that the page measures: a commit that touches none of them leaves the page as true as it was.
     measures: tuple[str, ...]
     #: Variables of make for a run that measures everything anew.
     options: tuple[str, ...] = ()
     #: The generated part, of a page that is otherwise written by hand.
     part: str = ""
-    #: Of a run on two cores, if known.
+    #: The time of a run on two cores, if known.
     minutes: float | None = None
 
 
@@ -27,10 +27,10 @@ _WITHOUT_TESTS = (":(exclude,glob)engine/*/src/**/tests.rs", ":(exclude,glob)eng
 _BUILD = ("Cargo.toml", "Cargo.lock", ".cargo")
 _OPTICS = ("engine/fourier/src", "engine/optics/src")
 _ENGINE = (*_OPTICS, "engine/nodes/data", "engine/nodes/src", "engine/render/src", "engine/python/src")
-#: From a .blend to the engine.
+#: The sources from a .blend to the engine.
 _SCENE = ("addon/export", "engine/python/petzval/description.py",
           "addon/engine.py", "addon/render/loop.py", "addon/render/photograph.py", "addon/render/staging.py", "addon/settings")  # fmt: skip
-#: From a .blend to a picture by the command line.
+#: The sources from a .blend to a picture by the command line.
 _RENDER = (*_ENGINE, *_SCENE, "engine/python/petzval/render_in_blender.py")
 #: The time of a render, and not its picture alone: the shipped build counts too.
 _TIMED = (*_BUILD, "tools/build-wheel.sh")
@@ -42,7 +42,7 @@ def _page(name: str, target: str, *measures: str, **more) -> Page:
     return Page(f"docs/{name}.md", target, measures, **more)
 
 
-#: In the order in which they are remade: pages of one build stand together, so that it is built once.
+#: The pages in the order in which they are remade: those of one build stand together, so that it is built once.
 _ALL = (
     _page("lens-speed", "speed", *_BUILD, "engine/optics/src", "engine/benches/lens.rs", "tools/lens-speed.py"),
     _page(

@@ -20,7 +20,7 @@ PICTURES = ROOT / "docs/images"
 ADDON = "bl_ext.user_default.petzval"
 #: Rows of a picture at most: longer panels are cut off below.
 MOST_ROWS = 760
-#: Of the area, where it meets others; and the line with the scene's or the camera's name, above the panels.
+#: The border of the area; and the line with the scene's or the camera's name, above the panels.
 _BORDER_PX, _CONTEXT_PX = 12, 38
 
 
@@ -67,7 +67,7 @@ def main() -> int:
 
 
 def _trimmed(picture: Image.Image) -> Image.Image:
-    """Without the line above the panels, and the empty rows below the last."""
+    """The picture without the line above the panels, and the empty rows below the last."""
     width, height = picture.size
     picture = picture.crop((0, _CONTEXT_PX, width, height - _BORDER_PX))
     ground = Image.new("RGB", picture.size, picture.getpixel((_BORDER_PX, picture.height - 1)))

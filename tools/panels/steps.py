@@ -2,8 +2,8 @@
 """Runs inside Blender's window, driven by a timer: shows some of the add-on's panels at a time, each by itself, and photographs
 the screen.
 
-Started by __main__.py: blender --in-window demo.blend --python steps.py -- FOLDER ADD-ON. What was seen goes to FOLDER/seen.json: for
-each picture the part of the screen, or, at the end, what went wrong.
+Started by __main__.py: blender --in-window demo.blend --python steps.py -- FOLDER ADD-ON. The places of the panels go to FOLDER/seen.json:
+for each picture the part of the screen, or, at the end, the error.
 """
 
 import importlib
@@ -40,9 +40,9 @@ PICTURES = (
         ),
     ),
 )
-#: What three points are made sharp in.
+#: The objects in which three points are made sharp.
 SHARP = ("Pocket watch", "Decanter", "Desk lamp")
-#: Of the view's width that the panels leave: those of effects have room for what each costs.
+#: The view's part of the width; the panels of effects have room for the cost of each.
 VIEW_SHARE = 0.62
 LONGEST_PLAN_S = 240.0
 seen = {}
@@ -81,7 +81,7 @@ def opened(module, name, names):
 
 
 def set_scene():
-    """What there is to see in the rows."""
+    """Sets the values that the rows show."""
     scene = bpy.context.scene
     own = scene.camera.data.petzval
     own.wide_open, own.f_number = False, 4.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Petzval and Cycles on the same scenes, picture beside picture: what `make parity` runs."""
+"""Petzval and Cycles on the same scenes, picture beside picture: the program of `make parity`."""
 
-#: Begins a line of JSON among what Blender says.
+#: The beginning of a line of JSON among Blender's output.
 MARK = "PARITY "

@@ -3,7 +3,7 @@
 the path.
 
 Renders every parity scene by Petzval and by Cycles, and writes docs/parity.md with its pictures. With --only the page stays
-as it is. With --scenes other people's scenes are rendered after that, into docs/parity-others.md. What has been rendered
+as it is. With --scenes other people's scenes are rendered after that, into docs/parity-others.md. A scene that has been rendered
 with the same numbers is not rendered again unless --again says so.
 """
 
@@ -99,7 +99,7 @@ class Run:
         return _marked(done.stdout)
 
     def all(self, scenes: dict[str, Path]) -> dict[str, dict]:
-        """Renders and compares each in its folder, and says what it finds; what cannot be rendered says why."""
+        """Renders and compares each in its folder, and returns the findings; a scene that cannot be rendered has the reason."""
         results = {scene: self._kept(folder) for scene, folder in scenes.items()}
         left = {scene: folder for scene, folder in scenes.items() if results[scene] is None}
         while left:
@@ -133,7 +133,7 @@ class Run:
         return found if found.get("numbers") == self.numbers and "made" in found else None
 
     def _rendered(self, scenes: dict[str, Path]):
-        """Scenes and what is found of them, in one process: up to the first that fails."""
+        """Scenes and their findings, in one process: up to the first that fails."""
         for folder in scenes.values():
             folder.mkdir(parents=True, exist_ok=True)
         pairs = [part for scene, folder in scenes.items() for part in (scene, str(folder))]

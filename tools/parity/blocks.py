@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import numpy as np
 
-#: What is a picture is compared with at least this part of its mean, lest the noise of black be a difference; what is a pass,
-#: bright in some places and nothing in most, or negative, with its mean.
+#: The floors of blocks, relative to the mean: of pictures, lest the noise of black be a difference; and of passes, which are bright in
+#: some places and 0 in most, or negative.
 PICTURE, PASS = 0.01, 1.0
 
 
 def floor_of(look: str) -> float:
-    """Which of these, by what `photograph.looks` names it."""
+    """The floor of a look, `PICTURE` or `PASS`, by its name in `photograph.looks`."""
     return PICTURE if look.startswith(("picture", "frame")) else PASS
 
 
@@ -28,8 +28,8 @@ def block_ratios(
 def block_noise(
     ours: list[np.ndarray], theirs: list[np.ndarray], floor: float = PICTURE, columns: int = 4, rows: int = 3
 ) -> float:
-    """How far from 1 noise alone brings the worst of `block_ratios` of the means of two halves each, about: by what the
-    halves differ."""
+    """The distance from 1 to which noise alone brings the worst of `block_ratios` of the means of two halves each, about: by the difference
+    of the halves."""
     whole = 0.5 * (theirs[0] + theirs[1])
     apart = [0.5 * (block_ratios(whole + a - b, whole, floor, columns, rows) - 1.0) for a, b in (ours, theirs)]
     return float(np.hypot(*apart).max())

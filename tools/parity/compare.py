@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far apart two pictures are: by means of blocks, and to the eye (FLIP, Andersson et al. 2020 and 2021)."""
+"""The difference of two pictures: by means of blocks, and to the eye (FLIP, Andersson et al. 2020 and 2021)."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ DATA = (
     "Object Index",
     "Material Index",
 )
-#: Of several pictures in one, between two columns.
+#: Pixels between two columns of several pictures in one.
 GAP = 6
 
 
 def compare(folder: Path) -> dict:
-    """Of the pictures that `job` left in a folder. Means are over all of them, the worst block is the worst of all."""
+    """The comparison of the pictures that `job` left in a folder. Means are over all of them, the worst block is the worst of all."""
     kept = np.load(folder / "looks.npz")
     names = [name.partition("/")[2] for name in kept.files if name.startswith("petzval/")]
     strips, flips, noises, blocks, means, finite = [], [], [], {}, [], True
@@ -61,7 +61,7 @@ def compare(folder: Path) -> dict:
 
 
 def _for_the_eye(name: str, whole: np.ndarray, *pictures: np.ndarray) -> list[np.ndarray]:
-    """As light: data from 0 to 1 over the range that it has in `whole`."""
+    """The pictures as light: data from 0 to 1 over their range in `whole`."""
     pictures = [np.pad(one[..., :3], [(0, 0), (0, 0), (0, 3 - min(one.shape[2], 3))]) for one in pictures]
     if floor_of(name) == PASS and name in DATA:
         low, high = float(whole.min()), float(whole.max())
@@ -70,7 +70,7 @@ def _for_the_eye(name: str, whole: np.ndarray, *pictures: np.ndarray) -> list[np
 
 
 def _arranged(strips: list[np.ndarray]) -> Image.Image:
-    """One, or two columns of smaller ones."""
+    """The strips as one picture: one strip, or two columns of smaller ones."""
     if len(strips) == 1:
         return Image.fromarray(strips[0])
     height, width = (side // 2 for side in strips[0].shape[:2])
@@ -89,7 +89,7 @@ def _flip(reference: np.ndarray, test: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def shown(linear: np.ndarray) -> np.ndarray:
-    """In sRGB, first row on top."""
+    """The picture in sRGB, first row on top."""
     linear = np.clip(linear[::-1], 0.0, 1.0)
     encoded = np.where(linear < 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return (encoded * 255 + 0.5).astype(np.uint8)

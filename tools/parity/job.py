@@ -28,7 +28,7 @@ ENGINES = ("PETZVAL", "CYCLES")
 
 
 class Halves:
-    """What a program has rendered, and the processor time that it took, s."""
+    """The two half renders of a program, and the processor time that they took, s."""
 
     def __init__(self, engine: str, folder: Path, passes: tuple[str, ...], frames: tuple[int, ...]) -> None:
         self.engine, self.folder, self.passes, self.frames = engine, folder, passes, frames
@@ -36,7 +36,7 @@ class Halves:
         self.looks: list[dict[str, np.ndarray]] = [{}, {}]
 
     def add(self, samples: int) -> None:
-        """So many more to a pixel of each half."""
+        """Adds so many samples to a pixel of each half."""
         scene = bpy.context.scene
         began = time.process_time()
         for half in self.looks:
@@ -57,7 +57,7 @@ class Halves:
 
 
 def photographed(addon, name: str, folder: Path, width: int, height: int, samples: int, most: int) -> dict:
-    """A scene by both programs; what is said of it."""
+    """A scene by both programs; returns the findings."""
     one = SCENES.get(name)
     if one:
         one.open()

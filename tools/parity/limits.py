@@ -20,7 +20,7 @@ from . import MARK, in_blender
 
 
 def rendered(folder: Path) -> dict[str, dict]:
-    """Every scene, every way: what is said of it, and its pictures in the folder."""
+    """Every scene, every way: the findings, and the pictures in the folder."""
     found = {}
     for name, one in LIMITS.items():
         pictures = []

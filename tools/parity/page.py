@@ -12,7 +12,7 @@ from PIL import Image
 
 from .compare import shown
 
-#: In the order of the scenes; others are called by their module.
+#: The chapters in the order of the scenes; others are called by their module.
 CHAPTERS = {
     "surfaces": "Surfaces",
     "textures": "Textures and colours",
@@ -45,7 +45,7 @@ def write(
     most: int,
     now: pages.Made,
 ) -> None:
-    """The page, from what was found. `limits`: of `parity.limits`; `now`: the origin of scenes that were rendered just now."""
+    """The page, from the findings. `limits`: of `parity.limits`; `now`: the origin of scenes that were rendered just now."""
     pictures = docs / "images" / "parity"
     pictures.mkdir(parents=True, exist_ok=True)
     for old in pictures.glob("*.jpg"):
@@ -118,7 +118,7 @@ def _oldest(results: dict, now: pages.Made) -> pages.Made:
 
 
 def _taken(results: dict, size: tuple[int, int], samples: int, most: int) -> str:
-    """How the pictures were, after "inside of"."""
+    """The settings of the pictures in words, after "inside of"."""
     version = next((one["blender"] for one in results.values() if "blender" in one), "?")
     return (
         f"Blender {version}: a pinhole, {size[0]} x {size[1]} pixels, {samples} samples and up to {most} where blocks are noisy or\n"
@@ -194,7 +194,7 @@ def write_others(docs: Path, others: dict, size: tuple[int, int], samples: int, 
 
 
 def _said(warnings: list[str]) -> str:
-    """The first few, without the paths of this machine."""
+    """The first few messages, without the paths of this machine."""
     # A path in brackets after a name; a drive's letter, or a slash.
     lines = [re.sub(r" \([^()]*[/\\\\][^()]*\)", "", line).replace("|", "/") for line in warnings]
     more = f"; and {len(lines) - 4} more" if len(lines) > 4 else ""

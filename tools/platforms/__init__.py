@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The systems for which Petzval is built, and what a module for each may ask of it."""
+"""The systems for which Petzval is built, and the demands that a module for each may have."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Platform:
         return LEVELS if self.machine == "x64" else ()
 
 
-#: glibc 2.28, and macOS 11: what Blender 4.2 asks for. Windows 10 brings the C library of the module, Blender has it from 8.1 on.
+#: glibc 2.28, and macOS 11: the demands of Blender 4.2. Windows 10 brings the C library of the module, Blender has it from 8.1 on.
 PLATFORMS = {
     one.name: one
     for one in (

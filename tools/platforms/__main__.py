@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`python3 -m platforms`, tools/ on the path: `wheels` builds those of other systems into dist/, `check` says what is wrong with the wheels and
+"""`python3 -m platforms`, tools/ on the path: `wheels` builds those of other systems into dist/, `check` lists the faults of the wheels and
 extensions there, `test` runs the engine's tests for other systems by emulators, `repository` makes an extensions repository of the zips."""
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a compiled module asks of the system that loads it: its libraries, the oldest system, the processor, and on a Mac its signature. Reads ELF,
-PE and Mach-O by themselves, so that the modules of every system are checked on any."""
+"""The demands of a compiled module on the system that loads it: its libraries, the oldest system, the processor, and on a Mac its
+signature. Reads ELF, PE and Mach-O by themselves, so that the modules of every system are checked on any."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class BinaryError(ValueError):
 
 @dataclass
 class Module:
-    """What a compiled module says of itself."""
+    """The facts of a compiled module, from its own headers."""
 
     #: linux, windows or macos.
     system: str
@@ -25,11 +25,11 @@ class Module:
     libraries: list[str] = field(default_factory=list)
     #: The oldest system: of glibc, Windows or macOS; empty where nothing says so.
     oldest: tuple[int, ...] = ()
-    #: What it takes from outside, by name.
+    #: The names that it imports.
     imports: set[str] = field(default_factory=set)
-    #: What others find in it.
+    #: The names that it exports.
     exports: set[str] = field(default_factory=set)
-    #: On a Mac: whether the signature, by nobody in particular, is that of these bytes.
+    #: True if the ad hoc signature of a Mac's module is that of these bytes.
     is_signed: bool = False
 
 
@@ -163,7 +163,7 @@ def _mach_o(data: bytes) -> Module:
 
 
 def _is_signed(data: bytes, at: int) -> bool:
-    """Whether the pages' digests in a signature are those of the pages: a Mac with Apple's processor loads nothing else."""
+    """True if the pages' digests in a signature are those of the pages: a Mac with Apple's processor loads nothing else."""
     magic, _, count = struct.unpack_from(">III", data, at)
     if magic != 0xFADE0CC0:
         return False

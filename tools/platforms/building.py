@@ -20,11 +20,11 @@ _LOG = ROOT / "output/platforms"
 
 
 class BuildError(Exception):
-    """The message is one line: what, and what to do."""
+    """An error of a build. The message is one line: the fault and the remedy."""
 
 
 def run(command: list[str | Path], log: Path, environment: dict[str, str]) -> None:
-    """Runs a step and keeps what it says. Raises `BuildError`."""
+    """Runs a step and keeps its output. Raises `BuildError`."""
     log.parent.mkdir(parents=True, exist_ok=True)
     with log.open("wb") as out:
         done = subprocess.run(
@@ -35,7 +35,7 @@ def run(command: list[str | Path], log: Path, environment: dict[str, str]) -> No
 
 
 def cross_environment(platform: Platform) -> dict[str, str]:
-    """What has Cargo compile and link for a platform."""
+    """The environment variables with which Cargo compiles and links for a platform."""
     upper = platform.triple.upper().replace("-", "_")
     return {
         "PATH": f"{ROOT / '.venv-wheels/bin'}{os.pathsep}{os.environ['PATH']}",
@@ -47,7 +47,7 @@ def cross_environment(platform: Platform) -> dict[str, str]:
 
 
 def add_target(platform: Platform) -> None:
-    """Has rustup fetch the standard library of a platform. Raises `BuildError`."""
+    """Fetches by rustup the standard library of a platform. Raises `BuildError`."""
     sysroot = subprocess.run(["rustc", "--print", "sysroot"], capture_output=True, text=True, check=True).stdout.strip()
     if (Path(sysroot) / "lib/rustlib" / platform.triple / "lib").is_dir():
         return
@@ -57,7 +57,7 @@ def add_target(platform: Platform) -> None:
 
 
 def bundle(platform: Platform) -> None:
-    """Lays what a wheel holds beside the engine into the package."""
+    """Copies the files of a wheel, but for the engine, into the package."""
     shutil.rmtree(_BUNDLED, ignore_errors=True)
     for folder in ("addon", "lenses"):
         shutil.copytree(ROOT / folder, _BUNDLED / folder, ignore=shutil.ignore_patterns("__pycache__"))

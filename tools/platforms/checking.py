@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is wrong with a wheel or an extension, as far as its files tell."""
+"""The checks of a wheel or an extension, as far as its files tell."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from . import LARGEST_ZIP, LIBRARIES, PLATFORMS, Platform, binaries, platform_of
 
 
 def of_module(name: str, data: bytes, platform: Platform) -> list[str]:
-    """What keeps a compiled module from being loaded by Python on a platform."""
+    """The faults that keep a compiled module from being loaded by Python on a platform."""
     try:
         module = binaries.read(data)
     except binaries.BinaryError as error:
@@ -37,7 +37,7 @@ def of_module(name: str, data: bytes, platform: Platform) -> list[str]:
 
 
 def of_wheel(file: Path | io.BytesIO, name: str) -> list[str]:
-    """What is wrong with a wheel of this name."""
+    """The faults of a wheel of this name."""
     try:
         platform = platform_of(name)
     except KeyError:
@@ -61,7 +61,7 @@ _MUST_HOLD = ("addon/__init__.py", "lenses/wide-angle-smith-f3.4.lens", "THIRD-P
 
 
 def of_extension(file: Path) -> list[str]:
-    """What is wrong with an extension."""
+    """The faults of an extension."""
     wrong = []
     if (size := file.stat().st_size) > LARGEST_ZIP:
         wrong.append(f"{file.name}: {size:,} bytes, and at most {LARGEST_ZIP:,} are wanted")

@@ -22,15 +22,15 @@ _X64_FLAGS = "-C target-cpu=x86-64-v3 --cfg disable_dispatch_avx512 -C llvm-args
 
 @dataclass(frozen=True)
 class Emulator:
-    """What runs the programs of a platform."""
+    """The emulator of a platform's programs."""
 
     name: str
-    #: As tools/setup-emulators.sh calls it.
+    #: The program's name in tools/setup-emulators.sh.
     program: str
     flags: str
     #: Crates whose tests are run; None: all.
     packages: tuple[str, ...] | None
-    #: Why the others are not.
+    #: The reason why the others are not.
     reason: str = ""
 
 
@@ -56,7 +56,7 @@ def command_of(emulator: Emulator) -> list[str]:
 
 
 def environment(folder: Path, emulator: Emulator, platform: Platform) -> dict[str, str]:
-    """What an emulator's programs need around them, in a folder of their own."""
+    """The environment variables of an emulator's programs, with their files in a folder of its own."""
     if emulator.program != "wine":
         return {}
     # Windows looks into its own folder first: a Wine that has the library takes that.
@@ -71,8 +71,8 @@ def environment(folder: Path, emulator: Emulator, platform: Platform) -> dict[st
 
 
 def test(name: str, filters: list[str], crates: list[str] | None = None) -> bool:
-    """Compiles and runs the tests for a platform, of these crates or all that are named above; tells what each program found; whether all
-    passed."""
+    """Compiles and runs the tests for a platform, of these crates or all that are named above; prints the findings of each program; whether
+    all passed."""
     platform, emulator = PLATFORMS[name], EMULATORS[name]
     runner = command_of(emulator)
     building.add_target(platform)

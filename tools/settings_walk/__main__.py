@@ -2,8 +2,8 @@
 """`python -m settings_walk [--only PATTERN ...] [--samples N] [--looks N] [--page]`, tools/ on the path, by a Python with bpy's environment.
 
 Changes every setting of a stage in Petzval and in Cycles, in jobs of their own, and writes docs/settings.md; with --only the page stays as it
-is, and with --page it is written of what was found last of each setting, with the reasons and causes that known.toml has now. Exits with 1 where a setting
-has no answer.
+is, and with --page it is written of the last findings of each setting, with the reasons and causes that known.toml has now. Exits with 1
+where a setting has no answer.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .worker import Worker
 
 TOP = Path(__file__).resolve().parents[2]
 PAGE = "docs/settings.md"
-#: What was found last.
+#: The file of the last results.
 FOUND = TOP / "output" / "settings.json"
 SAMPLES = 32
 
@@ -74,7 +74,7 @@ def all_settings(known: Known) -> list[Row]:
 
 
 def keep(found: list[Row]) -> None:
-    """Notes what was found, in the place of what was found of the same settings before."""
+    """Keeps the findings, in the place of earlier ones of the same settings."""
     told = (
         {(one["owner"], one["name"]): one for one in json.loads(FOUND.read_text(encoding="utf-8"))}
         if FOUND.exists()
@@ -86,7 +86,7 @@ def keep(found: list[Row]) -> None:
 
 
 def found_last(known: Known) -> list[Row]:
-    """All settings with what was found of them."""
+    """All settings with their findings."""
     told = {(one["owner"], one["name"]): one["found"] for one in json.loads(FOUND.read_text(encoding="utf-8"))}
     found = all_settings(known)
     for row in found:

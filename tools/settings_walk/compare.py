@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the pictures of two programs, each with a setting as it was and changed and with two seeds, say of that setting.
+"""The verdict on a setting by the pictures of two programs, each with the setting as it was and changed and with two seeds.
 
 The seeds of a program are independent, and before and after have the same: of the changes D1 and D2 of the two, the mean of D1 D2 is the
 squared change without a bias by noise, and D1 - D2 says how much noise there is in it.
@@ -16,9 +16,9 @@ import numpy as np
 COLUMNS, ROWS = 12, 8
 #: A change of less than this part of the picture's mean (root mean square over blocks) is not looked at.
 LEAST = 0.003
-#: A change shows where its square is so many standard errors from none.
+#: The standard errors by which the square of a visible change is from 0.
 SURE = 3.0
-#: Changes are alike where they differ by this part of Cycles'.
+#: The difference of alike changes, as a part of Cycles'.
 ALIKE = 0.1
 
 
@@ -57,7 +57,7 @@ class Change:
 
 @dataclass
 class Found:
-    """Of one value of a setting."""
+    """The changes by one value of a setting."""
 
     here: Change
     cycles: Change
@@ -79,7 +79,7 @@ class Found:
 
     @property
     def is_clear(self) -> bool:
-        """More samples would change nothing that is said."""
+        """True if more samples would not change the verdict."""
         if self.verdict == "nothing":
             return max(self.cycles.least, self.here.least) < 0.02
         return self.verdict == "alike" and self.apart.least < max(0.3 * self.cycles.size, LEAST)
@@ -92,7 +92,7 @@ Pictures = list[np.ndarray]
 
 
 def found(here: tuple[Pictures, Pictures], cycles: tuple[Pictures, Pictures]) -> Found:
-    """Of each program the pictures before and after, (height, width, 4), by seed."""
+    """The comparison of each program's pictures before and after, (height, width, 4), by seed."""
     mean = float(np.mean([one[..., :3].mean() for one in cycles[0]]))
     scale = np.array([mean, mean, mean, 1.0])
     changes = [

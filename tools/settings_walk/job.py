@@ -2,7 +2,7 @@
 """The work inside of bpy, for a driver that may have to begin it anew: a line of JSON on stdin asks, a line on stdout answers.
 
 `{"walk": VALUES}` gives the stage's settings. `{"set": [[OWNER, NAME, VALUE], ...], "context": [[OWNER, NAME, VALUE], ...], "look": N}` gives
-what these values change in both programs' pictures, in a stage that the context has changed before.
+the changes of both programs' pictures by these values, in a stage that the context has changed before.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from support import scenes
 
 from . import compare, owners, stage, worker
 
-#: Before what answers, among all that Blender prints.
+#: The mark before an answer, among all that Blender prints.
 MARK = worker.MARK
 #: Samples of the first look; each further one has four times those of the one before.
 SAMPLES = 32
@@ -41,12 +41,12 @@ class Walk:
         bpy.ops.wm.save_as_mainfile(filepath=str(self.file))
 
     def opened(self, values: Values) -> list[str]:
-        """Opens the stage and sets values; what could not be set."""
+        """Opens the stage and sets values; returns those that could not be set."""
         bpy.ops.wm.open_mainfile(filepath=str(self.file), load_ui=False)
         return [f"{owner}.{name}: {said}" for owner, name, value in values if (said := owners.put(owner, name, value))]
 
     def pictures(self, look: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Of two seeds by Petzval and by Cycles, of the stage that is open."""
+        """The pictures of two seeds by Petzval and by Cycles, of the stage that is open."""
         taken: list[list[np.ndarray]] = []
         scene = bpy.context.scene
         for engine in ("PETZVAL", "CYCLES"):

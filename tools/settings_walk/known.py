@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What known.toml says of settings: values, contexts, reasons and causes."""
+"""The content of known.toml: values, contexts, reasons and causes of settings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 FILE = Path(__file__).with_name("known.toml")
-#: The context of what acts in the stage as it is.
+#: The context of settings that act in the stage as it is.
 PLAIN = "stage"
 
 
@@ -48,13 +48,13 @@ class Known:
         return next((contexts for rule, contexts in self._acts if rule.is_of(owner, name)), [PLAIN])
 
     def context(self, name: str, owner: str) -> list[list[Any]]:
-        """What is set in a context; `self` is the owner of the setting."""
+        """The settings of a context; `self` is the owner of the setting."""
         return [[owner if one == "self" else one, *rest] for one, *rest in self.contexts[name]]
 
     def reason(self, owner: str, name: str) -> Rule | None:
-        """Why it changes no picture."""
+        """The reason why the setting changes no picture."""
         return next((rule for rule in self.reasons if rule.is_of(owner, name)), None)
 
     def cause(self, owner: str, name: str) -> Rule | None:
-        """Why it changes the pictures of the programs each in its own way."""
+        """The cause by which the setting changes the pictures of the programs each in its own way."""
         return next((rule for rule in self.causes if rule.is_of(owner, name)), None)

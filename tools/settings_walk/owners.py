@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who has settings, the settings that they have by Blender's own account (RNA), and the values that each is given. Inside of bpy."""
+"""The owners of settings, the settings that they have by Blender's own account (RNA), and the values that each is given. Inside of bpy."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import bpy
 
-#: Those that have settings, by a name that the page shows.
+#: The owners of settings, by a name that the page shows.
 OWNERS: dict[str, Callable[[], Any]] = {
     "scene": lambda: bpy.context.scene,
     "scene.render": lambda: bpy.context.scene.render,
@@ -38,7 +38,7 @@ for _name in ("Point", "Sun", "Spot", "Area"):
 for _name in ("Floor", "Veil", "Glow", "Relief", "Fog"):
     OWNERS[f"material ({_name.lower()})"] = lambda name=_name: bpy.data.materials[name]
     OWNERS[f"material ({_name.lower()}).cycles"] = lambda name=_name: bpy.data.materials[name].cycles
-#: Those that only contexts set: Petzval's own.
+#: The settings that only contexts set: Petzval's own.
 NOT_WALKED = {
     "camera.petzval": lambda: bpy.context.scene.camera.data.petzval,
     "scene.petzval": lambda: bpy.context.scene.petzval,
@@ -110,7 +110,7 @@ def others(one: bpy.types.Property, now: Any) -> list[Any]:
 
 
 def put(owner: str, name: str, value: Any) -> str:
-    """Gives a property a value; says what is wrong if it does not take it."""
+    """Gives a property a value; returns the fault if it does not take it."""
     holder = (OWNERS | NOT_WALKED)[owner]()
     try:
         if isinstance(value, str) and value.startswith("@"):

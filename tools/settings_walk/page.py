@@ -10,7 +10,7 @@ from .walk import Row
 
 
 def shown(found: Iterable[Row]) -> list[Row]:
-    """Those that change a picture."""
+    """The settings that change a picture."""
     return [row for row in found if row.verdict not in ("not set", "nothing")]
 
 
@@ -26,7 +26,7 @@ def summary(found: list[Row]) -> str:
 
 
 def cells_of(page: str) -> dict[tuple[str, str], list[str]]:
-    """By owner and name the cells of the page's row: of all settings that show."""
+    """The cells of the page's rows by owner and name, of all settings that show."""
     found, owner = {}, ""
     for line in page.splitlines():
         if line.startswith("## "):

@@ -52,7 +52,7 @@ def build() -> bpy.types.Scene:
 
 
 def _settings(scene: bpy.types.Scene) -> None:
-    """Both programs as they are exact, each setting of Petzval's own that has one of Cycles' in its place left unset."""
+    """Sets both programs to be exact, each setting of Petzval's own that has one of Cycles' in its place left unset."""
     render, cycles = scene.render, scene.cycles
     render.resolution_x, render.resolution_y, render.resolution_percentage = WIDTH, HEIGHT, 100
     render.threads_mode, render.threads = "FIXED", 1
@@ -67,7 +67,7 @@ def _settings(scene: bpy.types.Scene) -> None:
 
 
 def _sky() -> None:
-    """Even: both programs make a table of one that is not, for each picture anew. That is for settings which need it."""
+    """An even sky: both programs make a table of one that is not, for each picture anew. That is for settings which need it."""
 
     def uneven(t: Tree) -> None:
         up = t.node("SeparateXYZ", Vector=t.coordinates("Generated")).outputs["Z"]
@@ -153,7 +153,7 @@ def _strands() -> None:
 
 
 def _fog() -> None:
-    """Even: Cycles takes seconds for each picture of what is not. Smoke, thicker to one side, is for settings that need it."""
+    """Even: Cycles takes seconds for each picture of an uneven medium. Smoke, thicker to one side, is for settings that need it."""
 
     def filled(density: Callable[[Tree], object]) -> Callable[[Tree], None]:
         def nodes(t: Tree) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walk: what is asked of the programs, and what the answers say of each setting."""
+"""The walk: the questions to the programs, and the verdicts of the answers on each setting."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from . import compare
 from .known import PLAIN, Known, Rule
 from .worker import all_asked
 
-#: Looks with four times the samples each, of what few samples leave open.
+#: Looks with four times the samples each, of settings that few samples leave open.
 LOOKS = 3
-#: How bad it is, the worst last.
+#: The verdicts, the worst last.
 ORDER = ("nothing", "alike", "here alone", "apart", "failed")
 
 
 @dataclass
 class Row:
-    """A setting and what is known of it."""
+    """A setting and the facts about it."""
 
     owner: str
     name: str
     values: list[Any]
-    #: By context and value: the answer of a job.
+    #: The answers of jobs by context and value.
     found: list[dict[str, Any]] = field(default_factory=list)
     reason: Rule | None = None
     cause: Rule | None = None
@@ -51,7 +51,7 @@ class Row:
 
     @property
     def question(self) -> str:
-        """What is open of a setting that is not answered."""
+        """The open question of a setting."""
         if self.reason is not None:
             return f"shows ({self.verdict}), though known.toml has a reason why it does not: {self.reason.why}"
         if self.verdict in ("not set", "nothing"):
@@ -67,7 +67,7 @@ def rows(settings: list[tuple[str, str, list[Any]]], known: Known) -> list[Row]:
 
 
 def walked(all_rows: list[Row], known: Known, samples: int, said: Callable[[str], None], looks: int = LOOKS) -> None:
-    """Fills in what is found of all."""
+    """Fills in the findings of all."""
     quiet = _together(all_rows, known, samples, said)
     alone = [row for row in all_rows if row.reason is None or (not row.reason.never and id(row) not in quiet)]
     asked = [
@@ -102,7 +102,7 @@ def walked(all_rows: list[Row], known: Known, samples: int, said: Callable[[str]
 
 
 def _is_open(told: dict[str, Any], look: int) -> bool:
-    """Whether more samples may say more."""
+    """True if more samples may decide the setting."""
     if "failed" in told or told["is_clear"]:
         return False
     limit = max(told["apart"]["least"], compare.ALIKE * told["cycles"]["size"], compare.LEAST)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Petzval is built from: the crates of its engine and the packages of its Python environments, with their licences, sources and
-known vulnerabilities. Reads Cargo.lock, `cargo metadata`, tools/requirements and advisories.json; needs no network."""
+"""The parts that Petzval is built from: the crates of its engine and the packages of its Python environments, with their licences, sources
+and known vulnerabilities. Reads Cargo.lock, `cargo metadata`, tools/requirements and advisories.json; needs no network."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Crate:
     folder: Path
 
     def texts(self) -> dict[str, str]:
-        """The licence files of its package, by name."""
+        """The licence files of a crate's package, by name."""
         files = sorted(path for path in self.folder.iterdir() if path.is_file() and _LICENCE_FILES.match(path.name))
         return {path.name: path.read_text(encoding="utf-8", errors="replace") for path in files}
 
@@ -73,7 +73,7 @@ def linked_crates(target: str | None = None) -> list[Crate]:
 
 
 def is_compatible(licence: str) -> bool:
-    """Whether a licence expression lets code be linked into Petzval: one of its alternatives, with all of its parts."""
+    """True if a licence expression lets code be linked into Petzval: one of its alternatives, with all of its parts."""
     plain = licence.replace("/", " OR ").replace("(", " ").replace(")", " ")
     # `A AND (B OR C)` has no brackets left: each part of `AND` is one alternative list.
     if " AND " in licence and "(" in licence:
@@ -159,14 +159,14 @@ def normal(name: str) -> str:
 
 
 def _numbers(version: str) -> tuple[int, ...]:
-    """A version's numbers; what comes before a release, as 1.0-rc.1, is less than it."""
+    """A version's numbers; a version before a release, as 1.0-rc.1, is less than it."""
     main, _, before = version.partition("-")
     numbers = [int(part) for part in re.findall(r"\d+", main.partition("+")[0])][:4]
     return (*numbers, *[0] * (4 - len(numbers)), -1 if before else 0)
 
 
 def satisfies(version: str, requirement: str) -> bool:
-    """Whether a version meets a requirement of the advisories: comparisons with commas between, or `^1.2`."""
+    """True if a version meets a requirement of the advisories: comparisons with commas between, or `^1.2`."""
     own = _numbers(version)
     for part in requirement.split(","):
         operator, other = re.match(r"\s*(\^|>=|<=|>|<|=)?\s*(\S+)", part).groups()
@@ -189,7 +189,7 @@ def advisories() -> dict[str, Any]:
 
 
 def vulnerable() -> list[str]:
-    """The advisories that hold for what is locked, each in a line; those of `ACCEPTED` are left out."""
+    """The advisories that hold for locked packages, each in a line; those of `ACCEPTED` are left out."""
     told, found = advisories(), []
     for name, version in locked_crates():
         for one in _of(told["rust"], name):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`python3 -m supply`, tools/ on the path: `notices OUT` writes the licences of all linked crates, and `sbom OUT` their bill of materials; `advisories RUSTSEC PYPA` takes the
-advisories of what is locked from checkouts of the two databases into advisories.json; `lock` adds to tools/requirements the hashes of all files of the pinned
-packages, from the package index that pip uses."""
+advisories of locked packages from checkouts of the two databases into advisories.json; `lock` adds to tools/requirements the hashes of all
+files of the pinned packages, from the package index that pip uses."""
 
 from __future__ import annotations
 

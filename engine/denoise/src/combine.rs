@@ -13,9 +13,9 @@ const CERTAIN: f32 = 64.0;
 /// Squares are limited to this, so that their sums stay finite.
 const LARGEST: f32 = 1e30;
 
-/// Takes from the noisy picture into the clean one what the denoiser has removed besides noise.
+/// Restores the features in the clean picture that the denoiser has removed from the noisy one besides noise.
 ///
-/// About each pixel the mean square difference of the pictures is the variance of the noise, v, and the square of what is wrong in the
+/// About each pixel the mean square difference of the pictures is the variance of the noise, v, and the square of the error of the
 /// clean picture, b². With Σd² and Σv over a Gaussian window, the part 1 - Σv / Σd² of the noisy picture (here Σv counts 1.25 times) is about
 /// the one of least mean square error (the positive-part estimator of James and Stein, "Estimation with quadratic loss", 1961; for a render and its denoised picture:
 /// Gu, Iwasaki and Moon, "Neural James-Stein combiner for unbiased and biased renderings", 2022). So a picture with little noise keeps
@@ -73,8 +73,8 @@ fn square_of_difference(a: &[f32; 3], b: &[f32; 3]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// Part of the standard deviation by which [`moved`] moves pixels: small against what makes the filter decide otherwise, large against
-/// its rounding.
+/// Part of the standard deviation by which [`moved`] moves pixels: small against changes that make the filter decide otherwise, large
+/// against its rounding.
 const STEP: f32 = 0.1;
 
 /// 1 or -1, by the number of a pixel alone.
@@ -86,8 +86,8 @@ fn sign(pixel: usize) -> f32 {
     if state >> 31 == 0 { 1.0 } else { -1.0 }
 }
 
-/// The noisy picture with each pixel moved by a tenth of its standard deviation, up or down by chance: what the filter makes of it tells
-/// [`remaining`] how much of the noise the filter lets pass. The variance is summed over the channels.
+/// The noisy picture with each pixel moved by a tenth of its standard deviation, up or down by chance: the filter's result tells
+/// [`remaining`] the part of the noise that the filter lets pass. The variance is summed over the channels.
 pub fn moved(noisy: &[[f32; 3]], variance: &[f32]) -> Vec<[f32; 3]> {
     let one = |(i, (pixel, variance)): (usize, (&[f32; 3], &f32))| {
         let step = STEP * (variance / 3.0).sqrt() * sign(i);
@@ -226,7 +226,7 @@ mod tests {
         assert!(mixed.as_flattened().iter().all(|x| *x == 1.0));
     }
 
-    /// Two bright paths in different batches of a pixel have no variance to be seen; what surely is there comes back.
+    /// Two bright paths in different batches of a pixel have no variance to be seen; the part that is surely there comes back.
     #[test]
     fn a_pair_of_sparks_stays_out() {
         let mut noisy: Vec<[f32; 3]> =

@@ -1,4 +1,4 @@
-//! Denoising by Intel's Open Image Denoise, which is loaded from where it lies: Blender ships it beside itself.
+//! Denoising by Intel's Open Image Denoise, which is loaded at run time: Blender ships it beside itself.
 //!
 //! Nothing is linked when the engine is compiled, and no copy is bundled: [`Denoiser::open`] takes the path of
 //! `libOpenImageDenoise.so.2`, `OpenImageDenoise.dll` or `libOpenImageDenoise.dylib`. Versions 2.0 and later have one interface.
@@ -35,9 +35,9 @@ pub enum DenoiseError {
     /// The library is of another interface.
     #[error("Open Image Denoise {major}.{minor} is too old; version 2 or later is needed")]
     TooOld {
-        /// Its major version.
+        /// The major version.
         major: i32,
-        /// Its minor version.
+        /// The minor version.
         minor: i32,
     },
     /// There is not enough memory for it.
@@ -59,7 +59,7 @@ pub enum DenoiseError {
     Size {
         /// The image's name.
         name: &'static str,
-        /// Its numbers.
+        /// The numbers.
         found: usize,
         /// The numbers of its size.
         expected: usize,
@@ -70,15 +70,15 @@ pub enum DenoiseError {
     },
 }
 
-/// How much time is spent on a better picture.
+/// The time that is spent on a better picture.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Quality {
-    /// For previews.
+    /// The quality for previews.
     Fast,
     /// Between both.
     Balanced,
-    /// For final pictures.
+    /// The quality for final pictures.
     #[default]
     High,
 }
@@ -99,20 +99,20 @@ impl Quality {
     }
 }
 
-/// What becomes of noise in albedo and normal before they guide the filter. Cycles' words.
+/// The treatment of noise in albedo and normal before they guide the filter. Cycles' words.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum Prefilter {
-    /// They are taken for free of noise.
+    /// Albedo and normal are taken for free of noise.
     None,
-    /// They are filtered together with the picture.
+    /// Albedo and normal are filtered together with the picture.
     Fast,
-    /// They are filtered first, each alone.
+    /// Albedo and normal are filtered first, each alone.
     #[default]
     Accurate,
 }
 
-/// A picture and what guides the filter. Images hold red, green and blue of each pixel, rows after each other.
+/// A picture and the guides of the filter. Images hold red, green and blue of each pixel, rows after each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
     /// Pixels in a row.
@@ -125,7 +125,7 @@ pub struct Request<'a> {
     pub albedo: Option<&'a [f32]>,
     /// Normal, -1 to 1; only beside albedo.
     pub normal: Option<&'a [f32]>,
-    /// What becomes of the noise of both.
+    /// The treatment of the noise of both.
     pub prefilter: Prefilter,
     /// The quality.
     pub quality: Quality,
@@ -224,7 +224,7 @@ impl Denoiser {
     /// The library of a file, loaded if it is not yet.
     ///
     /// # Errors
-    /// [`DenoiseError::NoLibrary`], [`DenoiseError::TooOld`], or what its device reports.
+    /// [`DenoiseError::NoLibrary`], [`DenoiseError::TooOld`], or the error that its device reports.
     pub fn open(path: &Path) -> Result<Arc<Self>, DenoiseError> {
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, found)) = loaded.iter().find(|(known, _)| known == path) {

@@ -30,7 +30,7 @@ pub fn read_bounded(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// The text, in UTF-8, of a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// As [`read_bounded`], and where the bytes are no UTF-8.
+/// The errors of [`read_bounded`], and bytes that are no UTF-8.
 pub fn read_text_bounded(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read_bounded(path, most)?)
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is no text in UTF-8"))

@@ -33,7 +33,7 @@ pub fn real_back_f32(length: usize) -> Arc<dyn ComplexToReal<f32>> {
 /// Direction of a transform: the sign of the exponent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// To frequencies: exp(−2πi j k / n).
+    /// The transform to frequencies: exp(−2πi j k / n).
     Forward,
     /// Back from frequencies: exp(2πi j k / n), not divided by n.
     Back,

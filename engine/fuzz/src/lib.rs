@@ -6,7 +6,7 @@ use petzval_optics::formats::{self, agf, lens, rii, zmx};
 use petzval_optics::glass::Catalogue;
 use petzval_optics::system::{LensSettings, System};
 
-/// A lens is read or refused in one line; what is read can be set up, and comes back from what is written of it.
+/// A lens is read or refused in one line; a lens that is read can be set up, and comes back from its written file.
 pub fn lens(bytes: &[u8], name: &str) {
     let bytes = if name == "flare.lens" { &[b"surfaces:\n", bytes].concat()[..] } else { bytes };
     match formats::parse_bytes(bytes, Path::new(name), Catalogue::shipped(), None) {

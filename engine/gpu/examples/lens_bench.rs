@@ -86,7 +86,7 @@ impl Subject {
         Ok(Self { name, system, tracer, beam })
     }
 
-    /// Rays of the beam, and how many of them pass.
+    /// Rays of the beam, and the number of those that pass.
     fn rays(&self, count: u32) -> (Vec<Ray>, usize) {
         let z = self.system.last_vertex_z_mm();
         let rays: Vec<Ray> = (0..count).map(|i| self.beam.ray(i, z)).collect();

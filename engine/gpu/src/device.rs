@@ -57,7 +57,7 @@ impl DeviceInfo {
 /// The device that a user asks for: `cpu`, `gpu`, `any` or a part of a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DeviceChoice {
-    /// None: the renderer's own tracer.
+    /// No device: the renderer's own tracer.
     Cpu,
     /// The first graphics card, or else another graphics processor; no software driver.
     Gpu,
@@ -184,7 +184,7 @@ impl Gpu {
         Ok(Some(Self { device, queue, info, faults }))
     }
 
-    /// Which device it is.
+    /// The device's name, kind and driver.
     pub fn info(&self) -> &DeviceInfo {
         &self.info
     }

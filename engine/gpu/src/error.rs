@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Errors of a device, each one line that says what to do.
+//! Errors of a device, each one line with the remedy.
 
 use thiserror::Error;
 
-/// Why a device, or a lens on it, cannot be used. The renderer falls back to the CPU.
+/// The reason why a device, or a lens on it, cannot be used. The renderer falls back to the CPU.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GpuError {
     /// No driver was found.

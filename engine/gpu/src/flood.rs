@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays without end, made and summed up on the device: how many a second go through a lens.
+//! Rays without end, made and summed up on the device, for the number a second that goes through a lens.
 
 use std::marker::PhantomData;
 use std::time::Instant;
@@ -112,9 +112,9 @@ pub struct Flooded {
     pub rays: u64,
     /// Rays that got through.
     pub passed: u64,
-    /// The sum of what they came to: the same again if nothing changed.
+    /// The sum of their results: the same again if nothing changed.
     pub sum: f64,
-    /// From the submission to the end, in seconds.
+    /// Time from the submission to the end, s.
     pub wall_s: f64,
     /// Seconds by the device's own clock, if it has one.
     pub device_s: Option<f64>,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A lens on a device: batches of rays in, what became of them out.
+//! A lens on a device: batches of rays in, their fates and exit rays out.
 
 use std::marker::PhantomData;
 

@@ -52,7 +52,7 @@ pub(crate) struct Stage {
     pub(crate) gradients: [Option<GradientNumbers>; 2],
 }
 
-/// The opening of the diaphragm, in lengths of mm: what a device tests hits on the stop with.
+/// The opening of the diaphragm, in mm: the numbers by which a device tests hits on the stop.
 #[derive(Clone, Debug)]
 pub(crate) struct Opening {
     pub(crate) radius_squared: f64,
@@ -77,7 +77,7 @@ pub(crate) struct MaskTexture {
     pub(crate) sin: f64,
 }
 
-/// A lens for rays of one way of travel, at one wavelength or several: what a device needs of it.
+/// A lens for rays of one way of travel, at one wavelength or several, in the numbers that a device needs.
 #[derive(Clone, Debug)]
 pub struct LensTable {
     pub(crate) stages: Vec<Stage>,
@@ -161,12 +161,12 @@ impl LensTable {
         self.stages.iter().any(Stage::is_beside_gradient)
     }
 
-    /// Which way the rays go.
+    /// The direction of the rays through the lens.
     pub fn travel(&self) -> Travel {
         self.travel
     }
 
-    /// The numbers of the lens, and where in them the fields before and behind each stage begin; 0 where they are none.
+    /// The numbers of the lens, and the offsets in them of the fields before and behind each stage; 0 without a field.
     fn numbers(&self) -> NumberTable {
         let Opening { radius_squared, apothem, bulge, slope, bound, ref sides, ref mask } = self.opening;
         let mut all = vec![radius_squared, apothem * apothem, apothem, bulge, slope, bound];
@@ -197,7 +197,7 @@ impl LensTable {
         self.numbers().places.iter().map(|places| places.fields).collect()
     }
 
-    /// As the structs of bindings.wgsl have it.
+    /// The buffers with the structs of bindings.wgsl.
     pub(crate) fn buffers<N: Number>(&self) -> Buffers {
         let NumberTable { all, places } = self.numbers();
         let mut steps = Vec::new();
@@ -238,7 +238,7 @@ impl LensTable {
 }
 
 impl Stage {
-    /// From the same step at every wavelength.
+    /// The numbers of a step, from the same step at every wavelength.
     fn new(steps: &[&Step], surface: usize) -> Self {
         let step = steps[0];
         let (form, profile) = match step.shape {

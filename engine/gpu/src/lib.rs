@@ -5,8 +5,8 @@
 //!
 //! A [`device::Gpu`] is a device that has been opened; a [`lens::LensTable`] is a lens for one way of travel, laid out for the
 //! device; a [`kernel::LensKernel`] is both together, and traces batches of rays in [`number::Number`]s of one kind. The shader
-//! ([`shader`]) serves any lens, or is written for one with its numbers in it. Nothing panics: what goes wrong is an
-//! [`error::GpuError`], of one line that says what to do.
+//! ([`shader`]) serves any lens, or is written for one with its numbers in it. Nothing panics: every fault is an
+//! [`error::GpuError`], of one line with the remedy.
 //!
 //! A module uses only those that stand before it here: [`error`] → [`number`] → [`device`] → [`lens`] → [`shader`] → [`kernel`] →
 //! [`flood`].

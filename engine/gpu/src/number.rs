@@ -7,7 +7,7 @@ use petzval_optics::lane::Real;
 pub trait Number: Real + bytemuck::Pod {
     /// Name of the number type in shaders and messages.
     const NAME: &'static str;
-    /// The shader's first part: what `real` is.
+    /// The shader's first part: the definition of `real`.
     const WGSL: &'static str;
     /// Features that a device must have.
     const FEATURES: wgpu::Features;

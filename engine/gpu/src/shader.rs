@@ -31,7 +31,7 @@ pub fn trace<N: Number>(lens: &LensTable, style: Style, group: u32) -> String {
     assembled::<N>(lens, style, group, TRACE)
 }
 
-/// The shader that makes rays, traces them and adds up what comes out.
+/// The shader that makes rays, traces them and adds up the results.
 pub fn flood<N: Number>(lens: &LensTable, style: Style, group: u32) -> String {
     assembled::<N>(lens, style, group, FLOOD)
 }

@@ -36,7 +36,7 @@ impl Context for Surface {
     }
 }
 
-/// No image at all, to see what the program itself takes.
+/// No image at all, to see the time of the program itself.
 struct White;
 
 impl Textures for White {

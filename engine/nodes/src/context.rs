@@ -130,7 +130,7 @@ pub enum AttributeKind {
     Geometry,
     /// A property of the object.
     Object,
-    /// A property of what instances the object.
+    /// A property of the instancer of the object.
     Instancer,
     /// A property of the view layer or scene.
     ViewLayer,
@@ -161,7 +161,7 @@ pub struct Occlusion {
 pub struct Raycast {
     /// True if only the object itself is hit.
     pub only_local: bool,
-    /// The attribute of what is hit that is asked for, by its index in [`Program::attributes`](crate::Program::attributes).
+    /// The attribute that is asked for of the hit surface, by its index in [`Program::attributes`](crate::Program::attributes).
     pub attribute: Option<u16>,
 }
 
@@ -246,7 +246,7 @@ macro_rules! answers {
     };
 }
 
-/// The point that is shaded. [`answers!`] declares what a kind of point knows.
+/// The point that is shaded. [`answers!`] declares the answers of a kind of point.
 pub trait Context {
     /// True if skies show the discs of their suns.
     fn shows_sun(&self) -> bool {
@@ -266,7 +266,7 @@ pub trait Context {
     }
 
     /// The nearest hit along a ray, world space; `None` where nothing is. One from a place beside the point, from which a bump looks, passes
-    /// what is as near. Who cannot follow rays hits nothing.
+    /// surfaces as near. A context that cannot follow rays hits nothing.
     fn raycast(&self, _: Raycast, _position: Vec3A, _direction: Vec3A, _length: f32, _: Shift) -> Option<Found> {
         None
     }
@@ -288,7 +288,7 @@ pub trait Context {
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A;
 }
 
-/// Up to eight points that are shaded at once by one program. What is not answered for all together is asked of each.
+/// Up to eight points that are shaded at once by one program. A field that is not answered for all together is asked of each.
 pub trait Places {
     /// A point by itself.
     type Point: Context;
@@ -370,7 +370,7 @@ pub trait Textures {
     fn lookup(&self, image: usize, uv: Vec2, read: ImageReading) -> Vec4;
 }
 
-/// No surface and no images: for folding what depends on neither.
+/// No surface and no images: for folding of constants, which depend on neither.
 pub(crate) struct Nowhere;
 
 impl Context for Nowhere {

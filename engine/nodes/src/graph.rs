@@ -47,7 +47,7 @@ pub struct Node {
     options: Map<String, Value>,
 }
 
-/// All nodes of a material, and where its outputs begin.
+/// All nodes of a material, and the links of its outputs.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     /// The nodes, in any order.

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-/// Watts per steradian of a candela in daylight of 6500 K, times the whole sphere: what Blender's lights count in.
+/// Watts per steradian of a candela in daylight of 6500 K, times the whole sphere: the unit of Blender's lights.
 const CANDELA: f32 = 4.0 * PI / 177.83;
 
 /// Intensities over two angles, in degrees.
@@ -92,7 +92,7 @@ impl Ies {
         }
     }
 
-    /// Type C: what the file leaves out by symmetry is filled in.
+    /// Type C: planes that the file leaves out by symmetry are filled in.
     fn about_the_axis(mut self) -> Result<Self, String> {
         if self.horizontal[0] == 90.0 {
             self.horizontal.iter_mut().for_each(|angle| *angle -= 90.0);
@@ -126,7 +126,7 @@ impl Ies {
         }
     }
 
-    /// Intensity at two angles; none beyond what the file has.
+    /// Intensity at two angles; none beyond the file's angles.
     pub(crate) fn at(&self, horizontal_rad: f32, vertical_rad: f32) -> f32 {
         let Some((h, along_h)) = place(&self.horizontal, horizontal_rad.to_degrees()) else { return 0.0 };
         let Some((v, along_v)) = place(&self.vertical, vertical_rad.to_degrees()) else { return 0.0 };

@@ -15,7 +15,7 @@ choices! {
 /// The colour of a missing image, linear, as Cycles shows it; its alpha is 1.
 pub const MISSING: [f32; 3] = [1.0, 0.0, 1.0];
 
-/// One image and how it is read.
+/// One image and the settings of its lookup.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ImageTexture {
     pub(crate) image: u16,

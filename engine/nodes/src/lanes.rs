@@ -1,4 +1,4 @@
-//! Numbers and vectors of one place, or of eight at once. What is written over [`Number`] and [`Vector`] is one function for both, with the
+//! Numbers and vectors of one place, or of eight at once. Code over [`Number`] and [`Vector`] is one function for both, with the
 //! same operations in the same order: each place has the same bits, whatever the other lanes hold.
 
 use glam::Vec3A;

@@ -1,7 +1,7 @@
 //! Shader graphs as compact programs.
 //!
-//! A [`Graph`](graph::Graph) is what Blender's nodes say; [`compile`](compile::compile) makes of it a [`Program`] that
-//! runs at each point of a surface, without allocating. What it needs to know about the point comes through
+//! A [`Graph`](graph::Graph) is Blender's node tree; [`compile`](compile::compile) makes of it a [`Program`] that
+//! runs at each point of a surface, without allocating. Its questions about the point go through
 //! [`Context`], images through [`Textures`]; scenes, meshes and lights are unknown here.
 //!
 //! Every value is three numbers in one register; a number stands in all three, so that it is a vector or a colour at

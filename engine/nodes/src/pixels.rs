@@ -1,4 +1,4 @@
-//! Plain images in memory: what a program reads where there is no renderer.
+//! Plain images in memory, for programs that run without a renderer.
 
 use crate::context::{Extension, ImageReading, Interpolation, Textures};
 use crate::image::unassociated;

@@ -1,4 +1,4 @@
-//! Points given by hand, a table of them: what a program runs over where there is no renderer.
+//! Points given by hand, a table of them, for programs that run without a renderer.
 
 use crate::choice::Choice;
 use crate::context::{Attribute, AttributeKind, Context, Direction, Field, Shift, Space};
@@ -79,7 +79,7 @@ struct TablePoint<'a> {
 }
 
 impl Context for TablePoint<'_> {
-    /// A table may hold any field; what it does not hold is zero.
+    /// A table may hold any field; fields that it does not hold are zero.
     fn knows(_: Field) -> bool {
         true
     }

@@ -54,7 +54,7 @@ pub(crate) fn facing(blend: f32, cosine: f32) -> f32 {
     1.0 - share
 }
 
-/// Heights at the point and beside it along the footprint's axes, and what to do with them.
+/// Heights at the point and beside it along the footprint's axes, and the strength and distance of the bump.
 pub(crate) struct Bump {
     pub(crate) heights: [f32; 3],
     pub(crate) axes: [Vec3A; 2],

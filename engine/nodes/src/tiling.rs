@@ -48,12 +48,12 @@ impl Half {
         self.angle - self.rounded
     }
 
-    /// Its length in the polygon of size 1.
+    /// The length of the side in the polygon of size 1.
     fn width(self) -> f32 {
         self.straight().tan() + self.spline() + self.roundness * self.rounded
     }
 
-    /// Its length in the polygon whose apothem is `apothem`.
+    /// The length of the side in the polygon whose apothem is `apothem`.
     fn length(self, apothem: f32) -> f32 {
         apothem * self.straight().tan() + self.spline() * (0.5 * apothem + 0.5) + self.roundness * self.rounded
     }
@@ -69,7 +69,7 @@ impl Half {
         }
     }
 
-    /// Its length by which that way is normalized: it goes over from that of the apothem to that of the distance.
+    /// The length of the side by which the way along it is normalized: it goes over from that of the apothem to that of the distance.
     fn length_at(self, apothem: f32, distance: f32, angle: f32) -> f32 {
         let by_distance = distance * self.straight().sin()
             + self.spline() * (0.5 * distance * self.straight().cos() + 0.5)
@@ -82,7 +82,7 @@ impl Half {
 /// The place of a coordinate among the segments.
 struct Place {
     distance: f32,
-    /// From the x axis, and from where its segment begins.
+    /// The angles from the x axis, and from the beginning of the segment.
     turn: f32,
     within: f32,
     /// The angle at which its segment begins.
@@ -129,7 +129,7 @@ impl RadialTiling {
         Half { angle, rounded: angle - ((1.0 - self.roundness) * angle.tan()).atan(), roundness: self.roundness }
     }
 
-    /// In a polygon of equal sides.
+    /// The coordinates in a polygon of equal sides.
     fn in_regular(self, place: &Place, half: f32) -> Found {
         if self.sides == 2.0 && self.roundness == 0.0 {
             // Two half planes, whose sides have no end.
@@ -143,7 +143,7 @@ impl RadialTiling {
         if is_rounded { self.rounded(place, side) } else { self.straight(place, side, side) }
     }
 
-    /// In a straight part of a side; normalized by `length_of`.
+    /// The coordinates in a straight part of a side; normalized by `length_of`.
     fn straight(self, place: &Place, side: Half, length_of: Half) -> Found {
         let apothem = place.distance * (side.angle - place.within).cos();
         let mut along = self.straight_along(place, side.angle, 1.0);
@@ -159,7 +159,7 @@ impl RadialTiling {
         factor * place.distance * angle.cos() * angle.abs().tan()
     }
 
-    /// In a rounded corner between equal sides.
+    /// The coordinates in a rounded corner between equal sides.
     fn rounded(self, place: &Place, side: Half) -> Found {
         let from_corner = if place.within > side.angle { place.within - 2.0 * side.angle } else { place.within };
         let centre = (1.0 - self.roundness) / side.angle.cos();
@@ -178,7 +178,7 @@ impl RadialTiling {
         if place.within < middle { -along } else { along }
     }
 
-    /// In a polygon whose last side, which ends at the x axis, is narrower; `angle` is that from the x axis, signed.
+    /// The coordinates in a polygon whose last side, which ends at the x axis, is narrower; `angle` is that from the x axis, signed.
     fn in_irregular(self, place: &Place, half: f32, angle: f32) -> Found {
         let last_half = PI - self.sides.floor() * half;
         let last_begin = TAU - 2.0 * last_half;
@@ -229,7 +229,7 @@ impl RadialTiling {
         [self.signed(along, place, on.angle), apothem, width, place.begin + on.angle]
     }
 
-    /// In the straight part of the last side.
+    /// The coordinates in the straight part of the last side.
     fn last_straight(self, place: &Place, last: Half, factor: f32, width: f32) -> Found {
         let last_apothem = place.distance * (last.angle - place.within).cos();
         let mut along = self.straight_along(place, last.angle, factor);

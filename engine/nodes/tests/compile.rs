@@ -119,7 +119,8 @@ fn what_nobody_reads_is_dropped() {
     assert_eq!(program.instructions(), 1);
 }
 
-/// A slice has fewer instructions than the program, the same bits for what was asked, and further results with what gives them.
+/// A slice has fewer instructions than the program, the same bits for the results that were asked for, and further results with their
+/// instructions.
 #[test]
 fn a_slice_computes_what_was_asked() {
     let noise = |scale: f32| node("TexNoise", json!({}), json!({"Vector": link(0, "Position"), "Scale": scale}));

@@ -1,4 +1,4 @@
-//! The tables of docs/coatings.md: what recipes reflect, and what shipped lenses let through.
+//! The tables of docs/coatings.md: the reflectance of recipes, and the transmittance of shipped lenses.
 //!
 //! `cargo run --release -p petzval-optics --example coatings`
 

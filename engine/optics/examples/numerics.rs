@@ -1,4 +1,4 @@
-//! Writes docs/numerics.md: what hard rays lose in f64, in f32, and by the paper's printed equations.
+//! Writes docs/numerics.md: the error of hard rays in f64, in f32, and by the paper's printed equations.
 //!
 //! `cargo run --release -p petzval-optics --example numerics [RAYS]`, or `make numerics`.
 

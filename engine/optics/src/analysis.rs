@@ -45,7 +45,7 @@ pub struct Analysis<'a> {
     azimuth: DVec2,
 }
 
-/// A field, and where its beam enters the lens.
+/// A field, and the place where its beam enters the lens.
 #[derive(Clone, Copy, Debug)]
 struct FieldView {
     field: Field,
@@ -94,7 +94,7 @@ impl<'a> Analysis<'a> {
         self
     }
 
-    /// The film where the spot of the axis is smallest, all wavelengths together, instead of where paraxial rays meet.
+    /// The film where the spot of the axis is smallest, all wavelengths together, instead of the paraxial image.
     ///
     /// # Errors
     /// [`AutofocusError`].

@@ -3,7 +3,7 @@
 //!
 //! The beam of a point is traced through the lens as it is set. On a film that moves along the axis each of its rays
 //! lands where a straight line says, so the mean square of the spot is a parabola in the film's place and its minimum
-//! a quotient of two sums. Paraxial conjugates put the film where rays near the axis meet; spherical aberration, field
+//! a quotient of two sums. Paraxial conjugates put the film where rays near the axis converge; spherical aberration, field
 //! curvature and colour move the smallest spot away from there.
 
 mod plane;
@@ -55,7 +55,7 @@ pub enum AutofocusError {
 /// The film on which a point is sharpest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sharpest {
-    /// The z at which the axis meets it, lens space.
+    /// The z of the film on the axis, lens space.
     pub film_z_mm: f64,
     /// Root of the mean square distance of the rays from their middle, on that film.
     pub rms_mm: f64,

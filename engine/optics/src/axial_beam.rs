@@ -1,7 +1,7 @@
 //! Width of the beam from an infinitely far point on the axis that a lens lets through.
 //!
 //! The f-number of first-order optics is that of the diaphragm alone. Where the rim of a glass is narrower than the diaphragm when
-//! fully open, the lens is as fast as that rim allows, and that is what makers engrave.
+//! fully open, the lens is as fast as that rim allows, and makers engrave that f-number.
 
 use glam::DVec3;
 

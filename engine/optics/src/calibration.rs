@@ -4,7 +4,7 @@
 //! first pixel's middle is (0.5, 0.5). OpenCV, ROS and Kalibr count from that middle instead: their readers add 0.5, and their writers take it
 //! off again.
 //!
-//! A direction becomes a point in three steps: a projection to a plane, a distortion of the plane, and what turns the plane
+//! A direction becomes a point in three steps: a projection to a plane, a distortion of the plane, and a map that turns the plane
 //! into pixels. A distortion is a formula one way and is solved the other way; it holds up to where it first folds back, which is found when a
 //! calibration is made. Beyond there is no point and no direction, and a reason. See `docs/calibrated-cameras.md` for the equations.
 
@@ -43,7 +43,7 @@ pub struct Calibration {
     warp: Warp,
     /// True if the distortion's formula leads from the picture to the plane of the projection.
     is_from_picture: bool,
-    /// From the plane behind the distortion, as (x, y, 1), to pixels, and back.
+    /// The maps from the plane behind the distortion, as (x, y, 1), to pixels, and back.
     film: DMat3,
     film_inverse: DMat3,
 }
@@ -58,9 +58,9 @@ impl Calibration {
         setup::of_parameters(model, size_px, parameters)
     }
 
-    /// The camera of an ST map: for each pixel of the picture, by row from the top, then column, the place in a pinhole's picture of what
-    /// it shows, 0 to 1 from the lower left corner; `None`: nothing. `parameters`: the pinhole's focal lengths and principal point, pixels of
-    /// a picture as large as the map.
+    /// The camera of an ST map: for each pixel of the picture, by row from the top, then column, the place in a pinhole's picture of the
+    /// point that it shows, 0 to 1 from the lower left corner; `None`: nothing. `parameters`: the pinhole's focal lengths and principal
+    /// point, pixels of a picture as large as the map.
     ///
     /// # Errors
     /// [`CalibrationError`].

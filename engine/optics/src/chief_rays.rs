@@ -43,7 +43,7 @@ pub enum ChiefRayError {
 pub struct FilmChiefRay {
     /// The ray in front of the lens, lens space; it leaves the first surface at its origin and looks into the scene.
     pub scene: Ray,
-    /// Its slopes before the film, along x and y by −z: a start for the neighbours.
+    /// The slopes before the film, along x and y by −z: a start for the neighbours.
     pub slope: DVec2,
     /// Changes of the hit on the stop by those of the slopes, radii of the stop.
     pub stop_by_slope: DMat2,
@@ -120,7 +120,7 @@ impl FilmChiefRays {
         self.exit_z_mm.map_or(DVec2::ZERO, |z| -from.truncate() / (from.z - z))
     }
 
-    /// The ray in front of the lens, and where it hits the stop, radii from its middle.
+    /// The ray in front of the lens, and its hit on the stop, radii from the middle.
     fn pass(&self, point: DVec2, slope: DVec2) -> Option<(Ray, DVec2)> {
         let mut hits = Vec::with_capacity(self.stop + 1);
         let scene = self.open.from_film_recording(self.ray(point, slope), &mut hits).ok()?;
@@ -232,7 +232,7 @@ mod tests {
         System::new(&lens, &LensSettings::default()).unwrap()
     }
 
-    /// Rays run back from the scene to the film point, and meet the axis at the stop's middle.
+    /// Rays run back from the scene to the film point, and cross the axis at the stop's middle.
     #[test]
     fn chief_rays_come_back() {
         for name in ["double-gauss-f2-tronnier.lens", "laikin-fisheye-170.lens"] {

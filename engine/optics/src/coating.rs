@@ -37,7 +37,7 @@ impl TryFrom<String> for Coating {
     }
 }
 
-/// The index of what carries a mirror's layers; metal lets no light get there.
+/// The index of the substrate of a mirror's layers; metal lets no light get there.
 const BELOW_A_MIRROR: f64 = 1.5;
 
 /// An error in the text of a coating.

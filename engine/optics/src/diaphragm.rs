@@ -185,7 +185,7 @@ impl Diaphragm {
         (radius, self.apothem_mm - radius * half_angle.cos(), half_angle)
     }
 
-    /// Area of the opening in mm²; of a mask, to a hundredth of what the cells on its rim fill.
+    /// Area of the opening in mm²; of a mask, to a hundredth of the area of the cells on its rim.
     pub fn area_mm2(&self) -> f64 {
         if let Some(mask) = &self.mask {
             return 4.0 * mask.shape.open_part() * self.radius_mm * self.radius_mm;

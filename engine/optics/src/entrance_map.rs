@@ -20,7 +20,7 @@ const DEFENSIVE_SHARE: f64 = 0.05;
 const NODES: usize = 91;
 /// Rays along the disc's diameter that look for it.
 const GRID: usize = 48;
-/// Discs are widened by this part, for what happens between the nodes and to beams that are not parallel.
+/// Discs are widened by this part, for the beams between the nodes and those that are not parallel.
 const MARGIN: f64 = 0.04;
 /// Azimuths tried where the lens is not symmetric about its axis.
 const AZIMUTHS: usize = 12;
@@ -341,7 +341,7 @@ mod tests {
         }
     }
 
-    /// Few are lost: what light tracing pays for.
+    /// Few rays are lost: the cost of light tracing.
     #[test]
     fn nearly_all_get_through_ordinary_lenses() {
         for system in systems(&petzval_testkit::lenses::shipped(LENSES)) {

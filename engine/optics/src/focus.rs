@@ -208,7 +208,7 @@ impl Focus {
 /// positive swing the right edge towards it (−z): both turn right-handed about the axis named.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmPlane {
-    /// The z at which the axis meets the film before it is shifted.
+    /// The z at which the axis intersects the film before it is shifted.
     pub z_mm: f64,
     /// Turn about the horizontal axis x.
     pub tilt_rad: f64,
@@ -263,7 +263,7 @@ impl FilmPlane {
     }
 }
 
-/// A curved film ends where the sine of its slope is this: what is steeper is hardly seen from the lens.
+/// A curved film ends where the sine of its slope is this: steeper parts are hardly seen from the lens.
 const STEEPEST: f64 = 0.98;
 
 /// A film's axes in lens space: [`FilmPlane::frame`].
@@ -271,7 +271,7 @@ const STEEPEST: f64 = 0.98;
 pub struct FilmFrame {
     /// Right, up, and away from the scene.
     axes: DMat3,
-    /// The point at which the axis meets the film, and about which the film turns.
+    /// The point where the axis intersects the film, and about which the film turns.
     vertex: DVec3,
     shift: DVec2,
     curvature: f64,

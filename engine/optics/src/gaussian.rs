@@ -1,7 +1,7 @@
 //! Rays through a lens as Gaussian optics has them: heights and slopes change linearly, in x and y apart.
 //!
-//! The model of the thick lens (Kolb, Mitchell and Hanrahan 1995, §3.4) and of any ABCD tracer: perfect images. What it
-//! keeps of a lens are its planes and pupils (Wu et al. 2011, §3.2.2). Its rims it leaves out: at the angles where they
+//! The model of the thick lens (Kolb, Mitchell and Hanrahan 1995, §3.4) and of any ABCD tracer: perfect images. It
+//! keeps the planes and pupils of a lens (Wu et al. 2011, §3.2.2), and leaves out its rims: at the angles where they
 //! matter, heights that grow with the tangent would have them cut far too much.
 
 use glam::{DVec2, DVec3};

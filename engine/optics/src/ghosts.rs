@@ -1,6 +1,6 @@
 //! Light that is reflected twice inside of a lens.
 //!
-//! Here to first order: how bright the disc is that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright
+//! Here to first order: the brightness of the disc that it makes of a far source. [`packet`] traces it exactly, [`ranking`] says how bright
 //! each is, [`brute`] finds all of them without looking.
 //!
 //! The reflectance of a surface near the axis is that of its coating. A path that is reflected at surface j and then at i < j goes through
@@ -25,7 +25,7 @@ pub struct Ghost {
     pub surfaces: [usize; 2],
     /// The product of both reflectances.
     pub reflectance: f64,
-    /// Radius on the film of what a far point on the axis makes, mm.
+    /// Radius on the film of the ghost of a far point on the axis, mm.
     pub radius_mm: f64,
     /// Irradiance of that disc for one of the parallel light before the lens.
     pub irradiance: f64,

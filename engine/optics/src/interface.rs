@@ -16,7 +16,7 @@ pub struct Interface<R = f64> {
     pub excess: R,
 }
 
-/// Below this part of (m cos i)², the radicand is formed in factors. Larger costs time, smaller loses digits.
+/// The part of (m cos i)² below which the radicand is formed in factors. Larger costs time, smaller loses digits.
 const NEAR_CRITICAL: f64 = 1e-2;
 
 impl Interface {
@@ -33,7 +33,7 @@ impl Interface {
 }
 
 impl<R: Real> Interface<R> {
-    /// The refracted unit directions of the rays `d` that hit the surface from `side`, and where there is one: false
+    /// The refracted unit directions of the rays `d` that hit the surface from `side`, and true where there is one: false
     /// means total internal reflection.
     ///
     /// D′ = m D − s (m² − 1) N / (√r + m √q), with q = (N · D)² and r = m² q − (m² − 1) |N|². This is Snell's

@@ -1,9 +1,10 @@
-//! A lens adjusted to a measured calibration: focal length, focus, film and gaps in air by which its chief rays come nearest to what a real
-//! camera sees.
+//! A lens adjusted to a measured calibration: focal length, focus, film and gaps in air by which its chief rays come nearest to the
+//! directions that a real camera sees.
 //!
-//! Counted are pixels: where the calibration sees the direction at which the lens looks from a point of the sensor, from that point. The axis
-//! stands at the calibration's principal point, for a sensor is never quite in its middle; what of the calibration is not symmetric about it
-//! stays over. What hardly changes the picture stays where it was: a change by all of its tolerance costs a thousandth of a pixel.
+//! Residuals are in pixels: from a point of the sensor to the place where the calibration sees the direction of the lens from that point.
+//! The axis stands at the calibration's principal point, for a sensor is never quite in its middle; parts of the calibration that are not
+//! symmetric about it remain as residuals. A parameter that hardly changes the picture stays where it was: a change by all of its tolerance
+//! costs a thousandth of a pixel.
 
 mod error;
 mod gaps;
@@ -30,7 +31,7 @@ const PULL_PX: f64 = 1e-3;
 /// Focal lengths, and film distances by the focal length, are sought within this part, and focus distances from so many focal lengths on.
 const WIDEST_PART: f64 = 0.3;
 const NEAREST: f64 = 4.0;
-/// Two adjustments do the same to the picture where the sine of the angle between what they do is less than this.
+/// Two adjustments have the same effect on the picture where the sine of the angle between their effects is less than this.
 const SAME: f64 = 0.02;
 
 /// A quantity that is adjusted.
@@ -40,7 +41,7 @@ pub enum Adjusted {
     FocalLength,
     /// The focus distance.
     Focus,
-    /// The film's distance from where the focus distance is sharp.
+    /// The film's distance from the film place at which the focus distance is sharp.
     FilmDistance,
 }
 
@@ -67,7 +68,7 @@ pub struct GapsToFit {
 pub struct LensToFit<'a> {
     /// The lens.
     pub prescription: &'a Prescription,
-    /// Its settings at the start; a zoom stays at this focal length, and others start from it.
+    /// The settings at the start; a zoom stays at this focal length, and others start from it.
     pub settings: &'a LensSettings,
     /// The calibration.
     pub calibration: &'a Calibration,
@@ -89,7 +90,7 @@ pub struct LensToFit<'a> {
 pub struct LensMisfit {
     /// Root of the mean square over the picture, pixels and mm on the sensor.
     pub rms_px: f64,
-    /// As [`Self::rms_px`], on the sensor.
+    /// [`Self::rms_px`] on the sensor, mm.
     pub rms_mm: f64,
     /// The largest, pixels.
     pub worst_px: f64,
@@ -108,7 +109,7 @@ pub struct FittedGap {
     pub gap_mm: [f64; 2],
     /// The tolerance, mm.
     pub tolerance_mm: f64,
-    /// Root of the mean square of what a change by all of its tolerance does to the picture, pixels.
+    /// Root mean square effect on the picture of a change by all of its tolerance, pixels.
     pub effect_px: f64,
 }
 
@@ -130,9 +131,9 @@ pub struct LensFit {
     pub prescription: Prescription,
     /// The size of the lens, from that at the start.
     pub scale: f64,
-    /// Before and after.
+    /// The misfit before and after.
     pub misfit: [LensMisfit; 2],
-    /// Before and after.
+    /// The state of the lens before and after.
     pub state: [LensState; 2],
     /// The gaps that were adjusted.
     pub gaps: Vec<FittedGap>,
@@ -140,13 +141,13 @@ pub struct LensFit {
     pub points: usize,
     /// The part of the picture that was compared.
     pub part: f64,
-    /// Pairs of adjustments that do the same to the picture, but for less than this part of what they do.
+    /// Pairs of adjustments with the same effect on the picture, but for less than this part of it.
     pub alike: Vec<(String, String, f64)>,
     /// Steps of the search.
     pub steps: usize,
 }
 
-/// The adjustments in their order, and what is the same for all of them.
+/// The adjustments in their order, and the data that all of them share.
 struct Search<'a> {
     task: &'a LensToFit<'a>,
     /// The lens at the start: a zoom stands still, and the size is that of the settings.
@@ -322,7 +323,7 @@ impl<'a> Search<'a> {
         LensMisfit { rms_px: found.rms_px.sqrt(), rms_mm: found.rms_mm.sqrt(), ..found }
     }
 
-    /// Root of the mean square of what a parameter does to the picture, pixels by its unit.
+    /// Root mean square effect of a parameter on the picture, pixels by its unit.
     fn effect_px(&self, found: &Minimum, parameter: usize) -> f64 {
         self.column(found, parameter).map(|slope| slope * slope).sum::<f64>().sqrt()
     }
@@ -355,7 +356,7 @@ impl Adjusted {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::FocalLength, Self::Focus, Self::FilmDistance];
 
-    /// Its name on the command line.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::FocalLength => "focal-length",

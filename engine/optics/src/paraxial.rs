@@ -53,7 +53,7 @@ pub struct Paraxial {
 }
 
 /// Planes farther away than this many times the size of the lens are at infinity, and powers so small are none:
-/// what is left is the rounding of sums that should be 0.
+/// the rest is the rounding of sums that should be 0.
 const INFINITE: f64 = 1e12;
 
 impl Paraxial {

@@ -18,7 +18,7 @@ pub use metadata::{LensGroup, Metadata};
 pub enum NextMedium {
     /// The surface refracts into this medium.
     Medium(Medium),
-    /// The surface reflects; the medium stays what it was.
+    /// The surface reflects; the medium stays the same.
     Mirror,
 }
 
@@ -180,7 +180,7 @@ pub struct Prescription {
 const RIM_ROUNDING: f64 = 1e-9;
 
 impl SurfaceRow {
-    /// Checks the row, which has index `surface`; the error says what is wrong with it.
+    /// Checks the row, which has index `surface`; the error names its fault.
     pub fn check(&self, surface: usize) -> Result<(), PrescriptionError> {
         let profile = self.shape.profile();
         let mut numbers = vec![
@@ -329,7 +329,7 @@ impl Prescription {
             && self.in_air().into_iter().any(|i| self.surfaces[i].coating.is_none())
     }
 
-    /// Checks the lens; the error says what is wrong with it. Readers of files call it last.
+    /// Checks the lens; the error names its fault. Readers of files call it last.
     pub fn check(&self) -> Result<(), PrescriptionError> {
         if self.surfaces.is_empty() {
             return Err(PrescriptionError::Empty);

@@ -1,8 +1,8 @@
 //! Numbers that the source of a lens states, beside those computed from its surfaces.
 //!
 //! Focal length, f-number and back focus in the header of a lens file are the source's. They are held against the computed values at
-//! the d line, to half of a unit of their last digit. Where a source rounds more than that, or its numbers do not give what it says,
-//! the header says why: `# differs: f_number: the clear apertures are modelled`.
+//! the d line, to half of a unit of their last digit. Where a source rounds more than that, or its numbers do not give its published
+//! values, the header says why: `# differs: f_number: the clear apertures are modelled`.
 
 use serde::Serialize;
 

@@ -5,7 +5,7 @@
 //! is star-shaped about a centre for nearly every lens (a disc, a cat's eye, a polygon). The map holds that outline,
 //! and the inner one of an obstruction, by distance of the film point from the axis, by the film's z where it is turned,
 //! and by azimuth where the diaphragm has blades or the lens itself is not symmetric about its axis. Cells of film
-//! points share an outline in units of an ellipse that each film point has for itself: what is left to differ within a
+//! points share an outline in units of an ellipse that each film point has for itself: the only difference within a
 //! cell is the shape. A small share of the samples covers the whole rear glass, so that nothing is lost where the
 //! outline errs.
 //!

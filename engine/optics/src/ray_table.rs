@@ -6,7 +6,7 @@
 //! lens that is symmetric about its axis the table has three dimensions, the film point's distance from the axis and
 //! two of the pupil; else four.
 //!
-//! The table holds rays that the rims would stop, too, so that what is interpolated stays smooth; and for every ray
+//! The table holds rays that the rims would stop, too, so that the interpolated values stay smooth; and for every ray
 //! where it crosses the stop and how far inside of the rims it passes, for those rims that ever are the one that stops a
 //! ray. So vignetting and blades come out of the same interpolation, without an outline.
 //!

@@ -1,4 +1,4 @@
-//! A lens by rays beside what was measured of its product: distortion, vignetting and lateral colour of [`lensfun`](crate::lensfun)'s
+//! A lens by rays beside measurements of its product: distortion, vignetting and lateral colour of [`lensfun`](crate::lensfun)'s
 //! calibrations.
 //!
 //! A calibration of distortion from pictures of straight lines does not know the scale of the picture: rays and measurement are laid over
@@ -91,9 +91,9 @@ fn between(height: &impl Fn(f64) -> Option<f64>, low: RayField, high: RayField, 
 pub struct DistortionBeside {
     /// The focal length that lays one over the other, mm.
     pub scale_mm: f64,
-    /// Root of the mean square of what is left on the film, over its area, mm.
+    /// Root mean square of the residual on the film, over its area, mm.
     pub rms_mm: f64,
-    /// The largest of what is left, mm.
+    /// The largest residual, mm.
     pub worst_mm: f64,
     /// The lens's own distortion: the largest distance, by rays, from the picture without distortion that has the scale of the axis, mm.
     pub own_mm: f64,
@@ -107,7 +107,7 @@ pub struct DistortionRow {
     /// The field by rays.
     #[serde(flatten)]
     pub field: RayField,
-    /// Its height on the film by the measurement, mm.
+    /// The height on the film by the measurement, mm.
     pub measured_mm: f64,
     /// Distortion by rays, parts of the height without it at the free scale.
     pub rays_part: f64,
@@ -177,9 +177,9 @@ pub struct VignettingRow {
     pub angle_deg: f64,
     /// Height on the film, mm.
     pub height_mm: f64,
-    /// By rays; below zero.
+    /// Vignetting by rays, stops; below zero.
     pub rays_stops: f64,
-    /// By the measurement; `None`: its formula leaves no light.
+    /// Vignetting by the measurement, stops; `None`: its formula leaves no light.
     pub measured_stops: Option<f64>,
 }
 
@@ -194,7 +194,7 @@ pub fn vignetting_beside(analysis: &Analysis<'_>, angles_deg: &[f64], measured: 
     analysis.illumination(angles_deg).into_iter().filter_map(row).collect()
 }
 
-/// A field, and where red and blue of a camera lie from green, outwards, mm.
+/// A field, and the distances of red and blue of a camera from green, outwards, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ColourRow {
     /// Angle of the field.
@@ -276,7 +276,7 @@ mod tests {
         assert!(found.own_mm > 0.1, "{}", found.own_mm);
     }
 
-    /// One field that lies 50 um off is what is worst, but for what the scale takes of it.
+    /// One field that lies 50 um off is the worst, but for the part that the scale takes of it.
     #[test]
     fn what_is_off_is_told() {
         let off = |i: i32| if i == 10 { 0.05 } else { 0.0 };

@@ -57,7 +57,7 @@ mod tests {
     use crate::glass::Catalogue;
     use crate::system::LensSettings;
 
-    /// Both sides of a thin lens reach as far as the film is away; so does a mirror, and it doubles what its bumps do.
+    /// Both sides of a thin lens reach as far as the film is away; so does a mirror, and it doubles the effect of its bumps.
     #[test]
     fn a_thin_lens_reaches_as_far_as_the_film() {
         let system = |text: &str| {

@@ -1,4 +1,4 @@
-//! Spectral sensitivities of cameras' channels: what red, green and blue of a raw picture are, by wavelength.
+//! Spectral sensitivities of cameras' channels, red, green and blue of a raw picture, by wavelength.
 
 use std::sync::OnceLock;
 
@@ -15,7 +15,7 @@ const FILES: [(&str, &str); 2] = [
 pub struct Sensitivities {
     /// The camera.
     pub name: String,
-    /// Where the numbers are from.
+    /// The source of the numbers.
     pub source: String,
     first_nm: f64,
     step_nm: f64,
@@ -45,7 +45,7 @@ impl Sensitivities {
         all.iter().find(|(known, _)| *known == word).map(|(_, found)| found)
     }
 
-    /// The wavelengths, nm, and what red, green and blue see of each.
+    /// The wavelengths, nm, and the sensitivities of red, green and blue at each.
     pub fn samples(&self) -> impl Iterator<Item = (f64, [f64; 3])> {
         let channels = self.red.iter().zip(&self.green).zip(&self.blue);
         channels
@@ -58,8 +58,8 @@ impl Sensitivities {
 mod tests {
     use super::Sensitivities;
 
-    /// The middle of each channel lies where a camera's filters are: published curves peak at about 460, 530 and 600 nm; what the filters let
-    /// through beside that draws red's middle down.
+    /// The middle of each channel lies where a camera's filters are: published curves peak at about 460, 530 and 600 nm; the light that the
+    /// filters let through beside that draws red's middle down.
     #[test]
     fn channels_see_their_colours() {
         for word in Sensitivities::words() {

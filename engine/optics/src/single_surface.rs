@@ -1,4 +1,4 @@
-//! One ray at one surface: for tests, tables and whoever wants to see what a single refraction does.
+//! One ray at one surface: for tests, tables and users who want to see a single refraction.
 
 mod printed;
 

@@ -49,7 +49,7 @@ pub struct Lost {
 /// The direction in which rays go through a lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Travel {
-    /// The way of the light, from the scene to the film.
+    /// The direction of the light, from the scene to the film.
     FromScene,
     /// Back, from the film to the scene.
     FromFilm,
@@ -59,7 +59,7 @@ pub enum Travel {
 #[derive(Clone, Debug)]
 struct SurfaceSequence<R> {
     steps: Arc<[Step<R>]>,
-    /// Gradients beside the surface of each step; none in a lens without gradients. What the step's `action` says of indices then does not
+    /// Gradients beside the surface of each step; none in a lens without gradients. The indices of the step's `action` then do not
     /// count.
     gradients: Arc<[Option<Gradients<R>>]>,
     travel: Travel,

@@ -2,8 +2,8 @@
 //!
 //! Light that is reflected twice is not counted here: it is a ghost. Between two surfaces the planes of incidence turn, so the light
 //! that one has polarised hits the next in another way: amplitudes go on along s and p of each surface in turn (Chipman, *Opt. Eng.*
-//! 34, 1636, 1995), without the phases by which films delay one against the other, since those change only what two surfaces'
-//! differences between s and p make together.
+//! 34, 1636, 1995), without the phases by which films delay one against the other, since those change only the joint effect of two
+//! surfaces' differences between s and p.
 
 use std::f64::consts::PI;
 
@@ -131,7 +131,7 @@ impl<'a> Passages<'a> {
         passage.met.iter().map(one).product()
     }
 
-    /// The part of the light of a uniform world that arrives in the middle of an upright film, by wavelength: over what would
+    /// The part of the light of a uniform world that arrives in the middle of an upright film, by wavelength: over the light that would
     /// arrive if nothing were lost. `None` where nothing arrives at all.
     pub fn in_the_middle(&self, film_z_mm: f64, wavelengths_nm: &[f64]) -> Option<Vec<f64>> {
         let passages = self.beam_of_the_middle(film_z_mm);
@@ -218,7 +218,7 @@ mod tests {
         Passages::new(&system(text), nm).on_axis(nm)
     }
 
-    /// Two bare surfaces of index 1.5 pass 0.96 each; cement between like glasses takes nothing; glass takes what its table says.
+    /// Two bare surfaces of index 1.5 pass 0.96 each; cement between like glasses takes nothing; glass absorbs by its table.
     #[test]
     fn surfaces_and_glass_multiply() {
         let bare = "# coating: none\n";
@@ -277,7 +277,7 @@ mod tests {
         }
     }
 
-    /// A surface that meets all light at right angles is the same to the whole beam, wherever the film is.
+    /// A surface that all light hits at normal incidence is the same to the whole beam, wherever the film is.
     #[test]
     fn the_middle_of_the_film_sees_a_mean() {
         let text = "# coating: none\n50 6 1.5168/64.17 25 0 1\n-50 46 air 25 0 0";

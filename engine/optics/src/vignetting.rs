@@ -18,7 +18,7 @@ pub(crate) use beam::RimlessLens;
 pub(crate) use survey::FieldWindow;
 
 /// The field angles at which the beam comes through. Angles are those of the chief ray before the lens, in degrees;
-/// more than 90 for what lies behind the first vertex. `None`: the lens has no such angle.
+/// more than 90 for points behind the first vertex. `None`: the lens has no such angle.
 ///
 /// A lens that looks different from different sides has the smallest of the angles up, down, left and right.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

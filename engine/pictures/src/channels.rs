@@ -71,7 +71,7 @@ pub fn read(path: &Path, needed: &[&str], optional: &str) -> std::result::Result
     Ok(Channels { size: [layer.size.0, layer.size.1], needed, optional: named(optional) })
 }
 
-/// Replaces a file by what a function writes; the old file stays where that fails.
+/// Replaces a file by the output of a function; the old file stays where that fails.
 pub(crate) fn replace(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> UnitResult,

@@ -86,7 +86,7 @@ fn signed_rationals(tag: u16, values: impl Iterator<Item = f64>) -> Field {
     Field(tag, 10, data.len() as u32 / 8, data)
 }
 
-/// A directory at a place in the file, with what does not fit into its fields behind it.
+/// A directory at a place in the file, with the values that do not fit into its fields behind it.
 fn directory(mut fields: Vec<Field>, at: usize) -> Vec<u8> {
     fields.sort_by_key(|field| field.0);
     let head = 2 + 12 * fields.len() + 4;

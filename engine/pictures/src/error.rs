@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// An error by which pictures cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// Fewer than two pictures.
+    /// There are fewer than two pictures.
     #[error("{0} picture: name two or more")]
     TooFew(usize),
     /// A file that is none, or of a kind that is not read.
@@ -32,7 +32,7 @@ pub enum MergeError {
         /// The property that differs.
         what: String,
     },
-    /// More pixels than there is memory for, or than a file of that length can hold.
+    /// The header claims more pixels than there is memory for, or than a file of that length can hold.
     #[error("{}: its {width} x {height} pixels need {} MB of memory: {why}", file.display(), bytes / 1_000_000)]
     TooLarge {
         /// The file of the picture.

@@ -1,10 +1,10 @@
-//! Renders of the same picture with other samples, joined into one: each pixel by how many samples it has in each.
+//! Renders of the same picture with other samples, joined into one: each pixel by its number of samples in each.
 //!
-//! A pass is the mean over a pixel's samples, so the whole is the mean of the parts by their counts. Where all parts hold what their
-//! numbers leave out of the sums (the passes "Remainder" and "Remainder Fine") in files without loss, the joined picture is that of one
-//! render with all the samples, to the last bit. Depth, position and normal are means over surfaces; mattes are joined by name. Light of a
-//! kind of lobe is divided by its colour: it is joined times that, as far as the colour is there. Pass indices are those of the most
-//! samples.
+//! A pass is the mean over a pixel's samples, so the whole is the mean of the parts by their counts. Where all parts hold the remainders
+//! that their numbers leave out of the sums (the passes "Remainder" and "Remainder Fine") in files without loss, the joined picture is that
+//! of one render with all the samples, to the last bit. Depth, position and normal are means over surfaces; mattes are joined by name.
+//! Light of a kind of lobe is divided by its colour: it is joined times that, as far as the colour is there. Pass indices are those of the
+//! most samples.
 
 use crate::channels::replace;
 use crate::error::MergeError;
@@ -17,7 +17,7 @@ const COMBINED: &str = "Combined";
 const REMAINDERS: [&str; 2] = ["Remainder", "Remainder Fine"];
 /// The index passes by Blender's names, those of before version 5 included.
 const INDICES: [&str; 4] = ["Object Index", "Material Index", "IndexOB", "IndexMA"];
-/// The depth of what is infinitely far, and less than it.
+/// The depth of pixels without a hit, and less than it.
 const FARTHEST: f32 = 1e10;
 const NEARLY_FARTHEST: f32 = 1e9;
 
@@ -263,7 +263,7 @@ impl Joining<'_> {
         (0..self.totals.len()).map(of_pixel).collect()
     }
 
-    /// Means by counts of channels (by picture, then channel), together. Of what is a mean over surfaces, `nothing` where most
+    /// Means by counts of channels (by picture, then channel), together. Of means over surfaces, `nothing` where most
     /// of the samples saw none: the means of the pictures that saw some, unless those that did not have more samples.
     fn means(&self, values: &[Vec<Vec<f32>>], nothing: Option<f32>) -> Vec<Vec<f32>> {
         let channels = values.first().map_or(0, Vec::len);
@@ -292,7 +292,7 @@ impl Joining<'_> {
         out
     }
 
-    /// Joins a channel of the picture with what its numbers leave out; false if a part has no such remainder.
+    /// Joins a channel of the picture with the remainder of its sums; false if a part has no such remainder.
     fn exact(&self, parts: &[PicturePart], name: &str, done: &mut Vec<(String, Vec<f32>)>) -> bool {
         let Some((before, channel)) = name.rsplit_once(&format!("{COMBINED}.")) else { return false };
         let rests = REMAINDERS.map(|rest| format!("{before}{rest}.{channel}"));

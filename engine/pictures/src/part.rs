@@ -1,4 +1,4 @@
-//! One of the pictures that are joined: its channels by pass, and what it says of its samples.
+//! One of the pictures that are joined: its channels by pass, and its attributes about samples.
 
 use crate::error::MergeError;
 use exr::meta::MetaData;
@@ -7,14 +7,14 @@ use exr::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The pass that holds how many samples each pixel has, as Cycles names it.
+/// The pass that holds the number of samples of each pixel, as Cycles names it.
 pub(crate) const COUNTS: &str = "Debug Sample Count";
 /// Attribute: samples that every pixel has; missing where they have different ones.
 const SAMPLES: &str = "petzval/samples";
 /// Attribute: SEED:FIRST+COUNT, more of them with spaces between.
 const RANGES: &str = "petzval/ranges";
 
-/// Attribute: what decides the picture, whichever of its samples are taken: NAME=VALUE, more of them with "; " between.
+/// Attribute: the data that decide the picture, whichever of its samples are taken: NAME=VALUE, more of them with "; " between.
 const PICTURE: &str = "petzval/picture";
 
 /// Attribute: the checksum of a view's red, behind it the view's name, then its view layer's. A file of one view has those of all.
@@ -29,7 +29,7 @@ pub(crate) struct PicturePart {
     pub(crate) picture: Picture,
     /// Layer and place in it of each channel, by its whole name ("ViewLayer.Combined.R").
     places: BTreeMap<String, (usize, usize)>,
-    /// Names of view layers that say how many samples each pixel has.
+    /// Names of view layers that hold the number of samples of each pixel.
     pub(crate) view_layers: Vec<String>,
     /// Samples that every pixel has; `None` where pixels have different counts.
     samples: Option<f64>,

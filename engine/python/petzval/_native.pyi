@@ -1,9 +1,9 @@
-"""The shape of the compiled module: what the engine offers to Python.
+"""The types of the compiled module: the engine's interface for Python.
 
 Lens space is in millimetres: z along the optical axis in the direction of the light, z = 0 at the first
 vertex, x right and y up as seen from behind the film. Camera space is Blender's: x right, y up, looking along -z.
 World space and all lengths without a unit in their name are in Blender units. Angles are in radians.
-Every error is a subclass of `PetzvalError`; its message is one line: what, where, what to do.
+Every error is a subclass of `PetzvalError`; its message is one line: the fault, its place, the remedy.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -97,7 +97,7 @@ class CameraError(PetzvalError): ...
 
 __version__: str
 PROCESSOR: str
-"""What the engine was compiled for: "x86-64-v3", or the kind of processor where there is one engine for all."""
+"""The processor level that the engine was compiled for: "x86-64-v3", or the kind of processor where there is one engine for all."""
 
 @final
 class Lens:
@@ -108,18 +108,18 @@ class Lens:
     def name(self) -> str: ...
     @property
     def remarks(self) -> list[str]:
-        """What of the file is not in the lens, or was taken for something else: lines `FILE:LINE:COLUMN: what`."""
+        """The parts of the file that are not in the lens, or were taken for something else: lines `FILE:LINE:COLUMN: remark`."""
     def identity(self) -> str:
         """All numbers of the lens and its glasses: two lenses of one text are one lens."""
     def range_notes(self, wavelengths_nm: Sequence[float] = ...) -> list[str]:
         """A sentence on each glass whose index is not known at all of these wavelengths, or between them; of none given, at those
-        that are seen, 380 to 780 nm. Beyond what is known they keep the index of its end."""
+        that are seen, 380 to 780 nm. Beyond the known range they keep the index of its end."""
     def written(self, kind: str) -> tuple[str, list[str]]:
-        """The text of a `lens` or `zmx` file, and what of the lens cannot stand in one."""
+        """The text of a `lens` or `zmx` file, and the parts of the lens that cannot stand in one."""
     @property
     def surface_count(self) -> int: ...
     def summary_json(self) -> str:
-        """What `petzval lens list --json` has of it: its header, focal length, f-number of the beam that comes through wide open and
+        """The lens's object of `petzval lens list --json`: its header, focal length, f-number of the beam that comes through wide open and
         back focus at the d line, and those numbers beside the source's (`published`)."""
     def info_json(
         self,
@@ -129,17 +129,18 @@ class Lens:
         focus_distance_mm: float | None = None,
     ) -> str:
         """The object of `petzval lens info --json`. `focus_distance_mm` is measured along the axis from the
-        entrance pupil's centre to the plane of sharp focus; None or inf is infinity. A lens that focuses by what moves inside
+        entrance pupil's centre to the plane of sharp focus; None or inf is infinity. A lens that focuses by groups inside
         does so, the eye's lens too; of others the film moves. `pupil_diameter_mm`, of the entrance pupil, goes before `f_number`.
 
         `f_number` counts the circle that holds the opening, `f_number_by_area` a round one of the opening's area
-        `stop_area_mm2`. Beside what its keys say: `film_z_mm` and `total_track_mm` are those of the film in force; `seidel` and
+        `stop_area_mm2`. Beside the keys' names: `film_z_mm` and `total_track_mm` are those of the film in force; `seidel` and
         `chromatic` are sums of `seidel_by_surface` and `chromatic_by_surface` (mm) for a chief ray at
         `seidel_field_deg`; field angles are measured from the axis before the lens, at the present opening:
         up to `vignetting_free_field_deg` no rim but the stop's cuts any of the beam, at
         `half_vignetted_field_deg` half as much of the stop's area is filled as on the axis, beyond
         `largest_field_deg` nothing comes through. `axial_beam_cut_by_surface`: the index of a surface that cuts
-        the beam on the axis; the first angle is then 0. `seidel_missing`: why there are no sums. What is infinite or does not exist is null."""
+        the beam on the axis; the first angle is then 0. `seidel_missing`: the reason why there are no sums. Values that are infinite or do
+        not exist are null."""
     def trace_json(
         self,
         rays_json: str,
@@ -164,10 +165,10 @@ def lens_drawing_json(
     wavelength_nm: float = ...,
     focus_distance_mm: float | None = None,
 ) -> str:
-    """What `petzval lens draw` draws, in the y-z plane; places are [z, y] in lens space, mm. surfaces: a row each (points from the
-    lower rim to the upper, hole_mm, is_mirror, glass_behind or null); stop, its surface's index, and stop_semi_diameter_mm; fields:
-    angle_deg and rays, each a list of places from before the lens to the film, `rays` from each field evenly over what comes
-    through, none where nothing does; film, a line; and of `info_json` name, wavelength_nm, efl_mm, f_number, focus_distance_mm,
+    """The data of the drawing of `petzval lens draw`, in the y-z plane; places are [z, y] in lens space, mm. surfaces: a row each (points
+    from the lower rim to the upper, hole_mm, is_mirror, glass_behind or null); stop, its surface's index, and stop_semi_diameter_mm;
+    fields: angle_deg and rays, each a list of places from before the lens to the film, `rays` from each field evenly over the light that
+    comes through, none where nothing does; film, a line; and of `info_json` name, wavelength_nm, efl_mm, f_number, focus_distance_mm,
     film_z_mm, the principal planes and the pupils. Without fields: the axis, 0.7 of the design's half field, and that."""
 
 def lens_report_json(
@@ -176,7 +177,7 @@ def lens_report_json(
     """A report by its name, with its own options; `petzval/lens_reports` has a file for each.
 
     Every report is an object with name, efl_mm, f_number, focus_distance_mm, film_z_mm, wavelengths_nm, main_wavelength (its index),
-    azimuth_deg, airy_radius_mm, half_field_deg, and what stands below. Pairs are [sagittal, tangential]. A field from which nothing
+    azimuth_deg, airy_radius_mm, half_field_deg, and the keys below. Pairs are [sagittal, tangential]. A field from which nothing
     comes has is_dark and no more. Without fields: 0, 0.7 and all of the half field, or `count` evenly over it.
 
     spots (rays over the width of a beam, defocus_mm): defocus: for each of `defocus_mm` fields: angle_deg, centroid_mm from the film's
@@ -218,7 +219,7 @@ def lens_ghosts_json(
     brute_force_rays: int = 0,
     seed: int = 0,
 ) -> str:
-    """What `petzval lens ghosts` tells of a far source at an angle to the axis, up at an azimuth of 90 degrees, whose light has the
+    """The answer of `petzval lens ghosts` for a far source at an angle to the axis, up at an azimuth of 90 degrees, whose light has the
     irradiance one before the lens. ghosts, the brightest first: surfaces (that reflect, in the order of the light, the first of the
     lens is 0), irradiance (of an even disc as wide), radius_mm (of that), centre_mm (in the picture, right and up from its middle),
     light_mm2 (irradiance times area) that gets to the film's plane, and on_film_mm2 of it; on_film_mm2 of all; and of the setting name,
@@ -239,7 +240,7 @@ def lens_reality_json(
     colour_f_number: float = 8.0,
     count: int = 21,
 ) -> str:
-    """What `petzval lens reality` tells: the lens by rays beside the calibration of its product in a lensfun database. name, efl_mm,
+    """The answer of `petzval lens reality`: the lens by rays beside the calibration of its product in a lensfun database. name, efl_mm,
     f_number, focus_distance_mm; product and place (its file and line there), marked_mm (the focal length of the calibration),
     crop_factor, corner_mm. distortion (null where none was measured): scale_mm, the free scale; rms_mm (over the area) and worst_mm
     apart; own_mm, the lens's largest distortion; rows: angle_deg, height_mm by rays, measured_mm, and rays_part and measured_part
@@ -261,21 +262,22 @@ def trace_surfaces_json(cases_json: str, *, precision: str = "f64") -> str:
     """The input and output of `petzval surface trace`; `precision` is "f64", "f32" or "printed"."""
 
 def camera_info_json(camera: CameraDescription, width: int, height: int) -> str:
-    """What the panel shows and the viewport needs: efl_mm, bfd_mm, f_number (in force), widest_f_number, t_number (null: dark),
+    """The facts of a lens for the panel and the viewport: efl_mm, bfd_mm, f_number (in force), widest_f_number, t_number (null: dark),
     coatings (names), coating_is_assumed (the file says nothing of it), unknown_absorption (glasses that count as clear),
     film_z_mm, film_distance_mm, focus_distance_mm (from the entrance pupil; null: infinity), focus_scale_mm (the same as
     the camera's anchor and relation count it), magnification, fov_horizontal_rad,
     fov_vertical_rad, fov_diagonal_rad, widest_angle_rad, picture_width_mm, picture_height_mm (the used part of the film),
     viewport_focal_length_mm with picture_width_mm and viewport_shift (a Blender camera that frames the same picture),
     entrance_pupil_diameter_mm, lens_name, surfaces, zoom_range_mm (null: no zoom lens), focuses_inside (groups inside of
-    the lens focus it, not the film), remarks (what of the lens file could not be used), beyond_range (glasses that are not known for all
-    of the light: of wavelength_nm, or all visible)."""
+    the lens focus it, not the film), remarks (on rows of the lens file that could not be used), beyond_range (glasses that are not known
+    for all of the light: of wavelength_nm, or all visible)."""
 
 def calibration_json(path: str) -> str:
-    """What a file of calibrations holds, or a lensfun database ("lensfun": the installed one): format, remarks, and for each of cameras name, model, size_px, parameters by name, covered (the
-    part of the picture that shows something), reason (why the rest does not; null), horizontal_field_deg, vertical_field_deg (null: an edge
-    shows nothing), largest_angle_deg, valid_to_deg (from the axis; null: everywhere), focal_px (null: straight ahead is not seen). Of a lensfun database also lenses: name, mounts, focal_range_mm, crop_factors, measured
-    (numbers of measurements of distortion, vignetting, lateral colour); and bodies, the names of the camera bodies."""
+    """The content of a file of calibrations, or of a lensfun database ("lensfun": the installed one): format, remarks, and for each of
+    cameras name, model, size_px, parameters by name, covered (the part of the picture that shows something), reason (why the rest does not;
+    null), horizontal_field_deg, vertical_field_deg (null: an edge shows nothing), largest_angle_deg, valid_to_deg (from the axis; null:
+    everywhere), focal_px (null: straight ahead is not seen). Of a lensfun database also lenses: name, mounts, focal_range_mm, crop_factors,
+    measured (numbers of measurements of distortion, vignetting, lateral colour); and bodies, the names of the camera bodies."""
 
 def photographic_lens_json(camera: CameraDescription, width: int, height: int) -> str:
     """The lens of a lensfun database that is the camera's calibration, at its setting: as one of `calibration_json`'s cameras, and marked_mm
@@ -297,7 +299,8 @@ def write_photographic_map(
     """`write_calibration_map` of the lens of a lensfun database that is the camera's calibration."""
 
 def calibration_remarks(camera: CameraDescription, width: int, height: int) -> list[str]:
-    """Sentences on a calibrated camera: what of its picture shows nothing and why, and what of its lens was not measured."""
+    """Sentences on a calibrated camera: the part of its picture that shows nothing and why, and the effects of its lens that were not
+    measured."""
 
 def fitted_camera_json(
     camera: CameraDescription,
@@ -310,22 +313,22 @@ def fitted_camera_json(
     ray_map: tuple[str, str] | None,  # file and comments
     residual_map: tuple[str, str] | None,
 ) -> tuple[str, str | None]:
-    """What `petzval lens calibrate` tells, and the calibration's text in that format. name, efl_mm, wavelength_nm, focus_distance_mm (null:
-    infinity), size_px, picture_mm; model, parameters by name, free (those that were found); lit (the part of the picture that chief rays
-    light, in which the model was fitted), rms_px, worst_px, worst_at_px, worst_angle_deg, largest_angle_deg; covered, reason,
+    """The answer of `petzval lens calibrate`, and the calibration's text in that format. name, efl_mm, wavelength_nm, focus_distance_mm
+    (null: infinity), size_px, picture_mm; model, parameters by name, free (those that were found); lit (the part of the picture that chief
+    rays light, in which the model was fitted), rms_px, worst_px, worst_at_px, worst_angle_deg, largest_angle_deg; covered, reason,
     horizontal_field_deg, vertical_field_deg, valid_to_deg as `calibration_json`; centre_z_mm and pupil_z_mm (from the first vertex),
     wander_mm (of the chief rays' crossings, from the centre), elsewhere (rms_px and worst_px at other distance_mm), rays, steps."""
 
 def fitted_lens_json(lens: Lens, settings: LensSettings, options: Mapping[str, Any]) -> tuple[str, str, list[str]]:
-    """What `petzval lens fit` tells, the text of the fitted lens file, and what of the lens cannot stand in one. Options: calibration (its
-    path), camera (None: the only one), pixel_pitch_um and film_mm (pairs, or None), wavelength_nm, focus_distance_mm (None: infinity),
-    adjust (names), gaps (None, or {"MILLIMETRES" | "PART": tolerance}) and surfaces (before them; None: all). The answer: name,
-    calibration, model, size_px, pixel_pitch_um, wavelength_nm, compared (part of the picture), points; before and after: rms_px, worst_px,
-    worst_at_px, rms_um, worst_um, efl_mm, focus_distance_mm (null: infinity), film_distance_mm; scale; gaps: surface, before_mm, after_mm,
-    tolerance_mm, is_at_end, effect_px (of all of the tolerance); alike (pairs that do the same to the picture), steps."""
+    """The answer of `petzval lens fit`, the text of the fitted lens file, and the parts of the lens that cannot stand in one. Options:
+    calibration (its path), camera (None: the only one), pixel_pitch_um and film_mm (pairs, or None), wavelength_nm, focus_distance_mm
+    (None: infinity), adjust (names), gaps (None, or {"MILLIMETRES" | "PART": tolerance}) and surfaces (before them; None: all). The answer:
+    name, calibration, model, size_px, pixel_pitch_um, wavelength_nm, compared (part of the picture), points; before and after: rms_px,
+    worst_px, worst_at_px, rms_um, worst_um, efl_mm, focus_distance_mm (null: infinity), film_distance_mm; scale; gaps: surface, before_mm,
+    after_mm, tolerance_mm, is_at_end, effect_px (of all of the tolerance); alike (pairs that do the same to the picture), steps."""
 
 def sensor_json(sensor: str, iso: float | None) -> str:
-    """What is known of a sensor, by the name of a shipped one or a file, at a film speed (None: its own): name, source, licence, pixel_source,
+    """The data of a sensor, by the name of a shipped one or a file, at a film speed (None: its own): name, source, licence, pixel_source,
     assumed, pixel_pitch_um, mosaic, bits, black_level_dn, base_iso, saturation_iso, peak_quantum_efficiency, is_efficiency_found; at that speed
     iso, gain_dn_per_e, saturation_e, read_noise_e, dynamic_range_stops, dark_current_e_per_s, dsnu_e, prnu_percent, white_e_per_lx_s (by
     channel), channels_from_xyz (rows; null: no colours), visible_below_lx_s (where the noise of white is 1 % of it)."""
@@ -346,15 +349,15 @@ def write_png(pixels: npt.NDArray[np.uint16], output: str) -> None:
 
 def coverage_json(camera: CameraDescription, width: int, height: int) -> str:
     """The part of the picture that the lens lights, by exact rays: dark_part (0 to 1), lit_diameter_mm (of the circle on an upright film,
-    no more than the picture's diagonal), complaint (what is dark, why, and what helps; null if the lens lights the picture)."""
+    no more than the picture's diagonal), complaint (the dark part, its cause and the remedy; null if the lens lights the picture)."""
 
 def film_of_lens_mm(camera: CameraDescription, width: int, height: int) -> tuple[float, float]:
     """Width and height in mm of the film for which the lens is made, at its present size: by its file, or if that has none, a film of the
     picture's shape whose corners see the half field of its design. The description's own film has no part in it."""
 
 def framing_json(camera: CameraDescription, width: int, height: int, by: str) -> str:
-    """How the lens, focused as it is, frames what the pinhole of the description's own focal length, sensor width and shift frames:
-    by "FOCAL_LENGTH" (the film is then that sensor) or "FILM": focal_length_mm (null: as it was), film_width_mm, film_height_mm,
+    """The settings with which the lens, focused as it is, has the frame of the pinhole of the description's own focal length, sensor width
+    and shift: by "FOCAL_LENGTH" (the film is then that sensor) or "FILM": focal_length_mm (null: as it was), film_width_mm, film_height_mm,
     shift_mm, angle_rad along the larger side, and reaches_edges: light through the middle of the pupil reaches the film's edges."""
 
 def distortion_map(
@@ -373,13 +376,13 @@ def write_distortion_map(
     comments: str,
     output: str,
 ) -> list[float]:
-    """The same into a file; the share of each map's pixels that have a source."""
+    """Writes the distortion map into a file; returns the share of each map's pixels that have a source."""
 
 def osl_camera(camera: CameraDescription, width: int, height: int) -> str:
-    """The lens as a camera of Cycles: the text of a script. What it cannot do is refused by surface."""
+    """The lens as a camera of Cycles: the text of a script. Unsupported features are refused with the surface that has them."""
 
 def autofocus_json(scene: Scene, camera: CameraDescription, width: int, height: int, point: tuple[float, float]) -> str:
-    """The focus on what a picture point sees, (0, 0) lower left to (1, 1) upper right, by the smallest spot of exact
+    """The focus on the hit of a picture point, (0, 0) lower left to (1, 1) upper right, by the smallest spot of exact
     rays: film_distance_mm, focus_scale_mm (the focus distance that says the same; null: infinity), moves_groups (groups
     inside of the lens have moved, not the film: only the distance says so), tilt_rad, swing_rad, rms_spot_mm, subject_world (null: nothing is there, the focus is at infinity). The camera's own focus
     does not count."""
@@ -391,8 +394,8 @@ def autofocus_by_json(
     point: tuple[float, float],
     distance_to: Callable[[tuple[float, float, float], tuple[float, float, float]], float | None],
 ) -> str:
-    """The same where the caller's rays find what there is: `distance_to(origin, direction)` in world space, the direction
-    a unit vector; None: nothing is there. Called a few times, in the caller's thread; what it raises comes back."""
+    """The focus on a picture point by the caller's rays: `distance_to(origin, direction)` in world space, the direction
+    a unit vector; None: nothing is there. Called a few times, in the caller's thread; its exceptions come back."""
 
 def sharpness_json(
     camera: CameraDescription,
@@ -402,10 +405,10 @@ def sharpness_json(
     rows: int,
     confusion_mm: float | None = None,
 ) -> str:
-    """Where a camera with a lens is sharp: confusion_mm, the circle of confusion's diameter (by default 1/1500 of the picture's
-    diagonal); points, row by row from below over a grid whose outer lines are the picture's edges, null where no light comes from: place
-    (from the picture's middle, in its width and height), from and towards (the mean ray, world space), and distances along it in
-    Blender units: sharp (null: infinity), near (null: nowhere sharp enough) and far (null: infinity, or as near); pupil, the middle of
+    """The surface of sharp focus of a camera with a lens: confusion_mm, the circle of confusion's diameter (by default 1/1500 of the
+    picture's diagonal); points, row by row from below over a grid whose outer lines are the picture's edges, null where no light comes
+    from: place (from the picture's middle, in its width and height), from and towards (the mean ray, world space), and distances along it
+    in Blender units: sharp (null: infinity), near (null: nowhere sharp enough) and far (null: infinity, or as near); pupil, the middle of
     the entrance pupil (world; null: at infinity), and pupil_radii, across and up."""
 
 def sharp_points_json(
@@ -415,9 +418,9 @@ def sharp_points_json(
     the largest of three."""
 
 def free_memory_bytes() -> int | None:
-    """What this process may still take of the machine's memory, or of its container's; None: the system does not say."""
+    """The memory that this process may still take of the machine's, or of its container's, bytes; None: the system does not say."""
 
-#: What values belong to ("POINT": vertices, "CORNER": corners of faces, as `loops` number them, "TRIANGLE"), and these, one a row.
+#: The domain of values ("POINT": vertices, "CORNER": corners of faces, as `loops` number them, "TRIANGLE"), and these, one a row.
 _Values = tuple[str, npt.NDArray[np.float32]]
 
 @final
@@ -433,8 +436,8 @@ class SceneBuilder:
         srgb: bool,  # values are sRGB-encoded (uint8 or float); False: linear or non-colour
     ) -> int: ...
     def add_tiles(self, name: str, tiles: Sequence[tuple[int, int]]) -> int:
-        """An image of tiles (UDIM): the number of each, 1001 + column + 10 row, and its index among the images. Its own index; what it
-        is made of may be forgotten then."""
+        """An image of tiles (UDIM): the number of each, 1001 + column + 10 row, and its index among the images. Returns its own index; the
+        images that it is made of may be forgotten then."""
     def add_material(self, material: MaterialDescription) -> int:
         """The material's index."""
     def add_mesh(
@@ -525,7 +528,7 @@ class SceneBuilder:
         is_orthographic: bool = False,
         dices: bool = False,  # another camera's, by whose pixels alone meshes are diced
     ) -> None:
-        """What Blender's own camera frames, for shader graphs that ask for it, and meshes that are diced."""
+        """Sets the frame of Blender's own camera, for shader graphs that ask for it, and meshes that are diced."""
     def warnings(self) -> list[str]: ...
     def build(
         self, camera_position: tuple[float, float, float], threads: int = 0, previous: Scene | None = None
@@ -546,13 +549,13 @@ class SceneBuilder:
 @final
 class SceneDraft:
     def build(self, threads: int = 0, previous: Scene | None = None, *, is_final: bool = False) -> Scene:
-        """Once. Takes from the previous draft's scene what did not change: rays are slower then than in `SceneBuilder.build`'s scenes. Not so
-        where it is final: trees are as that builds them."""
+        """Builds the scene, once. Takes the unchanged parts from the previous draft's scene: rays are slower then than in
+        `SceneBuilder.build`'s scenes. Not so where it is final: trees are as that builds them."""
 
 @final
 class Scene:
     def warnings(self) -> list[str]:
-        """What had to be left out when it was built."""
+        """The parts that were left out when the scene was built."""
     @property
     def triangle_count(self) -> int: ...
     @property
@@ -569,7 +572,7 @@ class Scene:
 
 @final
 class Plan:
-    """What is simulated of a camera's lens in one picture, and why."""
+    """The simulated effects of a camera's lens in one picture, and why."""
 
     def __new__(
         cls,
@@ -592,8 +595,8 @@ class Plan:
     def window(self, border: tuple[int, int, int, int], size: tuple[int, int]) -> tuple[int, int, int, int] | None:
         """The part of a picture (left, bottom, width, height) to render for a border of it, in which no light of the rest belongs; None: all."""
     def forecast(self, scene: Scene, camera: CameraDescription, settings: SettingsDescription) -> str:
-        """The same with predicted (seconds, after_seconds of them for stray light, samples, threads, camera_part) and each row's predicted_cost, a part of the time
-        without the effect: renders a little for that, about 0.1 s."""
+        """The plan of `json` with predicted (seconds, after_seconds of them for stray light, samples, threads, camera_part) and each row's
+        predicted_cost, a part of the time without the effect: renders a little for that, about 0.1 s."""
 
 def effects_json() -> str:
     """The closed list: name, unit, is_available, tolerance at quality 1, in the order of reports."""
@@ -640,36 +643,36 @@ class Job:
         `mattes` are kept for `matte`, so many names a pixel; `neighbours`, the camera a frame before and a frame after, for
         `data("VECTOR")`."""
     def baked(self, alone: Job | None = None) -> npt.NDArray[np.float32]:
-        """What is baked, (height, width, 4), first row at the bottom. `alone`: for shadows, the finished COMBINED bake of the same
-        object in a scene without anything that throws shadows on it."""
+        """The baked values, (height, width, 4), first row at the bottom. `alone`: for shadows, the finished COMBINED bake of the same
+        object in a scene without anything that casts shadows on it."""
     def data(self, name: str) -> npt.NDArray[np.float32]:
         """DEPTH (one channel, along the camera's axis, 1e10 for the background), POSITION or NORMAL (world space), VECTOR
         (pixels: to where it was a frame before; from where it will be a frame after), (height, width, channels), first row
-        at the bottom; asked for by `SettingsDescription.with_data`. SAMPLES (one channel): how many the pixel has. REMAINDER and
-        REMAINDER_FINE (four): what the picture's numbers times the samples leave out of the sums of these."""
+        at the bottom; asked for by `SettingsDescription.with_data`. SAMPLES (one channel): the pixel's number of samples. REMAINDER and
+        REMAINDER_FINE (four): the remainders that the picture's numbers times the samples leave out of the sums."""
     def matte(self, layer: str) -> npt.NDArray[np.float32]:
         """The channels (id, coverage, id, coverage) of all passes of a layer of Cryptomatte, (height, width, 4 passes),
         first row at the bottom."""
     def light_group(self, number: int) -> npt.NDArray[np.float32]:
         """The light of a group, by its number from 1, (height, width, 3), first row at the bottom."""
     def index(self, layer: str) -> npt.NDArray[np.float32]:
-        """The pass index that most of a pixel's rays met, of OBJECT_INDEX or MATERIAL_INDEX, (height, width, 1), first row at the
+        """The pass index that most of a pixel's rays hit, of OBJECT_INDEX or MATERIAL_INDEX, (height, width, 1), first row at the
         bottom."""
     def part(self, name: str) -> npt.NDArray[np.float32]:
         """DIFFUSE_DIRECT, _INDIRECT, _COLOR, the same of GLOSSY and TRANSMISSION, VOLUME_DIRECT, VOLUME_INDIRECT, EMISSION,
         ENVIRONMENT, AMBIENT_OCCLUSION, DENOISING_ALBEDO, DENOISING_NORMAL, DENOISING_DEPTH, UV, MIST, AOV_0 and so on: (height, width, 3), first
         row at the bottom. Light of a kind of lobe is divided by its colour."""
     def shadow(self, alone: Job) -> npt.NDArray[np.float32]:
-        """What is left of the light on what catches shadows, (height, width, 3), 1 where nothing is seen, by the finished render
-        of that alone. For a job with `catches`."""
+        """The part of the light that is left on shadow catchers, (height, width, 3), 1 where nothing is seen, by the finished render
+        of these alone. For a job with `catches`."""
     def over_photograph(
         self, alone: Job, sky: Job | None, *, is_opaque: bool, is_apart: bool, is_noisy: bool = False
     ) -> npt.NDArray[np.float32]:
-        """The picture to be laid over a photograph, (height, width, 4): what catches shadows is gone, and the mean of its shadow
+        """The picture to be laid over a photograph, (height, width, 4): shadow catchers are transparent, and the mean of their shadow
         is alpha, but where that is a pass of its own (`is_apart`). It is laid over the finished render of the `sky`, if there is
         one. `is_noisy`: as it is without `denoise`."""
     def matte_metadata(self, layer: str, name: str) -> list[tuple[str, str]]:
-        """What a file has to say of a layer that is called `name` in it: keys and values."""
+        """The metadata of a file about a layer that is called `name` in it: keys and values."""
     def wait(self, timeout_s: float) -> bool:
         """Waits, with the interpreter's lock free, until finished or time is up; True: finished."""
     def progress(self) -> float:  # 0..1
@@ -680,12 +683,12 @@ class Job:
         """(x, y, width, height, pixels (height, width, 4) scene-linear Rec.709 RGBA, first row at the bottom)
         of every tile that changed since the last call; x, y count from the lower left corner."""
     def image(self) -> npt.NDArray[np.float32]:
-        """(height, width, 4), what is there now."""
+        """The picture as it is now, (height, width, 4)."""
     def stop(self) -> None:
         """Asks to stop; finished samples stay. The job ends within 0.1 s."""
     def denoise(self, how: DenoisingDescription) -> None:
-        """After the end, before `develop`: takes the noise out of the picture; `image` then has none. Raises what the library reports; the
-        picture then is as it was. `developed` and `stop_developing` are about it, too."""
+        """Takes the noise out of the picture, after the end and before `develop`; `image` then has none. Raises the errors of the library;
+        the picture then is as it was. `developed` and `stop_developing` are about it, too."""
     def denoised_image(self, how: DenoisingDescription) -> npt.NDArray[np.float32]:
         """`image` without its noise and without the light that strays. The render may go on meanwhile, and keeps its noise. Raises as
         `denoise`."""
@@ -698,7 +701,8 @@ class Job:
     def developed(self) -> float:
         """The part of `develop` that is done, 0 to 1."""
     def stray(self, name: str) -> npt.NDArray[np.float32]:
-        """A part of that light, of shape (height, width, 3), already in `image`: GHOSTS, GLARE or DIFFRACTION; black where it was not found."""
+        """A part of the stray light, of shape (height, width, 3), already in `image`: GHOSTS, GLARE or DIFFRACTION; black where it was not
+        found."""
     def end_checkpoints(self) -> Checkpoint | None:
         """Waits, after the end, until the last checkpoint is written; the checkpoint that this render has written or taken up."""
     def write_film(self, file: str, fingerprint: str) -> None:
@@ -729,7 +733,7 @@ class Checkpoint:
         """Removes it, unless another render has replaced it meanwhile; True where it was removed."""
 
 def checkpoint_problem(file: str | PathLike[str]) -> str | None:
-    """Why a file may not be replaced by a checkpoint; None where there is no file, or where it is empty or a checkpoint."""
+    """The reason why a file may not be replaced by a checkpoint; None where there is no file, or where it is empty or a checkpoint."""
 
 @final
 class FileReplacement:
@@ -761,7 +765,7 @@ def random_per_island(vertices: int, edges: npt.NDArray[np.int32]) -> npt.NDArra
 def pointiness(
     positions: npt.NDArray[np.float32], normals: npt.NDArray[np.float32], edges: npt.NDArray[np.int32]
 ) -> npt.NDArray[np.float32]:
-    """How pointed a mesh is by vertex, as Blender has it: 0 to 1, one half where it is flat."""
+    """The pointiness of a mesh by vertex, as Blender has it: 0 to 1, one half where it is flat."""
 
 def evaluate_graph(
     graph_json: str,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an argument of the command line may be: each kind is a function that reads it, or says what it should be."""
+"""The kinds of arguments of the command line: each is a function that reads its text, or says the form that it should have."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faults of Blender as a Python module that would end a render, and how it is kept from them."""
+"""Faults of Blender as a Python module that would end a render, and the measures against them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ def keep_fluids(scene: Any) -> list[str]:
     """Has Blender keep the scene's evaluated data after a render, where an object is a simulated fluid: to free a fluid ends the
     process of Blender as a Python module ("can't clean grid cache, some grids are still in use"), before the picture is written,
     whichever engine renders. The Blender program frees it well. The names of the fluids' domains, which this Blender does not simulate,
-    either: only what is baked is in the picture."""
+    either: the picture holds baked data alone."""
     import bpy
 
     # The module has no program. (Blender 4.3 has no `bpy.app.module`.)

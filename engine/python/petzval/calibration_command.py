@@ -15,7 +15,7 @@ from .description import IDENTITY, INSTALLED_LENSFUN, CalibrationSettings, Camer
 from .errors import CommandError, complain, writing
 from .scene_options import check_writable
 
-#: What is read beside lensfun databases.
+#: The formats that are read beside lensfun databases.
 KINDS = "OpenCV's or ROS's YAML or JSON, COLMAP's cameras.txt, Kalibr's camchain, Basalt's or NVIDIA's JSON, 3DEqualizer's nodes for Nuke"
 _LENSFUN = "or a lensfun database, an .xml file, a folder of them, or the word lensfun for the installed one"
 #: The engine's formats by the command's words.
@@ -58,7 +58,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def _add_lens(parser: argparse.ArgumentParser) -> None:
-    """Which camera or lens, and the setting of a lens of a lensfun database."""
+    """Adds the options that choose a camera or lens, and the setting of a lens of a lensfun database."""
     parser.add_argument(
         "--camera",
         metavar="NAME",

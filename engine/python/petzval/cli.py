@@ -103,7 +103,7 @@ def _run(argv: Sequence[str]) -> int:
 
 
 def _engine_is_missing() -> bool:
-    """Says so when the compiled module cannot be loaded."""
+    """Prints an error if the compiled module cannot be loaded."""
     try:
         importlib.import_module("._native", __package__)
     except ProcessorError as error:
@@ -150,7 +150,7 @@ def run_command(argv: Sequence[str] | None = None) -> int:
 
 
 def _mute_stdout() -> None:
-    """Has the interpreter's own flush at its end go nowhere."""
+    """Sends the interpreter's own flush at its end to the null device."""
     with contextlib.suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval cost`: what each step from the pinhole to the full lens costs in this picture, and what it mends.
+"""`petzval cost`: the cost of each step from the pinhole to the full lens in this picture, and the error that it removes.
 
 All cameras render in one process, in rounds; it ends when the interval of every camera's median time over the pinhole's is
 narrower than 3 %, when the time given is over, or after the rounds asked for (`cost/runs.py`). Ctrl-C ends it too, and
-what is known by then is written, if there were two rounds at least.
+the results so far are written, if there were two rounds at least.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write(found: dict[str, Any], folder: Path, says: TextIO) -> str:
-    """All files; gives what a terminal shows."""
+    """Writes all files; returns the text for a terminal."""
     from . import atomic_files
     from .cost import advice, tables
 

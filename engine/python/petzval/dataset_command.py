@@ -24,7 +24,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def run(a: argparse.Namespace) -> int:
-    """Renders what is missing; the exit status."""
+    """Renders the missing pictures; returns the exit status."""
     from .dataset import spec
 
     scene_options.check_name(a.spec)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where Open Image Denoise lies: Blender ships it beside itself, PyPI has it as `pyoidn`. No bpy."""
+"""The search for Open Image Denoise: Blender ships it beside itself, PyPI has it as `pyoidn`. No bpy."""
 
 from __future__ import annotations
 

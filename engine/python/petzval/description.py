@@ -267,7 +267,7 @@ class SettingsDescription:
 
 @dataclass(frozen=True)
 class ShutterDescription:
-    """How the shutter opens, and where the camera stands meanwhile."""
+    """The opening of the shutter, and the camera's matrices meanwhile."""
 
     openness: list[float] = field(default_factory=list)  # at even times over the exposure; empty: open all the time
     rolling: float | None = None  # from the top down, each row for this part of the exposure; None: all at once
@@ -276,7 +276,7 @@ class ShutterDescription:
 
 @dataclass(frozen=True)
 class BakeDescription:
-    """What is baked of an object's surface, as Blender names it. What light counts is for COMBINED, and for DIFFUSE, GLOSSY and TRANSMISSION."""
+    """A bake of an object's surface, as Blender names it. The choice of light is for COMBINED, and for DIFFUSE, GLOSSY and TRANSMISSION."""
 
     object_name: str
     # COMBINED | AO | SHADOW | POSITION | NORMAL | UV | ROUGHNESS | EMIT | ENVIRONMENT | DIFFUSE | GLOSSY | TRANSMISSION
@@ -293,7 +293,7 @@ class BakeDescription:
 
 @dataclass(frozen=True)
 class DenoisingDescription:
-    """How a finished picture is denoised."""
+    """The denoising of a finished picture."""
 
     library: str  # the file of Open Image Denoise
     by_albedo: bool = True  # DENOISING_ALBEDO guides, where the render keeps it
@@ -306,7 +306,7 @@ class DenoisingDescription:
 
 @dataclass
 class MaterialDescription:
-    """A material: its shader nodes, as JSON of what the add-on's `export/graph.py` makes of them."""
+    """A material: its shader nodes, as the JSON of the add-on's `export/graph.py`."""
 
     name: str
     graph: str

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval doctor`: what is installed here, what is missing, and what to do. Starts each Blender that it finds, for its version alone."""
+"""`petzval doctor`: the installed parts, the missing ones, and the remedies. Starts each Blender that it finds, for its version alone."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def examine(blender: str | None = None) -> dict[str, Any]:
-    """What there is. `missing` are lines on what keeps Petzval from rendering, `advice` on what else could be had."""
+    """The parts of the installation. `missing` are lines on parts without which Petzval cannot render, `advice` on optional ones."""
     engine = _engine()
     programs = _programs(blender)
     blenders = [{"program": str(program), "version": _version_of(program)} for program in programs]
@@ -154,7 +154,7 @@ def _installed(package: str) -> str | None:
 
 
 def _programs(named: str | None) -> list[Path]:
-    """Blender programs: the one that is named, that on PATH, and where installers put them."""
+    """Blender programs: the one that is named, that on PATH, and those in the folders of installers."""
     found: dict[Path, None] = {}
     on_path = shutil.which("blender")
     places = [Path(one) for one in (named, on_path) if one]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The closed list of effects of a lens, by name, label and tooltip, and what may be said of one. The engine's list is the same
+"""The closed list of effects of a lens, by name, label and tooltip, and the values of a setting. The engine's list is the same
 (`engine/render/src/plan/effects/`)."""
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ class Effect(NamedTuple):
     is_available: bool = True
 
 
-#: In the order of panels and reports.
+#: The effects in the order of panels and reports.
 EFFECTS = (
     Effect("defocus", "Defocus", "Blur of what is not at the distance of focus"),
     Effect("aberration", "Aberrations", "Spherical aberration, coma, astigmatism and field curvature"),
@@ -43,5 +43,5 @@ EFFECTS = (
     Effect("sensor", "Sensor Noise", "Noise of the camera's sensor in its raw file, where the camera has one", False),
     Effect("spectral_materials", "Spectral Materials", "Materials that are more than three colours", False),
 )
-#: What may be said of an effect.
+#: The values of an effect's setting.
 WORDS = ("auto", "on", "off")

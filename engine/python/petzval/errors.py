@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command says when it cannot go on."""
+"""The message of a command that cannot go on."""
 
 import sys
 from collections.abc import Iterator
@@ -19,7 +19,8 @@ class TryAgain(Exception):
 
 
 class CommandError(Exception):
-    """The message is one line: what, where, what to do. The command line prints it and exits with `status`."""
+    """An error of a command. The message is one line: the fault, its place, the remedy. The command line prints it and exits with
+    `status`."""
 
     def __init__(self, message: str, status: int = 1) -> None:
         super().__init__(message)

@@ -8,7 +8,7 @@ the maker publishes of the named camera.
 
 A second published table confirms the sizes, but for aps-c, 44x33, 6x7cm, 5x7in, 8x10in and VistaVision's height, and for the
 sides of 4x5in, of which it gives the diagonal alone. Two tables differ where they mean different things: Super 8's 5.79 x
-4.01 mm, for one, is near what is projected.
+4.01 mm, for one, is near the projected size.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval glass`: what is known of a glass. Reads arguments, asks the engine, prints or draws its answer. Computes nothing."""
+"""`petzval glass`: the data of a glass. Reads arguments, asks the engine, prints or draws its answer. Computes nothing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .lens_loading import say
 
 #: F, d and C, and e, F' and C' of mercury and cadmium, nm.
 _LINES = (("F", 486.1327), ("d", 587.5618), ("C", 656.2725), ("F'", 479.9914), ("e", 546.0740), ("C'", 643.8469))
-#: What is drawn, nm, if the glass's range goes so far.
+#: The range that is drawn, nm, if the glass's own goes so far, and the number of wavelengths.
 _SHORTEST_NM, _LONGEST_NM, _PLACES = 320.0, 1000.0, 341
 
 

@@ -25,13 +25,13 @@ if sys.platform == "win32":
 
 
 class _Listener:
-    """What a signal does in this process."""
+    """The handler of interrupt signals in this process."""
 
     def __init__(self) -> None:
         self.is_listening = False
         #: Asks the render to stop; None: there is none.
         self.stop: Callable[[], None] | None = None
-        #: When it was first asked, in seconds of the monotonic clock.
+        #: The time of the first request, in seconds of the monotonic clock.
         self._first: float | None = None
         self._voice = 2
 
@@ -76,7 +76,7 @@ def raise_at_ctrl_c() -> None:
 
 
 def _is_handled_by(handler: object) -> bool:
-    """Whether Ctrl-C calls `handler`. A handler that a host program or a parent process has set stays."""
+    """True if Ctrl-C calls `handler`. A handler that a host program or a parent process has set stays."""
     return signal.getsignal(signal.SIGINT) is handler
 
 
@@ -116,7 +116,7 @@ def listen_by_handlers() -> None:
 
 
 if sys.platform == "win32":
-    #: What the console calls, kept while it may.
+    #: The callbacks of the console, kept while it may call them.
     _console_calls: list[object] = []
 
     def _listen_to_console() -> None:

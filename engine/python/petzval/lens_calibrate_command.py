@@ -19,12 +19,12 @@ from .scene_options import check_apart, check_writable
 
 #: Pixels across a picture whose size is not asked for.
 _WIDTH_PX = 1920
-#: A model that leaves more than this is worth a word.
+#: The residual of a model beyond which a note says so, pixels.
 _MUCH_PX = 0.5
 
 
 def add_parser(actions: Any, kinds: str) -> None:
-    """Adds `calibrate` to those of `petzval lens`."""
+    """Adds `calibrate` to the actions of `petzval lens`."""
     calibrate = actions.add_parser(
         "calibrate", help="fit a camera model of OpenCV, COLMAP and others to the lens", allow_abbrev=False
     )
@@ -142,7 +142,7 @@ def _calibrate(arguments: argparse.Namespace) -> int:
 
 
 def _notes(found: dict[str, Any], camera: Any) -> list[str]:
-    """What is out of the ordinary."""
+    """The notes on unusual findings."""
     notes = []
     (width, height), film = found["picture_mm"], camera.film
     if min(width / film.width_mm, height / film.height_mm) < 0.999:

@@ -11,12 +11,12 @@ from .description import IDENTITY, CameraDescription, FilmSettings, FocusSetting
 from .lens_setting import add_focus, add_setting, setting_of
 from .places import find_lens
 
-#: As the engine's description has it, in units of which a thousand millimetres make one.
+#: Millimetres of a unit of the engine's description.
 _SCALE = 1000.0
 
 
 def add_camera(parser: argparse.ArgumentParser, kinds: str) -> None:
-    """The lens, how it is set, its film and the picture's pixels."""
+    """Adds the options of a lens, its setting, its film and the picture's pixels."""
     parser.add_argument("lens", metavar="FILE", help=f"a lens file ({kinds}), or the name of a shipped lens")
     parser.add_argument(
         "--film", type=types.film, metavar="WxH|NAME", required=True, help=f"millimetres, or {types.FILM_NAMES}"
@@ -28,7 +28,7 @@ def add_camera(parser: argparse.ArgumentParser, kinds: str) -> None:
 
 
 def add_pose(parser: argparse.ArgumentParser) -> None:
-    """How the film stands behind the lens."""
+    """Adds the options for the pose of the film behind the lens."""
     parser.add_argument("--tilt", type=types.number, default=0.0, metavar="DEG", help="turn of the film about its horizontal axis")  # fmt: skip
     parser.add_argument("--swing", type=types.number, default=0.0, metavar="DEG", help="turn of the film about its vertical axis")  # fmt: skip
     parser.add_argument("--shift", type=types.pair, default=[0.0, 0.0], metavar="X,Y", help="the lens right and up against the film, mm")  # fmt: skip
@@ -37,7 +37,7 @@ def add_pose(parser: argparse.ArgumentParser) -> None:
 def camera_of(
     arguments: argparse.Namespace, *, wavelength_nm: float | None = None, spectrum: str = "VISIBLE"
 ) -> CameraDescription:
-    """What `add_camera` asked for, as the engine takes it."""
+    """The camera that the arguments of `add_camera` ask for, as the engine takes it."""
     distance = arguments.focus_distance
     is_far = distance is None or math.isinf(distance)
     width_mm, height_mm = arguments.film

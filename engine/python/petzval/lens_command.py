@@ -28,7 +28,7 @@ from .questions import read_list, vector_text
 
 _D_LINE_NM = 587.5618
 
-#: What is read, by ending; tables of the Optical Bench are known by their sections.
+#: The endings of lens files that are read; tables of the Optical Bench are known by their sections.
 KINDS = ".lens, .zmx, .seq, .len, .dat or .txt (a table of the Optical Bench)"
 
 
@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _with_notes(answer: str, notes: list[str]) -> str:
-    """The JSON object, with what there is to say about it: nothing else than it stands on stdout, and stderr is for errors."""
+    """The JSON object, with its remarks inside: nothing else stands on stdout, and stderr is for errors."""
     return json.dumps({**json.loads(answer), "notes": notes}) if notes else answer
 
 
@@ -236,7 +236,7 @@ def _value_text(value: Any, null: str) -> str:
     return f"{value:.6f}" if isinstance(value, float) else str(value)
 
 
-#: The same of the x-z plane, where an anamorphic lens has another: key in `section_x`, words, unit, words for null.
+#: The rows of the x-z plane, which differ for an anamorphic lens: key in `section_x`, words, unit, words for null.
 _ROWS_ACROSS = (
     ("efl_mm", "across (x): focal length", "mm", "infinite"),
     ("f_number", "across (x): f-number", "", "none"),
@@ -287,7 +287,7 @@ def _runs(numbers: list[int]) -> str:
 
 
 def _coating_line(info: dict[str, Any]) -> str:
-    """What its surfaces in air are coated with."""
+    """The coatings of the lens's surfaces in air, in a line."""
     names = ", ".join(info["coatings"]) or "no surface in air"
     return f"coatings: {names}" + (" (assumed: the file names none)" if info["coating_is_assumed"] else "")
 
@@ -313,7 +313,7 @@ def _sum_lines(info: dict[str, Any]) -> list[str]:
 
 
 def _ray_lines(rays: list[dict[str, Any]]) -> str:
-    """One line a ray: what became of it, and where it is then."""
+    """One line a ray: its status, and its place and direction then."""
     lines = []
     for i, ray in enumerate(rays):
         if ray["status"] == "ok":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The drawing of a lens, from what the engine says of its surfaces and rays: by matplotlib, or in Blender by `plotting`."""
+"""The drawing of a lens, from the engine's surfaces and rays: by matplotlib, or in Blender by `plotting`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _Line = list[list[float]]
 
 _GLASS, _RIM, _MIRROR = "#d3e5f2", "#33566f", "#20262b"
 _WIDTH_IN, _LEAST_IN, _MOST_IN = 10.0, 3.2, 8.0
-#: Above and below the lens.
+#: Room above and below the lens.
 _BESIDE_IN = 1.0
 #: The stop's marks, of the lens's height, and the room about all, of its.
 _MARK, _ROOM = 0.09, 0.06
@@ -33,7 +33,7 @@ def write(found: dict[str, Any], out: Path) -> None:
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
-    """Of the page."""
+    """The size of the page."""
     left, right, low, high = _extent(found)
     return _WIDTH_IN, min(max(_WIDTH_IN * (high - low) / (right - left), _LEAST_IN), _MOST_IN) + _BESIDE_IN
 
@@ -50,7 +50,7 @@ def lay_out(found: dict[str, Any], figure: Any) -> None:
 
 
 def draw(found: dict[str, Any], axes: Any) -> None:
-    """Into a matplotlib axes."""
+    """Draws the lens into a matplotlib axes."""
     left, right, low, high = _extent(found)
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
@@ -79,7 +79,7 @@ def _colours(found: dict[str, Any]) -> list[str]:
 
 
 def _extent(found: dict[str, Any]) -> tuple[float, float, float, float]:
-    """Left, right, low and high of what is drawn, with room about it."""
+    """Left, right, low and high of the drawing, with room about it."""
     places = [place for surface in found["surfaces"] for place in surface["points"]]
     places += [place for field in found["fields"] for ray in field["rays"] for place in ray]
     places += [*found["film"], [found["film_z_mm"], 0.0]]

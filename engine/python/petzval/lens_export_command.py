@@ -18,7 +18,7 @@ _D_LINE_NM = 587.5618
 
 
 def add_parsers(actions: Any, kinds: str) -> None:
-    """Adds both to those of `petzval lens`."""
+    """Adds both actions to those of `petzval lens`."""
     stmap = actions.add_parser("stmap", help="a distortion map for compositing", allow_abbrev=False)
     add_camera(stmap, kinds)
     stmap.add_argument("-o", "--output", required=True, metavar="MAP.exr", help="the map, 32 bits")

@@ -40,7 +40,7 @@ _pitch.__name__, _gaps.__name__ = "pixel size", "tolerance"
 
 
 def add_parser(actions: Any, kinds: str) -> None:
-    """Adds `fit` to those of `petzval lens`."""
+    """Adds `fit` to the actions of `petzval lens`."""
     fit = actions.add_parser("fit", help="adjust the lens to a measured camera calibration", allow_abbrev=False)
     fit.add_argument("lens", metavar="FILE", help=f"a lens file ({kinds}), or the name of a shipped lens")
     fit.add_argument("--calibration", required=True, metavar="FILE", help=CALIBRATIONS)
@@ -105,7 +105,7 @@ def _fit(arguments: argparse.Namespace) -> int:
 
 
 def _notes(found: dict[str, Any]) -> list[str]:
-    """What is out of the ordinary."""
+    """The notes on unusual findings."""
     notes = []
     if found["compared"] < 0.9995:
         notes.append(

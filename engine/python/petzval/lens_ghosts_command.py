@@ -73,7 +73,7 @@ def _ghosts(arguments: argparse.Namespace) -> int:
 
 
 def _table(found: dict[str, Any], count: int) -> str:
-    """What was found, for a terminal."""
+    """The ghosts as a table for a terminal."""
     lines = [
         f"{found['name']}, f/{found['f_number']:.3g}, a far source at {found['angle_deg']:g} degrees, {found['wavelength_nm']:g} nm",
         "irradiance and light are for one of irradiance before the lens; places in the picture from its middle",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lenses that come with Petzval, by what they are for."""
+"""The lenses that come with Petzval, by their purpose."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def entries() -> list[dict[str, Any]]:
 
 
 def number(value: float | None, digits: int = 5) -> str:
-    """So many digits, without an exponent."""
+    """A number in so many digits, without an exponent."""
     if value is None:
         return "none"
     text = f"{value:.{digits}g}"
@@ -69,5 +69,5 @@ def field_text(entry: dict[str, Any]) -> str:
 
 
 def film_text(entry: dict[str, Any]) -> str:
-    """Width and height in mm of the film that it covers."""
+    """Width and height in mm of the film that a lens covers."""
     return "" if entry["film_mm"] is None else " x ".join(f"{side:g}" for side in entry["film_mm"])

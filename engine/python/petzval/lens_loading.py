@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lenses that a command asks for, and what there is to say of them."""
+"""The lenses that a command asks for, and the remarks on them."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens reality`: a lens beside what photographers have measured of its product. Reads arguments, asks the engine, draws its answer."""
+"""`petzval lens reality`: a lens beside photographers' measurements of its product. Reads arguments, asks the engine, draws its answer."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def add_parser(actions: argparse._SubParsersAction[argparse.ArgumentParser], kin
 
 
 def found_for(lens: Any, settings: Any, **options: Any) -> dict[str, Any]:
-    """What the engine finds."""
+    """The engine's comparison of a lens with measurements."""
     from . import _native
 
     found: dict[str, Any] = json.loads(_native.lens_reality_json(lens, settings, **options))
@@ -101,7 +101,7 @@ def title(found: dict[str, Any]) -> str:
 
 
 def table(found: dict[str, Any]) -> list[str]:
-    """What was found, for a terminal."""
+    """The comparison as a table for a terminal."""
     place, line = found["place"]
     lines = [f"{found['name']}, f = {found['efl_mm']:.4g} mm", f"{title(found)} ({place}:{line})"]
     if (distortion := found["distortion"]) is not None:
@@ -138,7 +138,7 @@ def _named(what: str, found: Any) -> str:
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure: full lines by rays, dashes as measured."""
+    """Draws into a figure: full lines by rays, dashes as measured."""
     distortion, light, colour = figure.subplots(1, 3)
     for axes in (distortion, colour):
         axes.axhline(0.0, color=PALE, linewidth=0.6)

@@ -16,7 +16,7 @@ from .lens_setting import add_look, add_setting, look_of, settings_at
 
 
 def add_parsers(actions: Any, kinds: str) -> None:
-    """Adds an action for each report to those of `petzval lens`."""
+    """Adds an action for each report to `petzval lens`."""
     for report in REPORTS:
         parser: argparse.ArgumentParser = actions.add_parser(report.name, help=report.help, allow_abbrev=False)
         parser.add_argument("lens", metavar="FILE", help=f"a lens file ({kinds}), or the name of a shipped lens")
@@ -33,7 +33,7 @@ def add_parsers(actions: Any, kinds: str) -> None:
 
 
 def _run(report: LensReport, arguments: argparse.Namespace) -> int:
-    """Prints the table, or writes the picture, and says what there is to say."""
+    """Prints the table, or writes the picture, and prints the remarks."""
     from .lens_reports import page
 
     settings = settings_at(arguments, arguments.f_numbers if report.has_f_numbers else [])

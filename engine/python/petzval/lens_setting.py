@@ -97,14 +97,14 @@ def _mask(path: str) -> Any:
 
 
 def add_focus(parser: argparse.ArgumentParser) -> None:
-    """The option of where a lens is focused."""
+    """The option of a lens's focus distance."""
     parser.add_argument(
         "--focus-distance", type=_distance, metavar="MM|inf", help="from the entrance pupil to what is sharp"
     )
 
 
 def add_look(parser: argparse.ArgumentParser, fields: str) -> None:
-    """The options of `LensReportSettings`; `fields` says what is shown without --fields."""
+    """The options of `LensReportSettings`; `fields` names the fields without --fields."""
     parser.add_argument(
         "--fields", nargs="+", type=number, default=[], metavar="DEG", help=f"angles to the axis; default: {fields}"
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval merge`: renders of one picture with other samples become one, each pixel by how many samples it has."""
+"""`petzval merge`: renders of one picture with other samples become one, each pixel by its number of samples."""
 
 from __future__ import annotations
 

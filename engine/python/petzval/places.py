@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the lenses and the add-on lie: in the checkout when run from one, else inside the installed package."""
+"""The places of the lenses and of the add-on: in the checkout when run from one, else inside the installed package."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval plan`: which effects of the lens a picture calls for, how large each is, and what was decided."""
+"""`petzval plan`: which effects of the lens a picture calls for, how large each is, and the decisions."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def lines(plan: dict[str, Any]) -> list[str]:
-    """A plan for people: a row an effect, then the camera that follows from it."""
+    """A plan in words: a row an effect, then the camera that follows from it."""
     rows = [("effect", "", "measure", "tolerance", "cost", "why")]
     rows += [
         (row["effect"], row["decision"], size(row), f"{row['tolerance']:.3g}", cost(row), row["why"])

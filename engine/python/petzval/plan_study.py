@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plans a picture, and foretells its time, instead of rendering it. Runs where Blender is."""
+"""Plans a picture, and forecasts its time, instead of rendering it. Runs where Blender is."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 
 class PlanStudy:
-    """Called by the engine with what would be rendered; `found` is the plan, if there is one."""
+    """The study that is called by the engine instead of a render; `found` is the plan, if there is one."""
 
     is_long = False
 

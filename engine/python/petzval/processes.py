@@ -18,14 +18,14 @@ _POLL_S = 0.05
 
 
 def own_group() -> dict[str, Any]:
-    """What makes `subprocess.Popen` start a program in a group of its own: a terminal's Ctrl-C comes to this process alone."""
+    """The arguments of `subprocess.Popen` that start a program in a group of its own: a terminal's Ctrl-C comes to this process alone."""
     if sys.platform == "win32":
         return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
     return {"start_new_session": True}
 
 
 def ask_to_end(process: subprocess.Popen[bytes]) -> None:
-    """Asks a program to keep what it has, and to end. On Windows it must have a group of its own; where it shares no console with this
+    """Asks a program to keep its work, and to end. On Windows it must have a group of its own; where it shares no console with this
     process, it ends at once."""
     if sys.platform != "win32":
         process.send_signal(signal.SIGTERM)
@@ -65,12 +65,12 @@ def wait(process: subprocess.Popen[bytes]) -> int:
 
 
 def has_crashed(status: int) -> bool:
-    """Whether this exit status is no answer of a program, but says that it was killed or has crashed."""
+    """True if this exit status is no answer of a program, but says that it was killed or has crashed."""
     return status < 0 or status >= _CRASHED
 
 
 def handed_down(*descriptors: int) -> tuple[dict[str, Any], list[int]]:
-    """What makes `subprocess.Popen` hand open files to a program, and the numbers by which `taken_over` finds them there."""
+    """The arguments of `subprocess.Popen` that hand open files to a program, and the numbers by which `taken_over` finds them there."""
     if sys.platform == "win32":
         import msvcrt
 
@@ -91,7 +91,7 @@ def taken_over(number: int) -> int:
 
 
 def has_byte(pipe: int) -> bool:
-    """Whether something was ever written into a pipe, of which nothing is read."""
+    """True if something was ever written into a pipe, of which nothing is read."""
     if sys.platform == "win32":
         import ctypes
         import msvcrt
@@ -106,7 +106,8 @@ def has_byte(pipe: int) -> bool:
 
 
 def keep_own_voice() -> None:
-    """From here on stdout and stderr are Python's alone: what other code of the process says, as Blender's, must not stand in the answer."""
+    """Keeps stdout and stderr for Python alone from here on: output of other code of the process, as Blender's, must not stand in the
+    answer."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for name, descriptor in (("stdout", 1), ("stderr", 2)):
         getattr(sys, name).flush()

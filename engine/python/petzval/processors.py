@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which of the wheel's engines is for this processor.
+"""The choice among the wheel's engines for this processor.
 
 A wheel for x86-64 holds the engine several times, each compiled for one of the levels that the processors' makers agreed
 on: `_engines/LEVEL/_native.abi3.so`, on Windows `_native.pyd`. Other wheels hold one engine, for every processor of their
 kind, and need nothing of this.
 
-What the processor can do the system says: that needs no other package, and leaves out what the system has not switched on,
+The flags of the processor come from the system: that needs no other package, and leaves out features that the system has not enabled,
 such as the wide registers. numpy knows too, but under a private name, and it would have to be loaded first.
 """
 
@@ -31,20 +31,21 @@ _PACKAGE = Path(__file__).resolve().parent
 _CPUINFO = Path("/proc/cpuinfo")
 #: Names of compiled modules, by the system.
 MODULES = ("_native.abi3.so", "_native.pyd")
-#: Flags by the numbers of `IsProcessorFeaturePresent` (winnt.h). Windows has a number for AVX2 and none for what came with it: no
+#: Flags by the numbers of `IsProcessorFeaturePresent` (winnt.h). Windows has a number for AVX2 and none for the flags that came with it: no
 #: processor on which Windows 10 runs has the one without the others.
 _WINDOWS_FEATURES = {
     13: {"pni"}, 14: {"cx16", "lahf_lm", "popcnt"}, 36: {"ssse3"}, 37: {"sse4_1"}, 38: {"sse4_2"}, 39: {"avx", "xsave"},
     40: {"abm", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"}, 41: {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"},
 }  # fmt: skip
 _SSE4_2 = 38
-#: What `sysctl` calls flags on a Mac, where it is not their name in small letters.
+#: The names of flags by `sysctl` on a Mac, where they are not the names in small letters.
 _MAC_NAMES = {"sse3": "pni", "sse4.1": "sse4_1", "sse4.2": "sse4_2", "avx1.0": "avx", "lahf": "lahf_lm", "lzcnt": "abm"}
 _MAC_LISTS = ("machdep.cpu.features", "machdep.cpu.extfeatures", "machdep.cpu.leaf7_features")
 
 
 class ProcessorError(ImportError):
-    """There is an engine, but none for this processor, or not the one wished for. One line: what, where, what to do."""
+    """The error of an installation without an engine for this processor, or without the one wished for. One line: the fault, its place, the
+    remedy."""
 
 
 def engine_file() -> Path:
@@ -61,12 +62,12 @@ def engines() -> dict[str, Path]:
 
 
 def has_one_engine() -> bool:
-    """Whether a compiled module lies beside the package's files: Python loads it before any other."""
+    """True if a compiled module lies beside the package's files: Python loads it before any other."""
     return any((_PACKAGE / name).exists() for name in MODULES)
 
 
 def flags_of_this_processor() -> frozenset[str] | None:
-    """What the first processor can do; None where the system does not say. All of a machine are alike."""
+    """The flags of the first processor; None where the system does not say. All of a machine are alike."""
     if sys.platform == "win32":
         return _flags_by_windows(ctypes.WinDLL("kernel32").IsProcessorFeaturePresent)
     if sys.platform == "darwin":
@@ -135,7 +136,7 @@ def choose(engines: Collection[str], flags: Collection[str] | None, wish: str = 
 
 
 def lacking(level: str, flags: Collection[str] | None) -> set[str]:
-    """What a processor of these flags lacks for a level; nothing where they are not known."""
+    """The flags of a level that a processor with these flags lacks; empty where they are not known."""
     if flags is None:
         return set()
     names = list(LEVELS)

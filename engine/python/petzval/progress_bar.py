@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One line on a terminal: how much is done, and how long the rest will take."""
+"""One line on a terminal: the part that is done, and the time that the rest will take."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TextIO
 
 
 class ProgressBar:
-    """Called with the part that is done, 0 to 1, and what to say of it; drawn no more often than can be read."""
+    """A progress bar: called with the part that is done, 0 to 1, and words on it; drawn no more often than can be read."""
 
     _WIDTH = 30
     _LEAST_SECONDS = 0.1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command is asked in JSON: read from a file or stdin, and told what is wrong with it."""
+"""The question of a command in JSON: read from a file or stdin, with the errors that are found in it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LONGEST = 1 << 30
 def read_list(path: str, name: str, example: str) -> tuple[str, dict[str, Any]]:
     """The text of a file (`-`: of stdin) and the object in it, which has a list `name`.
 
-    Raises `CommandError`; `example` is what an item of the list looks like.
+    Raises `CommandError`; `example` is an item of the list as it should be.
     """
     text = _read(path, name)
     try:

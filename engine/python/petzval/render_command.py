@@ -44,7 +44,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def add_options(p: argparse.ArgumentParser) -> None:
-    """Adds what decides the picture beside the scene's options: samples, noise, passes."""
+    """Adds the options that decide the picture beside the scene's: samples, noise, passes."""
     p.add_argument(
         "--samples",
         type=types.count,
@@ -125,7 +125,7 @@ def options_of(a: argparse.Namespace) -> dict[str, Any]:
 
 
 def check_picture(a: argparse.Namespace, output: Path) -> None:
-    """Raises `CommandError` where what is asked for cannot stand in a picture of that name."""
+    """Raises `CommandError` where a picture of that name cannot hold the passes that are asked for."""
     if output.suffix.lower() not in _SUFFIXES:
         raise CommandError(f"unknown picture format: {output}: end its name in .exr or .png")
     for name in ("mergeable", "passes"):

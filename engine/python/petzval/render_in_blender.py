@@ -69,7 +69,7 @@ class _Strict:
 
 def render(options: dict[str, Any]) -> int:
     """Renders as `render_command` has checked the options, or plans as `plan_command` has, or measures as `cost_command`
-    has; gives the exit status and has said what went wrong."""
+    has; returns the exit status after the error was printed."""
     from petzval.errors import AGAIN, TryAgain
 
     voice = _own_stderr(options.get("stderr_fd"))
@@ -97,7 +97,7 @@ def finish(status: int) -> None:
 
 
 def _own_stderr(fd: int | None) -> TextIO:
-    """The terminal's stderr for Petzval alone; what Blender says there goes to stdout from here on."""
+    """The terminal's stderr for Petzval alone; Blender's output there goes to stdout from here on."""
     from petzval import processes
 
     own = os.dup(2) if fd is None else processes.taken_over(fd)
@@ -108,7 +108,7 @@ def _own_stderr(fd: int | None) -> TextIO:
 
 
 def _render(options: dict[str, Any], voice: TextIO) -> tuple[str | None, bool]:
-    """What went wrong, if something did; and whether the render was broken off."""
+    """The error message of a render, if any; and whether the render was broken off."""
     try:
         import bpy
     except ImportError as error:
@@ -185,7 +185,7 @@ def _picture(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> 
 
 
 def take(scene: Any, watch: Any, *, writes: bool) -> str | None:
-    """Renders the scene, into its file where it `writes`; the error, if any."""
+    """Renders the scene, into its file if `writes`; returns the error, if any."""
     import bpy
 
     try:
@@ -245,7 +245,7 @@ def _check_picture(file: Path, output: str) -> None:
 
 
 def _is_whole_png(data: bytes) -> bool:
-    """Whether all chunks are there, each with the checksum that it names."""
+    """True if all chunks are there, each with the checksum that it names."""
     at = 8
     while data[at : at + 8]:
         length, kind = struct.unpack_from(">I4s", data, at)
@@ -259,7 +259,7 @@ def _is_whole_png(data: bytes) -> bool:
 
 
 def _end_checkpoints(checkpoints: list[Any], voice: TextIO, *, is_done: bool, stopped: bool) -> None:
-    """Deletes the checkpoints of a render that is done; says where those of a render are that was broken off."""
+    """Deletes the checkpoints of a render that is done; prints the places of those of a render that was broken off."""
     for checkpoint in checkpoints:
         if is_done:
             checkpoint.delete()
@@ -268,7 +268,7 @@ def _end_checkpoints(checkpoints: list[Any], voice: TextIO, *, is_done: bool, st
 
 
 def _study(asked: dict[str, Any] | None, scene: Any, watch: Any) -> Any:
-    """What is to be done instead of a render, if something is."""
+    """The study that runs instead of a render, if one is asked for."""
     if asked is None:
         return None
     if asked["what"] == "plan":
@@ -281,7 +281,7 @@ def _study(asked: dict[str, Any] | None, scene: Any, watch: Any) -> Any:
 
 
 def _save(study: Any, file: str, interrupted: bool) -> str | None:
-    """Leaves what was found for the command; the error, if any."""
+    """Writes the results for the command; returns the error, if any."""
     if study.found is None:
         return None if interrupted else "nothing was measured: look at what Blender said"
     with open(file, "w", encoding="utf-8") as out:
@@ -290,7 +290,7 @@ def _save(study: Any, file: str, interrupted: bool) -> str | None:
 
 
 def apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> str | None:
-    """Sets what the command line asked for; the error, if any. What had to be found goes into `found`."""
+    """Sets the options of the command line; returns the error, if any. Values that had to be found go into `found`."""
     r, own = _Strict(scene.render), _Strict(scene.petzval)
     if scene.camera is None:
         return f"no camera in scene '{scene.name}' of {o['scene']}: add one, or make one active"
@@ -348,7 +348,7 @@ def apply(scene: Any, o: dict[str, Any], addon: Any, found: dict[str, Any]) -> s
 
 
 def _apply_sampling(scene: Any, own: _Strict, o: dict[str, Any], addon: Any) -> None:
-    """How many samples: what is not asked for stays as the file has it, but a number of samples is exactly that."""
+    """Sets the number of samples: options that are not given stay as in the file, but a given number of samples is exactly that."""
     sampling = addon.export.sampling
     asked = {name: o[name] for name in ("samples", "min_samples", "time_limit", "sample_offset") if o[name] is not None}
     if asked or o["noise_threshold"] is not None:

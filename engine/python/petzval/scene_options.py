@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options that every command has which opens a .blend: which lens, how it is set, what is simulated; and where it runs:
+"""The options that every command has which opens a .blend: the lens, its setting, the simulated effects; and where it runs:
 in this Python's bpy, or in a Blender that is named."""
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .interrupts import INTERRUPTED
 from .places import find_lens
 from .sensor_options import SENSORS
 
-#: What the half in Blender ends with, having said why, and what that means here. No program ends so by chance.
+#: The exit statuses of the half in Blender, which has said why, and their meaning here. No program ends so by chance.
 _OWN_STATUS = {70: 0, 71: 1, 72: 2, 73: AGAIN, INTERRUPTED: INTERRUPTED}
 
 
@@ -255,7 +255,7 @@ def check_apart(written: Mapping[str, Path | None], read: Mapping[str, str | Pat
 
 
 def study(blender: str | None, options: dict[str, Any], tell: Callable[[dict[str, Any], TextIO, TextIO], None]) -> int:
-    """Has the study in the options made where Blender is, and told by `tell(found, stdout, stderr)`, if something was found;
+    """Runs the study in the options where Blender is, and told by `tell(found, stdout, stderr)`, if something was found;
     the exit status. Without a Blender that is named, the process ends here."""
     # Blender says what it likes on stdout: that is kept for the answer.
     own_stdout, voice = os.dup(1), os.dup(2)

@@ -17,7 +17,7 @@ RAW_ENDINGS = (".dng", ".png", ".exr")
 
 
 def add_noise(p: argparse.ArgumentParser) -> None:
-    """Adds what decides electrons and noise beside the light, under names that begin as in `exposure_of`."""
+    """Adds the options that decide electrons and noise beside the light, under names that begin as in `exposure_of`."""
     p.add_argument(
         "--mosaic",
         metavar="NAME",
@@ -56,7 +56,7 @@ def check_raw(output: Path) -> None:
 
 
 def told(output: Path, found: dict[str, Any]) -> str:
-    """What became of the light, in a line."""
+    """The digital exposure in a line: size, ISO, gain, white and saturated part."""
     width, height = found["size"]
     white = ", ".join(f"{electrons:.0f}" for electrons in dict.fromkeys(found["white_e"]))
     line = (

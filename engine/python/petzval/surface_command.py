@@ -64,7 +64,7 @@ def _trace(arguments: argparse.Namespace) -> int:
 
 
 def _line(case: dict[str, Any]) -> str:
-    """What became of the ray, and where."""
+    """The result of a ray in a line: status, point, normal and direction."""
     parts = [case["status"]]
     if case["point"] is not None:
         parts.append(f"at ({vector_text(case['point'])}) mm, t = {case['t']:.9g} mm")

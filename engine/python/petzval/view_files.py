@@ -12,8 +12,8 @@ from . import atomic_files
 
 
 def suffixes(render: Any) -> list[str]:
-    """What Blender appends to a picture's name, view by view, by a scene's render settings; one without any where all views, or the only
-    one, lie in one file."""
+    """The suffixes that Blender appends to a picture's name, view by view, by a scene's render settings; one empty suffix where all views,
+    or the only one, lie in one file."""
     if not render.use_multiview or render.image_settings.views_format != "INDIVIDUAL":
         return [""]
     # Of a pair of eyes Blender has two views; it keeps others for multiview.
@@ -25,7 +25,7 @@ _EYES = ("left", "right")
 
 
 def problem(render: Any) -> str | None:
-    """Why a scene's views cannot be written, and what to do; None where they can."""
+    """The reason why a scene's views cannot be written, and what to do; None where they can."""
     own = suffixes(render)
     same = next((one for one in own if own.count(one) > 1), None)
     return (

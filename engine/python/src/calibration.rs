@@ -105,7 +105,7 @@ fn write_map(
     Ok(map.iter().filter(|pixel| pixel[3] > 0.0).count() as f64 / map.len() as f64)
 }
 
-/// A model fitted to a lens: what there is to say of it, and its text in a format, if one is named. Maps are files to write, with their
+/// A model fitted to a lens: the report on it, and its text in a format, if one is named. Maps are files to write, with their
 /// comments.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "what is fitted, and what is written of it")]
@@ -143,7 +143,8 @@ pub(crate) fn fitted_camera_json(
     })?
 }
 
-/// Sentences on a calibrated camera: what of its picture shows nothing and why, and what of its lens was not measured.
+/// Sentences on a calibrated camera: the part of its picture that shows nothing and why, and the effects of its lens that were not
+/// measured.
 #[pyfunction]
 pub(crate) fn calibration_remarks(
     py: Python<'_>,

@@ -7,10 +7,10 @@ use petzval_render::scene::graph::{Displacement, Graph};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A graph, and what of it the engine does otherwise than Blender.
+/// A graph, and warnings of parts that the engine does otherwise than Blender.
 type Compiled = (Arc<Graph>, Vec<String>);
 
-/// A graph's text, and what else its compiled form depends on.
+/// A graph's text, and the other inputs of its compiled form.
 #[derive(PartialEq, Eq, Hash)]
 struct CompiledFrom {
     json: String,
@@ -20,14 +20,14 @@ struct CompiledFrom {
     is_world: bool,
 }
 
-/// Compiled graphs by what they are compiled from.
+/// Compiled graphs by their sources.
 #[derive(Default)]
 pub(crate) struct Graphs {
     known: HashMap<CompiledFrom, Compiled>,
 }
 
 impl Graphs {
-    /// The graph of a material's text, and what to say of it to `owner`.
+    /// The graph of a material's text, and its warnings, which name `owner`.
     pub(crate) fn read(
         &mut self,
         json: String,
@@ -38,7 +38,7 @@ impl Graphs {
         self.compiled(CompiledFrom { json, pass_index, displacement, is_world: false }, owner)
     }
 
-    /// The graph of a lamp's text, if there is one, and what to say of it to `owner`.
+    /// The graph of a lamp's text, if there is one, and its warnings, which name `owner`.
     pub(crate) fn of_lamp(
         &mut self,
         json: Option<String>,
@@ -49,7 +49,7 @@ impl Graphs {
         Ok((Some(graph), reports))
     }
 
-    /// The graph of a world's text, if there is one, and what to say of it.
+    /// The graph of a world's text, if there is one, and its warnings.
     pub(crate) fn of_world(&mut self, json: Option<String>) -> Result<(Option<Arc<Graph>>, Vec<String>), Error> {
         let Some(json) = json else { return Ok((None, Vec::new())) };
         let from = CompiledFrom { json, pass_index: 0, displacement: Displacement::default(), is_world: true };

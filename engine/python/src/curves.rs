@@ -17,7 +17,7 @@ pub(crate) struct CurveOptions<'py> {
     pub(crate) moved_keys: Option<[PyReadonlyArray2<'py, f32>; 2]>,
 }
 
-/// The engine's description of what came.
+/// The engine's description of the curves from Python.
 pub(crate) fn description(
     name: &str,
     keys: &PyReadonlyArray2<'_, f32>,

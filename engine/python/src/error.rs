@@ -76,17 +76,17 @@ maps! {
     SensorError => PetzvalError,
 }
 
-/// A report as JSON. What is not finite is null.
+/// A report as JSON. Numbers that are not finite are null.
 pub(crate) fn json(report: &impl Serialize) -> Result<String, Error> {
     serde_json::to_string(report).map_err(|error| invalid(format!("the report is no JSON: {error}")))
 }
 
-/// An argument from Python is not what was asked for.
+/// An argument from Python is not of the expected kind.
 pub(crate) fn invalid(what: impl Into<String>) -> Error {
     Error(PyErr::new::<PetzvalError, _>(what.into()))
 }
 
-/// A piece of a scene from Python is not what was asked for.
+/// A piece of a scene from Python is not of the expected kind.
 pub(crate) fn bad_scene(what: impl Into<String>) -> Error {
     Error(PyErr::new::<SceneError_, _>(what.into()))
 }

@@ -13,7 +13,7 @@ use petzval_render::scene::visibility::Rays;
 use pyo3::prelude::*;
 use std::cell::RefCell;
 
-/// Focuses on what a picture point sees.
+/// Focuses on the hit of a picture point's rays.
 #[pyfunction]
 pub(crate) fn autofocus_json(
     py: Python<'_>,

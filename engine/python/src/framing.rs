@@ -17,7 +17,7 @@ type Maps = Vec<Vec<[f32; 4]>>;
 /// Largest number of pixels of a map.
 const MOST_PIXELS: u64 = 1 << 28;
 
-/// The settings that frame what Blender's camera frames.
+/// The settings with the frame of Blender's camera.
 #[pyfunction]
 pub(crate) fn framing_json(
     py: Python<'_>,

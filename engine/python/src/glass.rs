@@ -13,7 +13,7 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// The glasses of a file, and what could not be used of it.
+/// The glasses of a file, and the entries that could not be used.
 ///
 /// Other threads of Python go on meanwhile: a catalogue may hold millions of lines.
 fn of_file(py: Python<'_>, path: &str) -> Result<(Vec<Medium>, Vec<String>), Error> {

@@ -151,7 +151,7 @@ impl Job {
     fn data<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyArray3<f32>>, Error> {
         let (width, height) = self.job.film().size();
         if let Some(place) = ["REMAINDER", "REMAINDER_FINE"].iter().position(|known| *known == name) {
-            // Denoised, or with light that strays, the picture is no sum of samples.
+            // Denoised, or with stray light, the picture is no sum of samples.
             let rest = without_gil(py, || match self.job.is_denoised() || self.job.strayed().is_some() {
                 true => vec![[[0.0; 4]; 2]; width as usize * height as usize],
                 false => self.job.film().remainders(),

@@ -42,7 +42,7 @@ pub(crate) struct PyMaterial {
 }
 
 impl PyMaterial {
-    /// The material, and what of its nodes the engine does otherwise than Blender.
+    /// The material, and warnings of nodes that the engine does otherwise than Blender.
     pub(crate) fn material(self, graphs: &mut Graphs) -> Result<(Material, Vec<String>), Error> {
         let m = self;
         let owner = format!("Material '{}'", m.name);
@@ -101,7 +101,7 @@ pub(crate) struct PyLight {
 }
 
 impl PyLight {
-    /// The lamp, where it stands, and what of its nodes the engine does otherwise than Blender.
+    /// The lamp, its matrix, and warnings of nodes that the engine does otherwise than Blender.
     pub(crate) fn lamp(self, graphs: &mut Graphs) -> Result<(Lamp, DMat4, Vec<String>), Error> {
         let unknown = |what: &str, value: &str| bad_scene(format!("light '{}': no {what} '{value}'", self.object_name));
         let reaches = visible(&self.hidden_from, &self.object_name)?;
@@ -161,7 +161,7 @@ pub(crate) struct PyWorld {
 }
 
 impl PyWorld {
-    /// The world, and what of its nodes the engine does otherwise than Blender.
+    /// The world, and warnings of nodes that the engine does otherwise than Blender.
     pub(crate) fn world(self, graphs: &mut Graphs) -> Result<(World, Vec<String>), Error> {
         let w = self;
         let (graph, mut reports) = graphs.of_world(w.graph)?;

@@ -44,7 +44,7 @@ impl Plan {
         Ok(Self { plan: without_gil(py, made)?? })
     }
 
-    /// The plan with what the render will take.
+    /// The plan with the forecast of the render's time.
     fn forecast(
         &self,
         py: Python<'_>,

@@ -14,7 +14,7 @@ pub(crate) struct PointOptions<'py> {
     pub(crate) poses: Option<Vec<PyReadonlyArray2<'py, f32>>>,
 }
 
-/// The engine's description of what came.
+/// The engine's description of the points from Python.
 pub(crate) fn description(
     name: &str,
     points: &PyReadonlyArray2<'_, f32>,

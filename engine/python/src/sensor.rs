@@ -27,7 +27,7 @@ pub(crate) fn check_exposure(sensor: &str, exposure: Named<ExposureRequest>) -> 
     Ok(())
 }
 
-/// Photographs an OpenEXR picture into a raw file; what became of its light.
+/// Photographs an OpenEXR picture into a raw file; returns the report on its light.
 #[pyfunction]
 pub(crate) fn expose_sensor_json(
     py: Python<'_>,
@@ -41,7 +41,7 @@ pub(crate) fn expose_sensor_json(
     json(&summary?)
 }
 
-/// Photographs a rendered picture, height x width x 4, rows from below, into a raw file; what became of its light.
+/// Photographs a rendered picture, height x width x 4, rows from below, into a raw file; returns the report on its light.
 #[pyfunction]
 pub(crate) fn expose_pixels_json(
     py: Python<'_>,

@@ -3,7 +3,7 @@
 //! `cargo run --release -p petzval-render --example adaptive -- [pinhole|one|exact] [WIDTH] [REFERENCE SAMPLES] [COUNTS.pgm]`
 //!
 //! It prints for each render: camera rays a pixel, also those that serve the error alone; and the error to the reference, relative (trimmed
-//! relMSE, as `tools/bench/noise.py` has it) and as seen (mean square of the difference of the square roots, what is brighter than white
+//! relMSE, as `tools/bench/noise.py` has it) and as seen (mean square of the difference of the square roots, values brighter than white
 //! cut off), of the whole picture and of the block of 8 x 8 pixels that is worse than 95 in a hundred. COUNTS.pgm is a picture of the last
 //! render's counts, its most as white.
 

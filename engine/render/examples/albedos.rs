@@ -1,4 +1,4 @@
-//! Computes the tables of albedos that are part of the program: `albedos OUT`; `engine/render/data/albedos.bin` is what it writes.
+//! Computes the tables of albedos that are part of the program: `albedos OUT`; `engine/render/data/albedos.bin` is its output.
 
 use petzval_render::shading::energy;
 

@@ -3,7 +3,7 @@
 //! A floor of 10 x 10 under lamps or emitting triangles that hang at random over it and send as much light all together, however many they
 //! are. Prints the time of a sample, and its noise: relative mean squared error times samples; the least time of some rounds, place by
 //! place, which others on the machine disturb least. Beside many that shine, as many of which ten do: what more things in the scene cost,
-//! whatever shines. A number in the command says how many there are at most.
+//! whatever shines. A number in the command is their largest count.
 
 use glam::{DMat4, DVec3, Vec3, Vec3A};
 use petzval_render::Rgb;

@@ -1,10 +1,10 @@
-//! Renders the bench scene on one thread and says what a sample cost: for profilers, and for counting instructions.
+//! Renders the bench scene on one thread and prints the cost of a sample: for profilers, and for counting instructions.
 //!
 //! `cargo run --release -p petzval-render --example path_kernel -- [pinhole|thin|one|exact] [SAMPLES] [WIDTHxHEIGHT]
 //! [small|large] [noise] [blue] [lossy]`
 //!
 //! With `lossy` light is lost at the lens's surfaces and in its glasses. With `noise` it renders twice, with other
-//! random numbers, and says by how much the two differ, pixel by pixel and in blocks of 4 x 4; with `blue` the errors
+//! random numbers, and prints the difference of the two, pixel by pixel and in blocks of 4 x 4; with `blue` the errors
 //! of neighbours cancel.
 
 #[path = "../../benches/stage/mod.rs"]

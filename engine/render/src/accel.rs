@@ -1,4 +1,4 @@
-//! Finding what a ray hits. Meshes that stand in the scene once share one tree in render space; those that stand in
+//! Intersection of rays with the scene. Meshes that stand in the scene once share one tree in render space; those that stand in
 //! it several times have one each, in object space, below a tree of their instances. docs/design/tree.md says why.
 
 mod apart;
@@ -43,7 +43,7 @@ pub struct Ray {
     pub origin: Vec3A,
     /// Direction of the ray, unit.
     pub direction: Vec3A,
-    /// Nothing farther than this counts, Blender units.
+    /// The distance beyond which no hit counts, Blender units.
     pub t_max: f32,
     /// The triangle, strand or point that it leaves.
     pub skip: SelfHit,
@@ -65,9 +65,9 @@ impl Ray {
     }
 }
 
-/// A triangle, a strand of hair or a point of a cloud that a ray does not hit, as in Cycles: what leaves it does not come back to it.
-/// A triangle is flat, but the distance to a large one is known less well than how far from it a ray starts; a ribbon that turns to
-/// every ray would hide from itself.
+/// A triangle, a strand of hair or a point of a cloud that a ray does not hit, as in Cycles: the origin of the ray, which no ray from it
+/// hits again. A triangle is flat, but the distance to a large one is known less well than how far from it a ray starts; a ribbon that
+/// turns to every ray would hide from itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SelfHit {
     /// Index of its instance.
@@ -200,7 +200,8 @@ impl Accel {
         left
     }
 
-    /// The part of light, by channel, that gets from one end of the ray to the other; `through` says what each surface in between leaves.
+    /// The part of light, by channel, that gets from one end of the ray to the other; `through` gives the transmittance of each surface in
+    /// between.
     pub fn light_through(&self, ray: &Ray, kind: Rays, mut through: impl FnMut(&Hit) -> Rgb) -> Rgb {
         let mut left = Rgb::ONE;
         self.each_between(ray, kind, |hit| {
@@ -235,7 +236,7 @@ impl Accel {
     }
 }
 
-/// A start just off a surface, on the side that `normal` points to: `error` away, which bounds how far rounding
+/// A start just off a surface, on the side that `normal` points to: `error` away, which bounds the distance that rounding
 /// may have put `p` from the surface.
 #[inline]
 pub fn offset_origin(p: Vec3A, normal: Vec3A, error: f32) -> Vec3A {

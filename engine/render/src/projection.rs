@@ -146,8 +146,8 @@ impl Panorama {
         p.is_finite().then_some(p)
     }
 
-    /// The angle between the directions of the picture's centre and of a point so far right and up of it: what a pixel of that width and
-    /// height subtends there; that of an equirectangular picture of the whole sphere where the centre shows nothing.
+    /// The angle between the directions of the picture's centre and of a point so far right and up of it: the angle that a pixel of that
+    /// width and height subtends there; that of an equirectangular picture of the whole sphere where the centre shows nothing.
     pub fn step_rad(&self, step: DVec2) -> [f64; 2] {
         let [across, up] = [DVec2::new(step.x, 0.0), DVec2::new(0.0, step.y)];
         let turned = |step: DVec2| Some(self.direction(DVec2::ZERO)?.angle_between(self.direction(step)?));
@@ -158,7 +158,7 @@ impl Panorama {
     /// Checks that the settings are numbers, and sizes and angles of the field above zero.
     ///
     /// # Errors
-    /// The first wrong setting by its name in Blender, and what to do.
+    /// The first wrong setting by its name in Blender, and the remedy.
     pub fn check(&self) -> Result<(), String> {
         let positive = |name: &str, value: f64| {
             let is_good = value > 0.0 && value.is_finite();

@@ -1,4 +1,4 @@
-//! A point on a surface, from what a ray hit: where it is, which way it faces, and its texture coordinates.
+//! A surface interaction, from a ray's hit: its place, its normals, and its texture coordinates.
 
 use crate::accel::curves::radius_scale;
 use crate::accel::points::folded;
@@ -294,7 +294,7 @@ fn along_strand(instance: &Instance, slope: Vec3, view: Vec3A) -> Vec3A {
     along.try_normalize().unwrap_or_else(|| view.any_orthonormal_vector())
 }
 
-/// A bound on what rounding does to a point on its way from object to render space and, as a ray's start, back:
+/// A bound on the rounding error of a point on its way from object to render space and, as a ray's start, back:
 /// the sum of absolute values (Higham 2002, section 3.1), with room for interpolation and the ray's own transform.
 pub fn position_error(instance: &Instance, local: Vec3A) -> f32 {
     // Roundings on the way; fewer let surfaces shadow themselves, more let light leak under thin ones.

@@ -7,7 +7,7 @@ const LEAST_EXPECTED: f64 = 5.0;
 
 /// The probability that counts differ from their expectations by this much or more if the expectations are right.
 ///
-/// `expected` are counts, too, and need not add up to the observed total: what is missing is a cell of its own
+/// `expected` are counts, too, and need not add up to the observed total: the rest is a cell of its own
 /// (samples that were refused). Near 0 the expectations are wrong; a test over n cases asks for more than 0.01 / n
 /// (Sidak's correction, nearly).
 ///

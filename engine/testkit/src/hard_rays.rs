@@ -1,7 +1,7 @@
 //! Rays in places where tracers lose digits or take the wrong crossing, by the thousand.
 //!
-//! Each is a pure function of category, seed and index, and the same on every machine: only + − × ÷ √ are used. What
-//! becomes of a ray is not decided here; [`crate::exact`] finds out.
+//! Each is a pure function of category, seed and index, and the same on every machine: only + − × ÷ √ are used. The
+//! fate of a ray is not decided here; [`crate::exact`] finds it.
 
 mod aim;
 mod aspheres;
@@ -14,7 +14,7 @@ use dice::Dice;
 /// The property that makes a ray hard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Category {
-    /// Nothing: conics as lenses have them, within and a little beyond the rim. The group to compare with.
+    /// No hardship: conics as lenses have them, within and a little beyond the rim. The group to compare with.
     Ordinary,
     /// Out of the denser medium, sin i within 1e-15 to 1e-1 of critical, relative; a third of the surfaces are planes.
     NearCritical,

@@ -32,7 +32,7 @@ def _sided(p):
 
 
 def _curls(p):
-    """How far locks of hair rise."""
+    """The height of locks of hair."""
     turn = np.arctan2(p[:, 1] - 0.015, p[:, 0])
     away = p[:, 2] * 38.0
     flow = 2.2 * np.sin(away * 0.55 + 2.0 * np.sin(2.0 * turn)) + 1.1 * np.sin(5.0 * turn + 0.3 * away)
@@ -133,7 +133,7 @@ def _marble():
 
 
 def build(view: str) -> Stage:
-    """The bust, and what is behind it."""
+    """The bust, and the background."""
     stage = Stage("Bust")
     stone = _marble()
     body = surface(head, (-0.24, -0.14, -0.29), (0.24, 0.20, 0.27), 0.0016)

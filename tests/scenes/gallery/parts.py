@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the scenes of the gallery share: a stage with materials, lamps, a camera and a sky; lengths are metres.
+"""The shared parts of the gallery's scenes: a stage with materials, lamps, a camera and a sky; lengths are metres.
 
 Shapes and painted textures are those of the demo scene (demo_mesh.py, demo_props.py, demo_room.py, demo_textures.py).
 """

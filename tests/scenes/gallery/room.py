@@ -93,7 +93,7 @@ def _walls(stage: Stage) -> None:
 
 
 def _vase(stage: Stage) -> None:
-    """At 2 m, upon the table."""
+    """A vase at 2 m, upon the table."""
     profile = [
         (0, 0), (0.048, 0), (0.054, 0.006), (0.05, 0.02), (0.075, 0.09), (0.088, 0.16), (0.08, 0.22), (0.05, 0.262),
         (0.034, 0.285), (0.032, 0.305), (0.046, 0.328), (0.044, 0.331), (0.028, 0.306), (0.03, 0.28), (0, 0.27),
@@ -122,7 +122,7 @@ def _vase(stage: Stage) -> None:
 
 
 def _books(stage: Stage) -> None:
-    """At 3 m: a pile; the front of its box carries the print."""
+    """Books at 3 m: a pile; the front of its box carries the print."""
     period = 3 * PRINT_PER_METRE
     picture = _print("book print", (0.8, 0.72, 0.55), (0.36, 0.1, 0.07), (0.1, 0.24, 0.22), 62)
     cloth = principled("Printed cloth", color=(picture, (1 / period, 1 / period)), roughness=0.7)
@@ -140,7 +140,7 @@ def _books(stage: Stage) -> None:
 
 
 def _chair(stage: Stage) -> None:
-    """At 5 m: an armchair with a cushion that leans in it."""
+    """The chair at 5 m: an armchair with a cushion that leans in it."""
     stage.put(props.armchair(), "Armchair", ["leather", "dark wood", "brass"], x=0.62, y=5.32, rz=-12)
     period = 5 * PRINT_PER_METRE
     picture = _print("cushion print", (0.82, 0.78, 0.66), (0.14, 0.28, 0.3), (0.62, 0.22, 0.1), 63)
@@ -158,7 +158,7 @@ def _flat_rug(w, d):
 
 
 def _far_wall(stage: Stage) -> None:
-    """At 10 m: a framed print beside the window, a chest below it."""
+    """The wall at 10 m: a framed print beside the window, a chest below it."""
     period = 10 * PRINT_PER_METRE
     picture = _print("wall print", (0.84, 0.8, 0.7), (0.2, 0.16, 0.2), (0.56, 0.3, 0.12), 64)
     w, h = 0.98, 1.24

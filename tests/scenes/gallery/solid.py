@@ -32,7 +32,7 @@ def limb(p, a, b, ra, rb=None):
 
 
 def join(a, b, k):
-    """Both, blended over a width of k."""
+    """The union of both, blended over a width of k."""
     h = np.maximum(k - np.abs(a - b), 0.0) / k
     return np.minimum(a, b) - h * h * k * 0.25
 
@@ -43,7 +43,7 @@ def cut(a, b, k):
 
 
 def within(a, b, k):
-    """Only what both share."""
+    """The part that both share."""
     return -join(-a, -b, k)
 
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays on the device beside the CPU's tracer, lens by lens, both ways; and that these tests see what is wrong.
+//! Rays on the device beside the CPU's tracer, lens by lens, both ways; and that these tests find faults.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -86,7 +86,7 @@ fn every_lens_in_double_precision() {
     every_lens::<f64>(&[Style::Loaded], DOUBLE);
 }
 
-/// Lenses that nobody makes, with what the library lacks or has little of.
+/// Lenses that nobody makes, with features that the library lacks or has few of.
 const HARD: [(&str, &str); 7] = [
     // Rays graze its rim.
     ("ball", "#radius thickness glass diameter conic isstop\n 5 10 1.5168/64.17 9.99999 0 1\n -5 2.3 air 9.999 0 0"),
@@ -127,7 +127,7 @@ const HARD: [(&str, &str); 7] = [
     ),
 ];
 
-/// Rays that graze the surface that they meet first, if it is a sphere.
+/// Rays that graze the first surface, if it is a sphere.
 fn grazing(system: &System, travel: Travel) -> Vec<LineRay> {
     let surfaces = system.surfaces();
     let (surface, direction) = match travel {
@@ -202,7 +202,7 @@ fn an_aperture_mask() {
     }
 }
 
-/// The tests see what is wrong: shaders broken on purpose.
+/// The tests find faults: shaders broken on purpose.
 #[test]
 fn a_broken_shader_is_seen() {
     let Some(gpu) = gpu() else { return };

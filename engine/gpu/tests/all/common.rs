@@ -13,7 +13,7 @@ use petzval_optics::paraxial::Paraxial;
 use petzval_optics::system::{LensSettings, System};
 use petzval_optics::trace::{Ray, Travel};
 
-/// The folder of the library: that of the repository, or where this program runs without one, what PETZVAL_LENSES says.
+/// The folder of the library: that of the repository, or where this program runs without one, that of PETZVAL_LENSES.
 pub(crate) fn lens_folder() -> PathBuf {
     std::env::var_os("PETZVAL_LENSES")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses"), PathBuf::from)
@@ -71,7 +71,7 @@ fn in_disc(i: u32, axis: u32) -> [f64; 2] {
     [out * cos, out * sin]
 }
 
-/// Rays over the field, and over the aperture: every other one over that of the surface that it meets first, the rest over the pupil as
+/// Rays over the field, and over the aperture: every other one over that of the first surface, the rest over the pupil as
 /// it is seen from the axis, a twentieth beyond the rims.
 pub(crate) fn rays(system: &System, travel: Travel, count: u32) -> Vec<Ray> {
     let info = Paraxial::new(system, line_nm::D);

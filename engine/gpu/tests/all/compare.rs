@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Results of rays on a device beside those of the CPU's tracer in f64.
 //!
-//! Errors are taken over what the data allow, as docs/numerics.md has it: over the change of the ray that leaves when one number of
-//! the ray that enters moves by a unit in its last place. The device may be off by twice what the CPU's f32 is off. A ray that is lost
+//! Errors are taken over those that the data allow, as docs/numerics.md has it: over the change of the ray that leaves when one number of
+//! the ray that enters moves by a unit in its last place. The device may be off by twice the error of the CPU's f32. A ray that is lost
 //! otherwise than in f64 must be so near to an edge that some roundings of the ray that enters decide.
 
 use glam::DVec3;
@@ -26,7 +26,7 @@ pub(crate) const WAYS: [Travel; 2] = [Travel::FromScene, Travel::FromFilm];
 pub(crate) struct Report {
     pub(crate) rays: usize,
     pub(crate) passed: usize,
-    /// Largest errors of the point and of the direction over what the data allow, of the device and of the CPU's own numbers of
+    /// Largest errors of the point and of the direction over the error that the data allow, of the device and of the CPU's own numbers of
     /// that kind.
     pub(crate) device: [f64; 2],
     pub(crate) cpu: [f64; 2],
@@ -179,7 +179,7 @@ pub(crate) const DOUBLE: Allowed = Allowed { worst: 6.0, mean: 3.0 };
 /// Errors below this many units are as good as rounded arithmetic gets, whichever of two is smaller.
 const LEAST: f64 = 2.0;
 
-/// Why the device is not as good as it must be.
+/// The reason why the device is not as good as it must be.
 pub(crate) fn fault(report: &Report, allowed: Allowed) -> Option<String> {
     let Report { rays, passed, device, cpu, other_fate, unexplained, .. } = *report;
     let [device_mean, cpu_mean] = [report.device_squares, report.cpu_squares].map(|sum| Report::mean(sum, passed));

@@ -120,7 +120,7 @@ fn last_uses(code: &[Instruction], ends: impl Iterator<Item = Operand>) -> Vec<O
     last
 }
 
-/// Keeps what is read, and gives each result the lowest free register. None where there are too few.
+/// Keeps the operations whose results are read, and gives each result the lowest free register. None where there are too few.
 fn allocate(code: &mut Vec<Instruction>, last_use: &[Option<usize>]) -> Option<Vec<u8>> {
     let mut places = vec![0_u8; code.len()];
     let mut owner: Vec<Option<usize>> = Vec::new();

@@ -53,7 +53,7 @@ type Outputs = Vec<(&'static str, Value)>;
 /// The output that a link leads to.
 enum LinkedOutput {
     Value(Value),
-    /// Nothing, which is black.
+    /// No value, which is black.
     Nothing,
     /// A node that is not known.
     Unknown,
@@ -205,7 +205,7 @@ impl At<'_, '_> {
         }
     }
 
-    /// A vector; where none is given, what the node takes from the surface.
+    /// A vector; where none is given, the one that the node takes from the surface.
     fn vector_or(&mut self, identifier: &str, default: impl FnOnce(&mut Self) -> Operand) -> Operand {
         match self.input(identifier, ValueKind::Vector, self.shift) {
             Some(operand) => operand,

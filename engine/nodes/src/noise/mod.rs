@@ -153,7 +153,7 @@ impl Octaves {
     }
 }
 
-/// Below this weight [`Fractal::Hybrid`] leaves further octaves out.
+/// The weight below which [`Fractal::Hybrid`] leaves further octaves out.
 const LEAST_WEIGHT: f32 = 0.001;
 
 #[inline(always)]
@@ -161,7 +161,7 @@ fn scaled<N: Number, const D: usize>(p: [N; D], factor: f32) -> [N; D] {
     p.map(|part| part * N::of(factor))
 }
 
-/// A place moved to where another, independent part of the noise is.
+/// A place moved to another, independent part of the noise.
 #[inline(always)]
 fn moved<N: Number, const D: usize>(p: [N; D], seed: f32) -> [N; D] {
     let mut axis = -1.0;

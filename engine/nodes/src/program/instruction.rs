@@ -84,7 +84,8 @@ pub(crate) enum Operation {
     Occlusion(Occlusion),
     /// Normal, radius; number of samples.
     Bevel(u8),
-    /// Position, direction, length, shift: whether something is hit, whether it is the object itself, how far away. Further: place, normal, attribute.
+    /// Position, direction, length, shift: whether something is hit, whether it is the object itself, its distance. Further: place, normal,
+    /// attribute.
     Raycast(Raycast),
     /// Vector, w, scale, detail, roughness, lacunarity, offset, gain, distortion; with colour or without.
     Noise(Dimensions, Fractal, bool, bool),

@@ -1,5 +1,6 @@
-//! A program over up to eight points at once: each instruction is looked at once for all of them. What is the same function of numbers and
-//! of lanes is computed for all lanes; the rest by each lane's own [`Program::compute`]. A point has the bits that it has alone.
+//! A program over up to eight points at once: each instruction is looked at once for all of them. An instruction that is the same function
+//! of numbers and of lanes is computed for all lanes; the rest by each lane's own [`Program::compute`]. A point has the bits that it has
+//! alone.
 
 use super::evaluate::{Asked, tangent_map};
 use super::instruction::{FIRST_CONSTANT, Instruction, MOST_OPERANDS, Operand, Operation};

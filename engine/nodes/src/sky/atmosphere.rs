@@ -1,4 +1,4 @@
-//! A sky computed from what the air holds: a table of its light, and the sun's disc.
+//! A sky computed from the constituents of the air: a table of its light, and the sun's disc.
 
 use super::panorama::{Panorama, RowPlace};
 use super::{SunDisc, multiple_scattering, single_scattering};

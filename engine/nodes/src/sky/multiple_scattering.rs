@@ -117,7 +117,7 @@ impl Air {
         })
     }
 
-    /// The sky, and what is seen of the air before the ground.
+    /// The light of the sky, and of the air before the ground.
     pub(super) fn panorama(&self, sun_elevation_rad: f32) -> Panorama {
         let table = Transmittances::new(self);
         let sun = towards(sun_elevation_rad.sin());

@@ -8,7 +8,7 @@ pub(super) const COLUMNS: usize = 512;
 const ROWS: usize = 256;
 
 /// XYZ by azimuth, seen from the sun's opposite, and by elevation. As large as Blender's, and read as it reads its own:
-/// what a table smooths near the horizon is part of the picture.
+/// the smoothing by a table near the horizon is part of the picture.
 #[derive(Clone, Debug)]
 pub(super) struct Panorama {
     pixels: Vec<Vec3A>,

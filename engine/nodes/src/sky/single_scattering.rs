@@ -21,8 +21,8 @@ const STEPS: usize = 32;
 const LINES: usize = 21;
 const LINE_STEP_NM: f32 = 20.0;
 
-/// The data of a wavelength: the sun's irradiance above the air (W/m²/nm), what air scatters and what ozone absorbs (1/m), and the CIE 1931
-/// observer. From 380 nm, every 20 nm.
+/// The data of a wavelength: the sun's irradiance above the air (W/m²/nm), scattering by air and absorption by ozone (1/m), and the CIE
+/// 1931 observer. From 380 nm, every 20 nm.
 struct SkyWavelength {
     sun: f32,
     air: f32,

@@ -1,4 +1,4 @@
-//! The Voronoi texture: one point in each cell of a lattice, and what lies nearest.
+//! The Voronoi texture: one point in each cell of a lattice, and the nearest of them.
 
 mod space;
 

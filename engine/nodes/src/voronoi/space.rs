@@ -30,7 +30,7 @@ const fn lanes<const GROUPS: usize>(steps: &[[f32; 4]], count: usize) -> [[[i32;
     all
 }
 
-/// The points of many cells about one, eight at a time; what the last group has too many is left out.
+/// The points of many cells about one, eight at a time; points that the last group has too many are left out.
 #[inline]
 fn points_of<const COUNT: usize>(cell: Vec3A, groups: &[[[i32; 8]; 3]], randomness: f32) -> [Vec3A; COUNT] {
     let middle = IVec3::new(cell.x as i32, cell.y as i32, cell.z as i32);

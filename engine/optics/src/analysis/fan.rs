@@ -1,4 +1,5 @@
-//! Fans: how far the rays of a line across the pupil land from the ray through its middle, and how far their light is ahead.
+//! Fans: transverse aberrations of the rays of a line across the pupil, from the ray through its middle, and their optical path
+//! differences.
 
 use glam::{DVec2, DVec3};
 
@@ -35,7 +36,7 @@ pub struct FanRay {
     /// the ray of the main wavelength through the middle of the stop.
     pub error_mm: f64,
     /// Path difference to the middle ray of the same wavelength, in wavelengths: to the sphere through the middle of the exit pupil whose
-    /// centre is where that ray hits the film, the plane at infinity if the exit pupil is there.
+    /// centre is that ray's hit on the film, the plane at infinity if the exit pupil is there.
     pub path_waves: f64,
 }
 

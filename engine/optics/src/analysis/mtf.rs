@@ -1,4 +1,4 @@
-//! Modulation transfer: how much of the contrast of fine lines is left on the film, by diffraction and by rays alone.
+//! Modulation transfer: the contrast of fine lines that is left on the film, by diffraction and by rays alone.
 //!
 //! The light near a place of the film is a sum of plane waves over their direction cosines (α, β), of phase 2π W / λ
 //! ([`super::wavefront`]). Its power spectrum at the frequency ν along α is the autocorrelation of that sum for the shift λ ν: Duffieux's

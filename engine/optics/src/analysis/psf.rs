@@ -18,9 +18,9 @@ use super::{Analysis, centroid};
 
 /// Cells of the lattice over the beam at the longest wavelength: at least, and at most.
 const CELLS: [f64; 2] = [256.0, 768.0];
-/// Samples of the film over λ N at the shortest wavelength: two are what the light needs.
+/// Samples of the film over λ N at the shortest wavelength: two sample the light without loss.
 const SAMPLES: f64 = 4.0;
-/// The field of the transform is so many times as wide as the spot of rays: what falls beyond comes in at the other side.
+/// The field of the transform is so many times as wide as the spot of rays: light beyond it comes in at the other side.
 const ROOM: f64 = 4.0;
 /// The picture reaches as far as so many λ N, or as this part of the farthest ray.
 const AROUND: [f64; 2] = [16.0, 1.25];

@@ -52,7 +52,7 @@ mod tests {
     use crate::glass::{Catalogue, line_nm};
     use crate::system::{LensSettings, System};
 
-    /// A thin slow lens passes on the axis what two bare surfaces do; a field outside of the lens has none.
+    /// A thin slow lens has on the axis the transmittance of two bare surfaces; a field outside of the lens has none.
     #[test]
     fn the_axis_is_fresnels() {
         let text = "# coating: none\n300 2 1.5 12 0 0\n-300 3 air 12 0 0\n0 290 air 8 0 1";

@@ -12,7 +12,7 @@ use crate::trace::{Ray, Tracer};
 use super::Touching;
 use glam::DVec2;
 
-/// Rays of one wavelength, and how long they take.
+/// Rays of one wavelength, and their optical path lengths.
 pub(super) struct Eikonal<'a> {
     tracer: &'a Tracer,
     /// Indices before each surface, and before the film.

@@ -70,7 +70,7 @@ fn nothing_is_smaller_than_the_smallest_spot() {
     }
 }
 
-/// Stopped down on the axis, the smallest spot is where paraxial rays meet: near, far and at infinity, with mirrors too.
+/// Stopped down on the axis, the smallest spot is at the paraxial image: near, far and at infinity, with mirrors too.
 #[test]
 fn stopped_down_it_is_the_paraxial_focus() {
     for file in ["double-gauss-f2-available.lens", "tessar-brendel.lens", "newtonian-f5.lens", "questar-3.5.lens"] {

@@ -1,4 +1,4 @@
-//! What is wrong with a calibration, and why a point or direction has no other.
+//! The faults of a calibration, and the reasons why a point or direction has no other.
 
 use super::Model;
 use thiserror::Error;
@@ -21,7 +21,7 @@ pub enum CalibrationError {
     NotFinite {
         /// The parameter.
         name: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
     },
     /// A number is out of the range in which the model means something.
@@ -29,9 +29,9 @@ pub enum CalibrationError {
     Range {
         /// The parameter.
         name: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
-        /// What it must be.
+        /// The condition that it breaks.
         expected: &'static str,
     },
     /// The numbers seem to count something else than pixels.
@@ -41,7 +41,7 @@ pub enum CalibrationError {
     Units {
         /// The parameter.
         name: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
         /// The picture's side along it.
         side_px: u32,

@@ -1,8 +1,9 @@
 //! The parameters of a model that fit directions seen at points of a picture: least squares of the distances, pixels, between the points and
 //! those at which the model sees the directions.
 //!
-//! The search is made again where the best parameters of a formula fold within the picture, within what the model can turn round: a step
-//! after which a direction of the picture lies beyond a fold is not taken. A model that was found does not fold where it was asked for.
+//! The search is made again where the best parameters of a formula fold within the picture, within the range in which the model can be
+//! inverted: a step after which a direction of the picture lies beyond a fold is not taken. A model that was found does not fold where it
+//! was asked for.
 
 use super::setup::Formula;
 use super::{Calibration, CalibrationError, Model};
@@ -36,7 +37,7 @@ pub struct CameraToFit {
     pub size_px: [u32; 2],
     /// Focal lengths across and down, pixels, at which the search starts.
     pub focal_px: [f64; 2],
-    /// The point at which the axis meets the picture, pixels from its upper left corner.
+    /// The point where the axis intersects the picture, pixels from its upper left corner.
     pub centre_px: [f64; 2],
     /// True if nothing but the distance from the axis counts, and pixels are square: then one focal length serves for both directions, and the
     /// principal point stays on the axis.
@@ -140,7 +141,7 @@ struct Free {
     parameter: Parameter,
 }
 
-/// The model whose sight of these directions is nearest to where they are seen.
+/// The model whose places of these directions are nearest to the given ones.
 ///
 /// # Errors
 /// [`FitError`].
@@ -221,8 +222,8 @@ impl Search<'_> {
         (values, steps)
     }
 
-    /// Distances of what a model sees from where it is seen, pixels by the root of the weight: x and y of each, and what a bound costs.
-    /// `None`: some direction has no place.
+    /// Residuals of a model: distances of directions' places by the model from their places by the lens, pixels by the root of the weight:
+    /// x and y of each, and the cost of a bound. `None`: some direction has no place.
     fn residuals(&self, values: &[f64], bound: Bound) -> Option<Vec<f64>> {
         let CameraToFit { model, size_px, .. } = *self.camera;
         let mut all = Vec::with_capacity(3 * self.seen.len());
@@ -253,11 +254,11 @@ impl Search<'_> {
 /// The cost that keeps a search from formulas that fold.
 #[derive(Clone, Copy, PartialEq)]
 enum Bound {
-    /// Nothing.
+    /// No bound.
     None,
     /// The cost of slopes that are flat or turned over, pixels.
     Slope(f64),
-    /// There is nothing beyond a fold.
+    /// Points beyond a fold have no place.
     Fold,
 }
 

@@ -1,4 +1,4 @@
-//! How far from the middle a distortion can be turned round: to where it first folds back.
+//! The distance from the middle up to which a distortion can be inverted: where it first folds back.
 
 use super::planar::Distortion;
 use glam::DVec2;
@@ -17,9 +17,9 @@ const BETWEEN_OF_TABLE: f64 = 0.25;
 /// point at which the derivative's determinant is not positive.
 #[derive(Clone, Debug)]
 pub(super) enum Limit {
-    /// Up to this radius.
+    /// A disc of this radius.
     Radius(f64),
-    /// Up to these radii, at even angles from the x axis on, and between them up to this part more or less.
+    /// Radii at even angles from the x axis on, and between them up to this part more or less.
     Radii(Vec<f64>, f64),
 }
 

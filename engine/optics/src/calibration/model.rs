@@ -68,7 +68,7 @@ impl Model {
         Self::StMap,
     ];
 
-    /// Its name in messages and on the command line.
+    /// The name in messages and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::OpenCv => "opencv",

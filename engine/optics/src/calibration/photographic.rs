@@ -24,7 +24,7 @@ pub struct PhotographicSetting {
 /// The reason why a lens of a lensfun database makes no camera.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PhotographicError {
-    /// Its pictures are panoramas that were joined.
+    /// The pictures are panoramas that were joined.
     #[error("'{0}' makes panoramic pictures, of which lensfun has no projection; choose another lens")]
     Panoramic(String),
     /// A zoom does not reach the focal length.
@@ -32,9 +32,9 @@ pub enum PhotographicError {
     FocalLength {
         /// The lens.
         lens: String,
-        /// Its shortest focal length, mm.
+        /// The shortest focal length, mm.
         shortest: f64,
-        /// Its longest focal length, mm.
+        /// The longest focal length, mm.
         longest: f64,
         /// The focal length that is asked for, mm.
         asked: f64,
@@ -56,7 +56,7 @@ pub enum PhotographicError {
     Setting {
         /// The setting.
         what: &'static str,
-        /// Its value.
+        /// The value.
         value: f64,
     },
     /// The measured numbers make no camera.

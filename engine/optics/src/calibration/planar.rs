@@ -8,9 +8,9 @@ use std::sync::Arc;
 /// A smooth map of a plane to itself that leaves the origin where it is, unless it is an ST map.
 #[derive(Clone, Debug)]
 pub(super) enum Distortion {
-    /// By the distance from the origin alone.
+    /// A distortion by the distance from the origin alone.
     Radial(Radial),
-    /// Brown's model and what has been added to it.
+    /// Brown's model and its extensions.
     Brown(Brown),
     /// 3DEqualizer's "Radial - Standard, Degree 4".
     TdeRadial(TdeRadial),
@@ -120,7 +120,7 @@ impl TdeRadial {
         )
     }
 
-    /// The same with y down in both planes, the second one `stretch` times larger.
+    /// The distortion with y down in both planes, the second one `stretch` times larger.
     pub(super) fn seen_from_ahead(self, stretch: f64) -> Self {
         // Decentring up is down then, and a turn goes the other way.
         let bending = DMat2::from_cols(
@@ -157,7 +157,7 @@ impl TdeRadial {
 pub(super) struct TdeAnamorphic {
     /// Coefficients by `r^2`, `r^2 cos 2 phi`, `r^4`, `r^4 cos 2 phi`, `r^4 cos 4 phi`, of x and of y.
     pub(super) coefficients: [[f64; 5]; 2],
-    /// To the lens's own axes: what undoes its rotation and the pixels' shape.
+    /// The map to the lens's own axes: it undoes the lens's rotation and the pixels' shape.
     pub(super) before: DMat2,
     /// Back: rotation, squeezes, the pixels' shape.
     pub(super) after: DMat2,

@@ -6,7 +6,7 @@ use glam::{DMat2, DVec2};
 pub(super) const EVEN_POWERS: usize = 6;
 /// Highest power of a polynomial of all powers.
 pub(super) const HIGHEST_POWER: usize = 8;
-/// Below this angle the model of Devernay and Faugeras is a pinhole's, to double precision.
+/// The angle below which the model of Devernay and Faugeras is a pinhole's, to double precision.
 const SMALLEST_OMEGA: f64 = 1e-7;
 
 /// A function of the distance from the middle, zero there.

@@ -1,4 +1,4 @@
-//! From a model's parameters to its steps.
+//! The steps of a model from its parameters.
 
 use super::chart::Chart;
 use super::planar::{Brown, Distortion, TdeAnamorphic, TdeRadial};
@@ -115,7 +115,7 @@ fn finished(
     Ok(Calibration { model, parameters, size_px, chart, warp, is_from_picture, film, film_inverse })
 }
 
-/// Checks what all models have in common.
+/// Checks the parameters that all models have in common.
 fn check(model: Model, size_px: [u32; 2], parameters: &[f64]) -> Result<(), CalibrationError> {
     let names = model.parameter_names();
     if parameters.len() != names.len() {

@@ -2,13 +2,14 @@
 
 use glam::{DMat2, DVec2};
 
-/// For each pixel of a distorted picture the place in a pinhole's picture that it shows.
+/// An ST map: the place in a pinhole's picture that each pixel of a distorted picture shows.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct StMap {
     size: [usize; 2],
-    /// By row from the top, then column: pixels of the pinhole's picture from its upper left corner; `None` where nothing is shown.
+    /// The places by row from the top, then column: pixels of the pinhole's picture from its upper left corner; `None` where nothing is
+    /// shown.
     places: Vec<Option<DVec2>>,
-    /// From a place in the pinhole's picture to its plane at unit distance.
+    /// The focal lengths: from a place in the pinhole's picture to its plane at unit distance.
     focal: DVec2,
     middle: DVec2,
 }
@@ -20,7 +21,7 @@ impl StMap {
         Self { size, places, focal, middle }
     }
 
-    /// Where the pinhole shows, at unit distance, what the picture shows `from_middle`, pixels from the picture's middle, and the derivative,
+    /// The point at unit distance from the pinhole that the picture shows at `from_middle`, pixels from its middle, and the derivative,
     /// by cubics between pixels (Catmull and Rom 1974).
     pub(super) fn at(&self, from_middle: DVec2) -> (DVec2, DMat2) {
         let nowhere = (DVec2::ZERO, DMat2::ZERO);
@@ -54,7 +55,7 @@ impl StMap {
         Some([place(-1)?, place(0)?, place(1)?, place(2)?])
     }
 
-    /// A pixel's place; beyond the edges what its neighbours point to.
+    /// A pixel's place; beyond the edges extrapolated from its neighbours.
     fn place(&self, [column, row]: [i64; 2]) -> Option<DVec2> {
         let [width, height] = self.size.map(|side| side as i64);
         let beyond = |i: i64, side: i64| if i < 0 { Some((0, 1)) } else { (i >= side).then_some((side - 1, side - 2)) };

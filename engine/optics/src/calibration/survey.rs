@@ -1,4 +1,4 @@
-//! What of the picture a calibration covers.
+//! The part of the picture that a calibration covers.
 
 use super::{Calibration, Outside};
 use glam::{DVec2, DVec3};
@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 /// Points looked at over the larger side of the picture.
 const POINTS: u32 = 64;
 
-/// What of the picture a calibration covers, and how far it sees.
+/// The part of the picture that a calibration covers, and its largest angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Survey {
     /// The part of the picture that shows something.
@@ -22,7 +22,7 @@ pub struct Survey {
 }
 
 impl Calibration {
-    /// What of the picture the calibration covers.
+    /// The part of the picture that the calibration covers.
     pub fn survey(&self) -> Survey {
         let [width, height] = self.size_px.map(f64::from);
         let larger = self.size_px[0].max(self.size_px[1]);

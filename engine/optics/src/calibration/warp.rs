@@ -58,7 +58,7 @@ impl Warp {
         }
     }
 
-    /// By Newton's method for the radius, kept between bounds: within the limit the distorted radius grows with the radius.
+    /// The inverse by Newton's method for the radius, kept between bounds: within the limit the distorted radius grows with the radius.
     fn radially(&self, radial: &Radial, target: DVec2) -> Option<DVec2> {
         let wanted = target.length();
         if wanted == 0.0 {
@@ -99,7 +99,7 @@ impl Warp {
         Some(target * (r / wanted))
     }
 
-    /// By Newton's method with steps that are shortened until they bring the point nearer and stay within the limit.
+    /// The inverse by Newton's method with steps that are shortened until they bring the point nearer and stay within the limit.
     fn newton(&self, start: DVec2, target: DVec2) -> Option<DVec2> {
         let enough = NOTHING * (self.size + target.length());
         let mut q = start;
@@ -131,7 +131,7 @@ impl Warp {
         (off.length() <= 64.0 * enough).then_some(q)
     }
 
-    /// By following the straight line of targets from the middle's to the wanted one.
+    /// The inverse by following the straight line of targets from the middle's to the wanted one.
     fn along_line_from_middle(&self, target: DVec2) -> Option<DVec2> {
         let mut q = DVec2::ZERO;
         let begin = self.distortion.at(q).0;

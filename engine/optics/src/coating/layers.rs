@@ -1,7 +1,7 @@
-//! Light at a stack of thin films: waves that are reflected at each boundary, and meet.
+//! Light at a stack of thin films: waves that are reflected at each boundary, and interfere.
 //!
 //! Amplitudes are found from the last boundary to the first (Airy's summation, layer by layer; Born and Wolf, *Principles of Optics*,
-//! §1.6.4; Macleod, *Thin-Film Optical Filters*, ch. 2): what is multiplied by the phases only ever shrinks, so that thick absorbing
+//! §1.6.4; Macleod, *Thin-Film Optical Filters*, ch. 2): the factors of the phases only ever shrink, so that thick absorbing
 //! layers overflow nothing.
 
 use num_complex::Complex64;
@@ -44,7 +44,7 @@ impl Layer {
     }
 }
 
-/// Waves do not meet again across thicker layers.
+/// Waves do not interfere across thicker layers.
 const THICKEST_NM: f64 = 1e5;
 
 /// The split of light at a surface, as parts of its power: \[s, p\]. The rest is absorbed.

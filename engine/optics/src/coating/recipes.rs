@@ -18,7 +18,7 @@ pub struct Recipe {
     metal: Option<&'static str>,
 }
 
-/// Nothing passes so much metal: exp(−4π k d / λ) is below 1e-6.
+/// The thickness of a metal that lets no light through, nm: exp(−4π k d / λ) is below 1e-6.
 const OPAQUE_NM: f64 = 400.0;
 
 /// The recipes that a lens file or a setting may name; the first is bare glass.
@@ -125,8 +125,8 @@ mod tests {
     use super::super::Split;
     use super::*;
 
-    /// Every film of every recipe is known, and what it is for it does: on glass of index 1.52 the mean over the visible is less the
-    /// more layers there are; a single layer of MgF2 leaves about 1.5 %, three layers about 0.5 % (Macleod, ch. 4).
+    /// Every film of every recipe is known, and every recipe reduces reflections: on glass of index 1.52 the mean over the visible is less
+    /// the more layers there are; a single layer of MgF2 leaves about 1.5 %, three layers about 0.5 % (Macleod, ch. 4).
     #[test]
     fn more_layers_reflect_less() {
         let mean = |recipe: &Recipe| {

@@ -129,7 +129,7 @@ impl ApertureMask {
         &self.values
     }
 
-    /// The open part of the square, within a hundredth of what the cells on its rim fill.
+    /// The open part of the square, within a hundredth of the area of the cells on its rim.
     pub(super) fn open_part(&self) -> f64 {
         self.open_part
     }
@@ -170,7 +170,7 @@ impl ApertureMask {
         [at(0), at(1)]
     }
 
-    /// True if the point, in radii of the stop, is brighter than half; what lies outside of the picture is as its edge.
+    /// True if the point, in radii of the stop, is brighter than half; points outside of the picture are as its edge.
     pub(super) fn is_open(&self, x: f64, y: f64) -> bool {
         let last = (self.side - 1) as f64;
         let locate = |x: f64| {

@@ -1,7 +1,7 @@
 //! The clear pupil as a place of the film sees it, in direction cosines: polygons.
 //!
 //! A lattice of rays tells open from closed, and where neighbours differ the edge between them is found by halving. The corners of
-//! the polygons lie on the edge to rounding, so that what was straight stays straight, for the light that goes far aside is
+//! the polygons lie on the edge to rounding, so that straight edges stay straight, for the light that goes far aside is
 //! made by straight edges.
 
 use glam::{DVec2, DVec3};
@@ -11,7 +11,7 @@ use crate::focus::FilmFrame;
 use crate::pupil_map::PupilMap;
 use crate::trace::{Ray, Tracer, Travel};
 
-/// Rays over the width of the pupil: what is narrower than a part in so many of it may be missed.
+/// Rays over the width of the pupil: openings narrower than a part in so many of it may be missed.
 const LATTICE: usize = 384;
 /// Rays by which the pupil is first found.
 const LOOKS: u32 = 1024;
@@ -24,7 +24,7 @@ const HALVINGS: u32 = 34;
 /// A pupil's edge. Direction cosines are those to the film's two directions, right and up, times the index before the film.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
-    /// Closed polygons, one after the other; what lies in an odd number of them is open.
+    /// Closed polygons, one after the other; points in an odd number of them are open.
     pub polygons: Vec<Vec<DVec2>>,
 }
 
@@ -112,7 +112,7 @@ impl<'a> FilmView<'a> {
         Some(Self { tracer, touching, normal, window: [ends.0 - margin, ends.1 + margin] })
     }
 
-    /// For each direction of the light, by its direction cosines: true if the light gets through.
+    /// The openness by direction of the light, in direction cosines: true if the light gets through.
     fn are_open(&self, cosines: &[DVec2]) -> Vec<bool> {
         let mut bundle = self.tracer.bundle(Travel::FromFilm);
         let mut is_real = Vec::with_capacity(cosines.len());
@@ -189,7 +189,7 @@ impl Lattice {
         loops
     }
 
-    /// The sides whose ends differ, in order, and where the edge crosses them.
+    /// The sides whose ends differ, in order, with the crossings of the edge.
     fn crossings(&self, seen: &FilmView<'_>) -> (Vec<Side>, Vec<DVec2>) {
         let mut sides: Vec<Side> = Vec::new();
         for i in 0..self.is_open.len() {

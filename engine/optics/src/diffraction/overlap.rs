@@ -2,7 +2,7 @@
 //!
 //! Lines in the direction of the shift cut the pupil into intervals; the overlap of two intervals is piecewise linear in the shift, so
 //! the sum over all lines is exact where the pupil's edges are straight between them. Lines lie between all corners: the kinks that
-//! straight edges make, from which their spikes come, are there without blur. What is kept is (1 − overlap) / shift: it has a
+//! straight edges make, from which their spikes come, are there without blur. The kept value is (1 − overlap) / shift: it has a
 //! limit for small shifts, the pupil's breadth across the direction over its area.
 
 use std::f64::consts::PI;

@@ -17,7 +17,7 @@ pub enum GroupsError {
     /// The lens cannot be set.
     #[error(transparent)]
     System(#[from] SystemError),
-    /// Nothing can be sharp at the distance.
+    /// No film is sharp at the distance.
     #[error(transparent)]
     Focus(#[from] FocusError),
 }
@@ -34,7 +34,7 @@ pub struct Focused {
 }
 
 impl Focusing {
-    /// Moves the groups of a lens, which must have such, until a film at the place of infinity shows what is
+    /// Moves the groups of a lens, which must have such, until a film at the place of infinity shows points that are
     /// `distance_mm` away.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ pub enum Anchor {
     EntrancePupil,
     /// The vertex of the first surface: the film moves.
     FrontVertex,
-    /// The point at which the axis meets the film: the lens moves as a whole (unit focusing), and distances are those on the scale of its
+    /// The point where the axis intersects the film: the lens moves as a whole (unit focusing), and distances are those on the scale of its
     /// barrel.
     Film,
 }
@@ -44,7 +44,7 @@ pub struct Focusing {
 }
 
 impl Focusing {
-    /// The z in lens space (mm) at which the film shows what is `distance_mm` away; the distance may be infinite.
+    /// The z in lens space (mm) at which the film shows points `distance_mm` away; the distance may be infinite.
     ///
     /// A film as the anchor has two solutions for each distance; this is the one in which the image is no larger than
     /// the object.
@@ -76,9 +76,9 @@ impl Focusing {
         }
     }
 
-    /// The distance in mm that a film at `film_z_mm` shows sharp: what [`Self::film_z_mm`] would be asked for.
+    /// The distance in mm that a film at `film_z_mm` shows sharp: the inverse of [`Self::film_z_mm`].
     ///
-    /// Infinite if the film stands in the focal plane, negative if what is sharp would lie behind the anchor.
+    /// Infinite if the film stands in the focal plane, negative if the sharp plane would lie behind the anchor.
     pub fn distance_mm(&self, system: &System, wavelength_nm: f64, film_z_mm: f64) -> f64 {
         if self.relation == Relation::Thin {
             return ThinRelation::new(system, wavelength_nm).map_or(f64::INFINITY, |t| t.distance_mm(film_z_mm));
@@ -111,7 +111,7 @@ impl Conjugates {
     }
 
     /// The film for an object at `distance_mm` from the film. Newton: with the film y behind the focal point, along the
-    /// light, the object lies f f′ / y before its own, and the two add up to what the distance has over that between the
+    /// light, the object lies f f′ / y before its own, and the two add up to the excess of the distance over that between the
     /// focal points.
     fn film_z_at_mm(&self, distance_mm: f64) -> Result<f64, FocusError> {
         let power = -self.matrix.c;

@@ -2,8 +2,8 @@
 //!
 //! Sections in brackets; columns are separated by tabs, and an empty one counts. `[lens data]`: number of the surface, radius (`AS`:
 //! the stop, `FS`: a field stop, `CG`: a plane of the cover glass), thickness or the name of one, index, diameter, Abbe number, glass and
-//! its maker. `[variable distances]`: by position of the groups what `d5`, `Bf` and others are, and the focal length; distances `d0` are
-//! from the object to the first surface. `[aspherical data]`: number, radius, conic constant, and the coefficients of r⁴, r⁶ …;
+//! its maker. `[variable distances]`: by position of the groups the values of `d5`, `Bf` and others, and the focal length; distances `d0`
+//! are from the object to the first surface. `[aspherical data]`: number, radius, conic constant, and the coefficients of r⁴, r⁶ …;
 //! with the constant `AsphericalA2` those of r², r⁴ …, with `AsphericalOddCount` those of r³, r⁴, r⁵ …
 
 use std::collections::HashMap;
@@ -21,7 +21,7 @@ use super::text::{Token, finite, not_a_number};
 
 /// Radii of the two tables that differ by more, relative, are of different surfaces.
 const SAME_RADIUS: f64 = 1e-3;
-/// The line that says how wide the diaphragm is.
+/// The line that gives the diameter of the diaphragm.
 const STOP: &str = "Aperture Diameter";
 /// A table of more positions is none.
 const MOST_POSITIONS: usize = 100;

@@ -46,7 +46,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Its name in messages.
+    /// The name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::OpenCvYaml => "OpenCV's YAML",
@@ -64,9 +64,9 @@ impl Format {
 /// A camera of a file.
 #[derive(Clone, Debug)]
 pub struct CalibratedCamera {
-    /// Its name or number in the file; "camera" where it has none.
+    /// The name or number in the file; "camera" where it has none.
     pub name: String,
-    /// Its numbers.
+    /// The numbers.
     pub calibration: Calibration,
 }
 
@@ -75,11 +75,11 @@ pub struct CalibratedCamera {
 pub struct CalibrationFile {
     /// The file, as it was named.
     pub file: String,
-    /// Its format.
+    /// The format.
     pub format: Format,
-    /// Its cameras, at least one.
+    /// The cameras, at least one.
     pub cameras: Vec<CalibratedCamera>,
-    /// What was left out, a line each.
+    /// The parts of the file that were left out, a line each.
     pub remarks: Vec<String>,
 }
 
@@ -178,7 +178,7 @@ fn cameras(text: &str) -> Result<Found, Placed> {
     Ok((format, cameras, remarks))
 }
 
-/// A camera whose numbers are checked; `place` is where they stand.
+/// A camera whose numbers are checked; `place` is theirs in the file.
 fn made(
     name: &str,
     model: Model,

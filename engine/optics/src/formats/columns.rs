@@ -1,4 +1,4 @@
-//! The columns of a lens file after the usual six, and what their numbers make of a surface.
+//! The columns of a lens file after the usual six, and the surface that their numbers describe.
 
 use glam::{DMat3, DVec3};
 

@@ -24,7 +24,7 @@ pub(super) struct Configurations {
 }
 
 impl Configurations {
-    /// So many configurations; `active` counts from 0.
+    /// A table of so many configurations; `active` counts from 0.
     pub(super) fn new(count: usize, active: usize, place: Place) -> Self {
         let nothing = vec![None; count];
         Self {

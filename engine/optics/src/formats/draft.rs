@@ -60,7 +60,7 @@ pub(super) struct Draft<'a> {
     pub(super) metadata: Metadata,
     /// Coating of surfaces where glass meets air.
     pub(super) coating: Option<Coating>,
-    /// Surfaces with gaps that move, and where they are.
+    /// Surfaces with gaps that move, and their places in the file.
     pub(super) moving: Option<(Vec<Part>, Vec<Position>, Vec<Place>)>,
     /// Configurations, of which moving parts are made.
     pub(super) configurations: Option<Configurations>,

@@ -2,7 +2,7 @@
 //!
 //! A file says of each surface how its frame follows from that of the surface before: by a change before the surface, the surface's
 //! thickness along z, and a change after it. Plane mirrors that fold the axis are unfolded: everything behind one is mirrored in its plane,
-//! and the mirror is left out. What then stands beside the axis of the first surface is posed there ([`crate::surface::Pose`]).
+//! and the mirror is left out. Surfaces that then stand beside the axis of the first one are posed there ([`crate::surface::Pose`]).
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -25,7 +25,7 @@ pub(super) fn change(moved_mm: DVec3, [alpha_deg, beta_deg, gamma_deg]: [f64; 3]
     DAffine3::from_mat3_translation(turn([alpha_deg, beta_deg, gamma_deg]), moved_mm)
 }
 
-/// The same with the turns first, about z, y and x, and the move in the turned frame: Zemax's order flag 1.
+/// The change of frame with the turns first, about z, y and x, and the move in the turned frame: Zemax's order flag 1.
 pub(super) fn change_turned_first(moved_mm: DVec3, [alpha_deg, beta_deg, gamma_deg]: [f64; 3]) -> DAffine3 {
     let [x, y, z] = [-alpha_deg, -beta_deg, gamma_deg].map(f64::to_radians);
     let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);

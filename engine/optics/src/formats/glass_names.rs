@@ -53,7 +53,7 @@ const ALIASES: [(&str, &str); 14] = [
     ("ps", "polystyrene"),
 ];
 
-/// Glasses of which no curve is published, by nd and Vd: name, and where they stand.
+/// Glasses of which no curve is published, by nd and Vd: name, and their places in the file.
 const BY_NUMBERS: [(&str, f64, f64, &str); 1] = [("B270", 1.5230, 58.57, "SCHOTT, B 270 i")];
 /// Glasses that are made no more, and those that took their place with the same glass code.
 const SUCCESSORS: [(&str, &str); 1] = [("KZFS4 OF SCHOTT", "schott:KZFSN4")];
@@ -213,8 +213,8 @@ impl<'a> Glasses<'a> {
         Ok(medium)
     }
 
-    /// The glass that comes nearest to one of which the catalogues have no curve, with a remark: pressed glass by what it was before, others
-    /// by nd and Vd.
+    /// The glass that comes nearest to one of which the catalogues have no curve, with a remark: pressed glass by the glass that it was
+    /// before, others by nd and Vd.
     fn stand_in(&self, name: &str, place: Place, remarks: &mut Remarks) -> Option<Medium> {
         let upper = name.to_uppercase();
         if let Some((_, nd, abbe, source)) = BY_NUMBERS.iter().find(|(known, ..)| *known == upper) {

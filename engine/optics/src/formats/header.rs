@@ -31,21 +31,21 @@ pub(crate) struct Header {
     pub(crate) glasses: Vec<Medium>,
     /// Numbers of the glasses that were added or changed since `Glasses::define_new`.
     pub(crate) changed_glasses: Vec<usize>,
-    /// Names that the file has for glasses of the catalogues, since then: name, token, and where the line stands.
+    /// Names that the file has for glasses of the catalogues, since then: name, token, and the line's place.
     pub(crate) new_aliases: Vec<(String, String, Place)>,
-    /// Lines about a glass that define none: the name in small letters, where the line stands, and what is wrong. One that no surface asks
+    /// Lines about a glass that define none: the name in small letters, the line's place, and its fault. One that no surface asks
     /// for is a remark.
     pub(super) undefined: Vec<(String, Place, Problem)>,
     alias_count: usize,
-    /// Files of glasses beside this one, and where they are named.
+    /// Files of glasses beside this one, and the places of their names.
     pub(crate) catalogues: Vec<(String, Place)>,
 }
 
-/// Keys whose lines are written from the lens itself, not from what its file said.
+/// Keys whose lines are written from the lens itself, not from its file.
 pub(super) const OF_THE_LENS: [&str; 9] =
     ["name", "film_radius", "coating", "element", "moving", "position", "glass", "gradient", "transmittance"];
 
-/// Takes a line without its `#`; `place` is where it begins. One without a colon is a remark.
+/// Takes a line without its `#`; `place` is its beginning. One without a colon is a remark.
 pub(crate) fn line(
     header: &mut Header,
     metadata: &mut Metadata,
@@ -172,7 +172,7 @@ impl Header {
         Ok(())
     }
 
-    /// The line that was to define this glass and does not, and what is wrong with it.
+    /// The line that was to define this glass and does not, and its fault.
     pub(super) fn undefined(&self, name: &str) -> Option<(Place, Problem)> {
         let name = name.to_lowercase();
         self.undefined

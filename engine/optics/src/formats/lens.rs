@@ -11,7 +11,7 @@
 //! The glass is the medium after the surface: a name of the catalogues, `air`, `vacuum`, `water`, `mirror`, `n/V`,
 //! or a bare index.
 //!
-//! `isstop 1` stands in one row, that of the diaphragm: it opens and closes, and what the lens sees is counted from it. Further stops are
+//! `isstop 1` stands in one row, that of the diaphragm: it opens and closes, and the entrance pupil is its image. Further stops are
 //! fixed: a row with `isstop 0` and the same medium before and behind, whose diameter is the hole. A flat glass surface is a row of
 //! radius 0 with glass before or behind, and may be the diaphragm's own.
 //!
@@ -58,7 +58,7 @@
 //! `# element: 2-3 decenter_x=0.05 tilt_y=0.1`.
 //!
 //! A glass that stands in no catalogue is defined before the rows, by the formula's name, the wavelengths in nm that it holds for and its
-//! numbers, as `lenses/glass/README.md` has them; what it lets through may follow as wavelength in nm, part, and the thickness in mm for
+//! numbers, as `lenses/glass/README.md` has them; its transmittance may follow as wavelength in nm, part, and the thickness in mm for
 //! that. Or a catalogue that lies beside the lens file is named: `.agf` of a maker, or `.yml` of refractiveindex.info, whose medium is then
 //! called as its file. A radius may be written `1/C` by its curvature.
 //!
@@ -68,7 +68,7 @@
 //! # catalogue: maker.agf
 //! ```
 //!
-//! The index of such a glass may change from place to place: what is added to it is a sum of terms, named by powers of z and even
+//! The index of such a glass may change from place to place: the gradient is a sum of terms, named by powers of z and even
 //! powers of r, in mm. z is counted along the axis of the surface that the glass follows, from its vertex or from a place so
 //! far behind it as `from` says.
 //!
@@ -77,7 +77,7 @@
 //! ```
 //!
 //! Gaps that change when the lens is zoomed, or focused by groups inside, are named in the header by the surfaces before
-//! them, counted from 0, and given for each position that is known: nominal focal length, distance of what is sharp from
+//! them, counted from 0, and given for each position that is known: nominal focal length, distance of the sharp plane from
 //! the first vertex, gaps. A prime leaves `zoom` out; `focus=inf` may be left out. The rows hold any one of them.
 //!
 //! ```text
@@ -88,7 +88,7 @@
 //! # position: zoom=70 focus=900 51.2 1.5
 //! ```
 //!
-//! The lens of an eye changes its shape instead. Radii, conic constants, clear diameters (`diameter`), and what is added to the
+//! The lens of an eye changes its shape instead. Radii, conic constants, clear diameters (`diameter`), and a shift of the
 //! index of the medium behind a surface move in the same way, among the gaps in any order:
 //!
 //! ```text
@@ -139,7 +139,7 @@ pub fn parse_bytes(bytes: &[u8], file_name: &str, catalogue: &Catalogue) -> Resu
     reading(bytes, file_name, catalogue, None).map(|reading| reading.prescription)
 }
 
-/// Parses the text of a lens file; `file_name` is what errors call it.
+/// Parses the text of a lens file; `file_name` is its name in errors.
 pub fn parse(text: &str, file_name: &str, catalogue: &Catalogue) -> Result<Prescription, LensFileError> {
     parse_bytes(text.as_bytes(), file_name, catalogue)
 }

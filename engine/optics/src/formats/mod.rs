@@ -98,8 +98,8 @@ pub fn read(path: &Path, catalogue: &Catalogue) -> Result<Reading, LensFileError
     parse_bytes(&bytes, path, catalogue, path.parent().map(Path::to_owned))
 }
 
-/// Reads the glasses of a maker's `.agf`, or the one of a `.yml` of refractiveindex.info, which is called as the file; and what of
-/// them could not be used.
+/// Reads the glasses of a maker's `.agf`, or the one of a `.yml` of refractiveindex.info, which is called as the file; and the parts of
+/// them that could not be used.
 ///
 /// # Errors
 /// [`LensFileError`], one line with file, line and column.
@@ -113,7 +113,7 @@ pub fn read_glasses(path: &Path) -> Result<(Vec<Medium>, Vec<Remark>), LensFileE
     }
 }
 
-/// Parses the bytes of a lens file of any kind, which may be anything; `path` says its kind and what errors call it.
+/// Parses the bytes of a lens file of any kind, which may be anything; `path` gives its kind and its name in errors.
 pub fn parse_bytes(
     bytes: &[u8],
     path: &Path,

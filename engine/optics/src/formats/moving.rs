@@ -14,7 +14,7 @@ pub(super) struct MovingLines {
 }
 
 impl MovingLines {
-    /// `4 9 radius:3`: the surfaces before the gaps, and what else changes.
+    /// `4 9 radius:3`: the surfaces before the gaps, and the other numbers that change.
     pub(super) fn moved(&mut self, text: &str, place: Place) -> Result<(), Problem> {
         let list: Result<Vec<Part>, _> = text.split_whitespace().map(str::parse).collect();
         match list {

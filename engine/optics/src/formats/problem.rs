@@ -111,7 +111,7 @@ pub enum Problem {
         "'{0}' makes no gradient; write a glass defined above, then coefficients by powers of z and even ones of r, and where z is 0: MYGLASS from=1.5 z1=0.05 r2=-0.002 z1r2=0.001"
     )]
     GradientLine(String),
-    /// A line about what a glass lets through cannot be understood.
+    /// A line about a glass's transmittance cannot be understood.
     #[error(
         "'{0}' is no transmittance; write a glass defined above, then nm:part@mm: MYGLASS 400:0.997@10 500:0.998@10"
     )]
@@ -122,7 +122,7 @@ pub enum Problem {
     /// Gaps and positions do not fit together.
     #[error(transparent)]
     Moving(#[from] MovingError),
-    /// Not a finite number.
+    /// A word is not a finite number.
     #[error("{what} '{found}' is not a finite number; write {}", number_for(found))]
     NotANumber {
         /// The name of the value.
@@ -155,7 +155,7 @@ pub enum Problem {
     Prescription(#[from] PrescriptionError),
 }
 
-/// What to write for a word that is no number.
+/// The advice for a word that is no number.
 fn number_for(found: &str) -> String {
     let with_point = found.replace(',', ".");
     let word = found.trim_start_matches(['+', '-']).to_lowercase();
@@ -168,7 +168,7 @@ fn number_for(found: &str) -> String {
     }
 }
 
-/// A problem, and where it is: one line, `FILE:LINE:COLUMN: what is wrong; what to do`.
+/// A problem, and its place: one line, `FILE:LINE:COLUMN: fault; remedy`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LensFileError {
     /// The file, as it was named.

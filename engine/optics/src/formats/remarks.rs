@@ -14,7 +14,7 @@ pub struct Reading {
     pub remarks: Vec<Remark>,
 }
 
-/// Something that was left out of a file, or taken for something else: one line, `FILE:LINE:COLUMN: what`.
+/// Something that was left out of a file, or taken for something else: one line, `FILE:LINE:COLUMN: remark`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remark {
     /// The file, as it was named.

@@ -1,7 +1,7 @@
 //! Media as the refractiveindex.info database has them: a `.yml` file a medium.
 //!
 //! Blocks `- type:` under `DATA:`: `formula 1` to `formula 9` with `wavelength_range` and `coefficients`, or `tabulated n`, `nk`, `k` with
-//! `data: |` and rows of numbers; wavelengths in µm. (The database's document "Dispersion formulas".) Only what stands there is read, not
+//! `data: |` and rows of numbers; wavelengths in µm. (The database's document "Dispersion formulas".) Only this subset is read, not
 //! YAML at large. Indices are as the file has them: most of glasses are relative to air, those of crystals and liquids often not.
 
 use std::f64::consts::PI;

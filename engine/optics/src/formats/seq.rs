@@ -32,7 +32,7 @@ const SILENT: [&str; 51] = [
     "BDC", "CDC", "XDC", "YDC", "ZDC", "TEM", "PRE", "CNT", "WTA", "CRV", "LBL", "DDA", "DDM", "AFC", "PFR", "FFO",
     "RFO",
 ];
-/// Commands that move the frame of a surface, in the order of [`Frame::numbers`], and that say what becomes of the frame behind it.
+/// Commands that move the frame of a surface, in the order of [`Frame::numbers`], and that choose the frame behind it.
 const MOVES: [&str; 6] = ["XDE", "YDE", "ZDE", "ADE", "BDE", "CDE"];
 const FRAMES: [(&str, FrameKind); 3] =
     [("DAR", FrameKind::Return), ("BEN", FrameKind::Bend), ("REV", FrameKind::Reverse)];
@@ -54,13 +54,13 @@ pub fn parse(text: &str, file: &str, catalogue: &Catalogue) -> Result<Reading, L
     reader.finish()
 }
 
-/// What becomes of the frame of a decentred surface behind it.
+/// The frame of the surfaces behind a decentred surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum FrameKind {
     /// It stays decentred and tilted.
     #[default]
     Stay,
-    /// It returns to what it was before the surface.
+    /// It returns to the frame before the surface.
     Return,
     /// It is tilted once more, as the axis is by a mirror.
     Bend,
@@ -68,7 +68,7 @@ enum FrameKind {
     Reverse,
 }
 
-/// How a surface or the film is decentred and tilted: x, y and z in the file's units, alpha, beta and gamma in degrees.
+/// The decentring and tilt of a surface or of the film: x, y and z in the file's units, alpha, beta and gamma in degrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Frame {
     numbers: [f64; 6],
@@ -157,10 +157,10 @@ struct SeqReader<'a> {
     /// The surface that commands are about: `None` before any, 0 the object.
     current: Option<usize>,
     has_film: bool,
-    /// How surfaces are decentred, by their index; that of the film last.
+    /// The decentring of surfaces, by their index; that of the film last.
     frames: HashMap<usize, Frame>,
     film_frame: Frame,
-    /// Distance from the film's place to where it is meant to be.
+    /// Distance from the film's place to the intended one.
     defocus_mm: f64,
     wavelengths_nm: Vec<f64>,
     reference: usize,

@@ -73,7 +73,7 @@ fn is_no_text(c: char) -> bool {
 }
 
 /// A byte in Windows' code page 1252: Latin-1, but for letters and marks where that has control codes (Unicode Consortium,
-/// CP1252.TXT). What has no letter there is marked as unreadable.
+/// CP1252.TXT). Bytes without a letter there are marked as unreadable.
 fn western(byte: u8) -> char {
     const FROM_80: [char; 32] = [
         '€', '\u{fffd}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{fffd}', 'Ž', '\u{fffd}',

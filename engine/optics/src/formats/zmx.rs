@@ -46,7 +46,7 @@ const CONFIGURED: [&str; 44] = [
 const CONFIGURED_SILENT: [&str; 14] =
     ["MOFF", "LTTL", "MCOM", "FLWT", "WLWT", "CWGT", "SDRW", "CHZN", "FLTP", "XFIE", "YFIE", "WAVE", "PRWV", "HOLD"];
 
-/// Reads the text of a file. `folder` is where catalogues beside it are sought.
+/// Reads the text of a file. `folder` is that of catalogues beside it.
 pub fn parse(text: &str, file: &str, catalogue: &Catalogue, folder: Option<PathBuf>) -> Result<Reading, LensFileError> {
     let mut reader = ZmxReader::new(file, catalogue, folder);
     for (i, line) in text.lines().enumerate() {
@@ -65,7 +65,7 @@ struct ZmxReader<'a> {
     mm_per_unit: f64,
     wavelengths_um: Vec<(usize, f64)>,
     primary: usize,
-    /// `FTYP`'s count of fields, their heights, and what `VCYN` and `VDYN` cut off.
+    /// `FTYP`'s count of fields, their heights, and the parts that `VCYN` and `VDYN` cut off.
     field_count: usize,
     fields: Vec<f64>,
     compressed: Vec<f64>,

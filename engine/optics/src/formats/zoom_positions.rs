@@ -57,7 +57,7 @@ fn summary(positions: &[Position], left_out: usize) -> String {
 }
 
 impl Draft<'_> {
-    /// Makes moving parts of the configurations. Returns how wide the beams are on each surface in the widest of them, mm; 0 without any.
+    /// Makes moving parts of the configurations. Returns the widths of the beams on each surface in the widest of them, mm; 0 without any.
     pub(super) fn configure(&mut self, stop: usize) -> Vec<f64> {
         let mut widest_mm = vec![0.0f64; self.rows.len()];
         let Some(configurations) = self.configurations.take() else { return widest_mm };

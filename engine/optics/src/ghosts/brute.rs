@@ -1,4 +1,4 @@
-//! Ghosts without looking for them: rays that part at every surface into what it reflects and what it lets through, and die out
+//! Ghosts without looking for them: rays that split at every surface into a reflected and a refracted one, and die out
 //! by chance. Slow, and the reference for whatever is quicker.
 
 use glam::DVec2;
@@ -15,7 +15,7 @@ const MOST_TURNS: usize = 8;
 /// Russian roulette: of rays that have less than this part of their power left only some go on, with that power.
 const LEAST_POWER: f64 = 1e-6;
 
-/// Light that arrives at the film, by how often it was reflected.
+/// Light that arrives at the film, by its number of reflections.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arrived {
     /// Light for irradiance one in the middle of the beam's disc, mm², by the number of reflections.
@@ -65,7 +65,7 @@ pub fn arrived(
     Arrived { light_mm2: sums.map(|sum| sum / n), error_mm2: std::array::from_fn(error) }
 }
 
-/// Follows all that becomes of one ray; calls `each` with what leaves the lens towards the film, its power and how often it was
+/// Follows all parts of one ray; calls `each` with those that leave the lens towards the film, its power and how often it was
 /// reflected.
 fn one(
     system: &System,

@@ -10,7 +10,7 @@ const PARTS: usize = 3;
 const POINTS: usize = PARTS + 1;
 /// Sides of a cell's parts: those along x, then those along y.
 const SIDES: usize = 2 * PARTS * POINTS;
-/// In place of a crossing's number: the edge does not cross this side.
+/// The value in place of a crossing's number where the edge does not cross this side.
 const NONE: u32 = u32::MAX;
 
 /// A ray that gets through.
@@ -124,7 +124,7 @@ impl Edges {
 mod tests {
     use super::*;
 
-    /// Cells about a circle hold its area: chords of an eighteenth of the radius leave out less than 1e-3 of what they cut.
+    /// Cells about a circle hold its area: chords of an eighteenth of the radius leave out less than 1e-3 of the area that they cut.
     #[test]
     fn a_circle_is_cut_along_its_edge() {
         let cells: Vec<DVec2> = (0..144).map(|i| DVec2::new((i % 12) as f64, (i / 12) as f64) / 6.0 - 1.0).collect();

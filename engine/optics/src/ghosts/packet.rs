@@ -2,8 +2,8 @@
 //!
 //! Between the rays of a small cell light spreads evenly, so a cell's light over the area that it covers on the film is the irradiance
 //! there, however the grid is folded (Hullin et al. 2011, "Physically-based real-time lens flare rendering", section 4). Cells on the edge
-//! of what rims and diaphragm let through are cut along it ([`super::edges`]). Power changes slowly over the beam: it is known exactly at a
-//! few points and evened out between them.
+//! of the light that rims and diaphragm let through are cut along it ([`super::edges`]). Power changes slowly over the beam: it is known
+//! exactly at a few points and evened out between them.
 
 use glam::DVec2;
 
@@ -286,8 +286,8 @@ impl Power {
         self.nodes.iter().sum::<f64>() / self.nodes.len() as f64
     }
 
-    /// The power at a point, by Catmull and Rom's cubics, which are exact for parabolas: straight lines would count too much, for what a
-    /// coating reflects grows with the square of the angle. At the ends a row goes on as a parabola.
+    /// The power at a point, by Catmull and Rom's cubics, which are exact for parabolas: straight lines would count too much, for the
+    /// reflectance of a coating grows with the square of the angle. At the ends a row goes on as a parabola.
     fn at(&self, at: DVec2) -> f64 {
         let last = (self.side - 1) as f64;
         let place = ((at - self.low) * self.per_radius).clamp(DVec2::ZERO, DVec2::splat(last));

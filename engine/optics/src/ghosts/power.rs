@@ -3,7 +3,7 @@
 use crate::system::{Element, System};
 use crate::trace::{Incidence, Ray, ReflectedTracer};
 
-/// The parts of unpolarised light that a surface reflects and lets through: \[reflected, transmitted\]. Of a mirror, what it reflects
+/// The parts of unpolarised light that a surface reflects and lets through: \[reflected, transmitted\]. A mirror's reflected light
 /// counts as going on.
 pub fn parts(system: &System, wavelength_nm: f64, incidence: &Incidence) -> [f64; 2] {
     let Incidence { meeting, cos, .. } = *incidence;

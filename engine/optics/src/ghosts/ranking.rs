@@ -1,4 +1,4 @@
-//! The ghosts of a source one by one, the brightest first: where each lies on the film, how large it is, and how bright.
+//! The ghosts of a source one by one, the brightest first: the place of each on the film, its size and its brightness.
 
 use glam::DVec2;
 

@@ -68,7 +68,7 @@ struct CatalogueEntry {
     coefficients: Vec<f64>,
     range_um: [f64; 2],
     source: Option<String>,
-    /// (µm, what 10 mm let through inside).
+    /// (µm, internal transmittance of 10 mm).
     #[serde(default)]
     through_10mm: Vec<[f64; 2]>,
 }

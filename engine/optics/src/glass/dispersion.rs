@@ -100,7 +100,7 @@ impl Dispersion {
         }
     }
 
-    /// The word for the formula and its numbers, as glass files have them; `None` for what stands in none.
+    /// The word for the formula and its numbers, as glass files have them; `None` for formulas that stand in none.
     pub fn words(&self) -> Option<(&'static str, Vec<f64>)> {
         let led = |a: &f64, pairs: &[[f64; 2]]| [&[*a], pairs.as_flattened()].concat();
         Some(match self {

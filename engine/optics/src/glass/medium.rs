@@ -91,7 +91,7 @@ impl Medium {
         Self { shift, ..self.clone() }
     }
 
-    /// The medium by its formula alone, without what [`Self::with_index_shift`] has added.
+    /// The medium by its formula alone, without the shift by [`Self::with_index_shift`].
     pub fn as_defined(&self) -> Self {
         Self { shift: 0.0, ..self.clone() }
     }
@@ -152,7 +152,7 @@ impl Medium {
         self.base_index(wavelength_nm) + there
     }
 
-    /// The index without what a gradient adds.
+    /// The index without the gradient.
     pub fn base_index(&self, wavelength_nm: f64) -> f64 {
         let [shortest, longest] = self.range_nm;
         self.dispersion.index(wavelength_nm.max(shortest).min(longest) / 1000.0) + self.shift

@@ -31,7 +31,7 @@ pub enum LensFitError {
         /// Places that were looked at.
         all: usize,
     },
-    /// Nothing is to be adjusted.
+    /// No adjustment is asked for.
     #[error("nothing is to be adjusted; name focal-length, focus, film-distance, or gaps")]
     Nothing,
     /// Film distance and focus are one.

@@ -21,7 +21,7 @@ pub(super) struct SetLens {
 }
 
 impl SetLens {
-    /// Those of the points that both the lens and the calibration see.
+    /// The points that both the lens and the calibration see.
     pub(super) fn common(&self, search: &Search<'_>, points: &[DVec2]) -> Vec<DVec2> {
         let is_lit = |point: &DVec2| {
             let film = search.film_mm(*point);

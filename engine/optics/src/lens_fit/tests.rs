@@ -53,7 +53,7 @@ fn task<'a>(lens: &'a Prescription, settings: &'a LensSettings, calibration: &'a
     }
 }
 
-/// The focal length of a lens that is 2.3 % larger, and nothing is left over but what the calibration's formula leaves.
+/// The focal length of a lens that is 2.3 % larger, and the only residual is that of the calibration's formula.
 #[test]
 fn a_larger_lens_is_found() {
     let (lens, settings) = (lens_of("nikkor-28-f1.4.lens"), LensSettings::default());

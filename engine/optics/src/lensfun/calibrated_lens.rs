@@ -102,7 +102,7 @@ impl CalibratedLens {
         distortions.chain(lights).reduce(nearest).unwrap_or(focal_mm)
     }
 
-    /// The set that was measured with the largest sensor that is no smaller than the camera's, and has what `has` asks for.
+    /// The set that was measured with the largest sensor that is no smaller than the camera's, and fulfils `has`.
     fn set(&self, crop_factor: f64, has: impl Fn(&CalibrationSet) -> bool) -> Option<&CalibrationSet> {
         let ratio = |set: &CalibrationSet| crop_factor / set.sensor.crop_factor;
         self.sets.iter().filter(|set| has(set) && ratio(set) >= SAME_CROP).min_by(|a, b| ratio(a).total_cmp(&ratio(b)))
@@ -171,7 +171,7 @@ impl CalibratedLens {
         is_known.then(|| found(first.with_terms(terms), nearest)).flatten()
     }
 
-    /// How far a measured vignetting is from a setting (`__vignetting_dist` in lensfun's `lens.cpp`).
+    /// The distance of a measured vignetting from a setting (`__vignetting_dist` in lensfun's `lens.cpp`).
     fn apart(&self, row: &VignettingRow, focal_mm: f64, f_number: f64, distance_m: f64) -> f64 {
         let [shortest, longest] = self.focal_range_mm;
         let range = if longest != shortest { longest - shortest } else { 1.0 };
@@ -188,7 +188,7 @@ struct Neighbours<'a, R> {
     rows: [Option<&'a R>; 4],
     /// The measured row that stands for itself, where the focal length was measured or lies beyond all.
     alone: Option<&'a R>,
-    /// From the first above to the first below.
+    /// The part of the way from the first above to the first below.
     t: f64,
     /// The focal length that the result is of, mm: that of the row beyond all.
     focal_mm: f64,

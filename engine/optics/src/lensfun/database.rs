@@ -70,7 +70,7 @@ impl Database {
     /// The database that is installed on this computer: the user's own, updated, of the system.
     ///
     /// # Errors
-    /// [`LensfunError::NotInstalled`], or what is installed cannot be read.
+    /// [`LensfunError::NotInstalled`], or the error of reading the installed one.
     pub fn installed() -> Result<Self, LensfunError> {
         let home = std::env::var_os("XDG_DATA_HOME").map(PathBuf::from);
         let home = home.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".local/share")));
@@ -126,7 +126,7 @@ impl Database {
     }
 }
 
-/// The numbers of the entries of a name, all of one name, each known by model and by maker and model; `what` they are, for messages.
+/// The numbers of the entries of a name, all of one name, each known by model and by maker and model; `what` is their kind, for messages.
 fn matching(names: &[[String; 2]], name: &str, what: &'static str) -> Result<Vec<usize>, LensfunError> {
     let wanted = key(name);
     let numbers = |holds: &dyn Fn(&[String; 2]) -> bool| -> Vec<usize> {

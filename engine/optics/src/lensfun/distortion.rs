@@ -70,7 +70,7 @@ pub struct Distortion {
     pub sensor: Sensor,
 }
 
-/// Steps by which the place is looked for where a picture turns back on itself.
+/// Steps of the search for the radius at which a distortion folds back.
 const STEPS: usize = 512;
 /// The largest radius that is looked at, in half diagonals of the calibration's sensor.
 const FARTHEST: f64 = 4.0;
@@ -200,7 +200,7 @@ impl Distortion {
         Some(r)
     }
 
-    /// With tangential terms: what they add is small, so that it is taken off again and again.
+    /// The inverse with tangential terms: they add little, so that this is subtracted again and again.
     fn straight_beside(&self, distorted_mm: DVec2, start: DVec2) -> Option<DVec2> {
         let mut at = start;
         for _ in 0..MOST_NEWTON {

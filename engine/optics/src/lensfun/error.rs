@@ -29,7 +29,7 @@ pub enum LensfunError {
         /// The folders that were looked for.
         looked: String,
     },
-    /// A place of a file is not what a database has there.
+    /// A place of a file has other content than a database.
     #[error("{file}:{line}:{column}: {what}")]
     Content {
         /// The file.
@@ -38,7 +38,7 @@ pub enum LensfunError {
         line: u32,
         /// Column, from 1.
         column: u32,
-        /// What is wrong, and what belongs there.
+        /// The fault, and the content that belongs there.
         what: String,
     },
     /// No lens is named, and there are several.

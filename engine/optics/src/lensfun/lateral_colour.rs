@@ -72,7 +72,7 @@ pub struct LateralColour {
 }
 
 impl LateralColour {
-    /// The place in a channel of what is at this point in green, both mm in the real picture.
+    /// The place in a channel of the light that is at this point in green, both mm in the real picture.
     pub fn place_mm(&self, channel: Channel, green_mm: DVec2) -> DVec2 {
         let i = usize::from(channel == Channel::Blue);
         let r = green_mm.length();
@@ -92,7 +92,7 @@ impl LateralColour {
         }
     }
 
-    /// The point in green light of what a channel shows at a place, both mm in the real picture; `None`: the formula has none near.
+    /// The point in green of the light that a channel shows at a place, both mm in the real picture; `None`: the formula has none near.
     pub fn green_mm(&self, channel: Channel, place_mm: DVec2) -> Option<DVec2> {
         let enough = 4.0 * f64::EPSILON * place_mm.length();
         let mut green = place_mm;

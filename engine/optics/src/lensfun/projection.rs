@@ -1,20 +1,20 @@
-//! Projections that lensfun's lenses are said to have: how far from the middle a field is, without distortion.
+//! Projections that lensfun's lenses are said to have: the distance from the middle by field angle, without distortion.
 
 /// A projection by angle from the axis. Panoramic and equirectangular pictures have none, so they are read as unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Projection {
-    /// By the tangent.
+    /// Height by the tangent of the angle.
     #[default]
     Rectilinear,
-    /// By the angle itself (lensfun's `fisheye`).
+    /// Height by the angle itself (lensfun's `fisheye`).
     Equidistant,
-    /// By the sine.
+    /// Height by the sine of the angle.
     Orthographic,
-    /// By twice the tangent of half the angle.
+    /// Height by twice the tangent of half the angle.
     Stereographic,
-    /// By twice the sine of half the angle.
+    /// Height by twice the sine of half the angle.
     Equisolid,
-    /// By 1.47 sin(0.713 θ), as M. Thoby has measured a fisheye lens.
+    /// Height by 1.47 sin(0.713 θ), as M. Thoby has measured a fisheye lens.
     Thoby,
 }
 

@@ -45,14 +45,14 @@ pub struct Vignetting {
     pub real_focal_mm: f64,
     /// The sensor of the calibration.
     pub sensor: Sensor,
-    /// How far the nearest measurement is, in lensfun's measure: 0 where it was measured, 1 from one end of the zoom to the other, or
+    /// The distance of the nearest measurement, in lensfun's measure: 0 at a measurement, 1 from one end of the zoom to the other, or
     /// from f/4 to f/2.
     pub apart: f64,
 }
 
 impl Vignetting {
     /// Light at this distance from the middle of the film, over that in the middle; `None` where the formula leaves none, which is beyond
-    /// what was measured.
+    /// the measurement.
     pub fn illumination(&self, radius_mm: f64) -> Option<f64> {
         let unit_mm = match self.model {
             VignettingModel::Pa(_) => self.sensor.half_diagonal_mm(),

@@ -1,7 +1,7 @@
 //! Lenses that move inside: gaps that change when the lens is zoomed, or focused by some of its groups; and eyes, whose lens
 //! changes its shape.
 //!
-//! Published tables give the gaps, and what else changes, at some positions. Between them each gap, curvature, conic constant
+//! Published tables give the gaps, and other numbers that change, at some positions. Between them each gap, curvature, conic constant
 //! or index follows a smooth curve that never turns where the table does not (Fritsch and Butland 1984): over the logarithm of the
 //! focal length from zoom position to zoom position, and over the nearness, one over the distance, from one focus to the next.
 
@@ -260,7 +260,7 @@ impl MovingParts {
         &self.parts
     }
 
-    /// Checks the parts: the error says that one of them is the index of what is no medium of its own, or what is wrong with the lens in
+    /// Checks the parts: the error names one of them that is the index shift of no medium of its own, or the fault of the lens in
     /// one of the positions, as they were given, and in which.
     pub fn check(&self, rows: &[SurfaceRow], given: &[Position]) -> Result<(), (Option<usize>, MovingError)> {
         let is_medium =

@@ -1,4 +1,4 @@
-//! Several targets at once, in single precision: a target is a choice, and its density that of what was chosen, so all
+//! Several targets at once, in single precision: a target is a choice, and its density that of the chosen point, so all
 //! that rounding moves is which of two neighbours is aimed at.
 
 use glam::DVec3;
@@ -18,7 +18,7 @@ struct AimedSector {
     start: f32,
     /// Reciprocal of the slice's own share.
     inverse_share: f32,
-    /// Squared, where it begins on the way to its outer edge; and what there is from there to the edge.
+    /// Squared, where it begins on the way to its outer edge; and the rest from there to the edge.
     begin: f32,
     rest: f32,
 }

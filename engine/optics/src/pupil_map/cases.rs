@@ -10,7 +10,7 @@ use glam::Vec3;
 /// Rounds of eight rays on each map.
 pub(super) const ROUNDS: usize = 4000;
 
-/// A plain map, one of a stop with six blades and one of a tilted film; with the film, and words for what it is.
+/// A plain map, one of a stop with six blades and one of a tilted film; with the film, and a name.
 pub(super) fn for_each_map(check: impl Fn(&PupilMap, &FilmPlane, &str)) {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../lenses"));
     let prescription = lens::read(folder.join("double-gauss-f1.35.lens").as_path(), Catalogue::shipped()).unwrap();

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::outline::{ANGLES, PupilOutline};
 
-/// Outlines are widened by this part of their radius, for what they do between the points where they were traced.
+/// Outlines are widened by this part of their radius, for their course between the traced points.
 /// Larger wastes twice as many samples; smaller leaves light to the defensive samples, which are noisy.
 const MARGIN: f64 = 0.003;
 
@@ -138,7 +138,7 @@ impl Cell {
         (sector.corner + sector.edge * across) * out
     }
 
-    /// The sector that `u` chooses, and how far along its edge.
+    /// The sector that `u` chooses, and the part of its edge.
     #[inline]
     fn sector(&self, u: f64) -> (&Sector, f64) {
         let part = ((u * GUIDE as f64) as i32 as usize).min(GUIDE - 1);
@@ -194,7 +194,7 @@ fn nearly_sector(point: DVec2) -> usize {
     ((turn * (ANGLES as f64 / 8.0)) as i32 as usize).min(ANGLES - 1)
 }
 
-/// Moves the corners out until the polygon holds what the outline does between them, and by the margin.
+/// Moves the corners out until the polygon holds the outline between them, and by the margin.
 ///
 /// Between two corners a convex outline stays inside of the triangle that the edges on both sides make when they are
 /// drawn on: at the tips of a cat's eye the chord would cut it off.

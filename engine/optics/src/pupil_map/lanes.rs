@@ -46,7 +46,7 @@ spots! {
     /// The way of the ellipse's centre from the near end of the cell to the far end.
     along_way,
     across_way,
-    /// The ellipse's axes at the near end, and by how much they are larger at the far end.
+    /// The ellipse's axes at the near end, and their growth to the far end.
     semi_along,
     semi_across,
     semi_along_growth,

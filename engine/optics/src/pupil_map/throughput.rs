@@ -14,7 +14,7 @@ const SCAN: usize = 1024;
 const PARTS: usize = 16;
 
 /// Meridians of a lens that is not symmetric about its axis. The sum over a smooth outline converges faster than any
-/// power; corners of blades leave an error below 1e-4, the details of a mask what they
+/// power; corners of blades leave an error below 1e-4, the details of a mask the area that they
 /// cover between two meridians.
 const AZIMUTHS: u32 = 256;
 

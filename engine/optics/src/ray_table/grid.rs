@@ -1,4 +1,4 @@
-//! Even nodes along an axis, cubics between them, and what to do where a node is missing.
+//! Even nodes along an axis, cubics between them, and the filling of missing nodes.
 
 /// An interval with nodes at equal steps, both ends among them.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +49,7 @@ impl NodeAxis {
     }
 }
 
-/// Neighbouring nodes and what each counts.
+/// Neighbouring nodes and their weights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stencil {
     first: usize,
@@ -91,7 +91,7 @@ impl Stencil {
     }
 }
 
-/// Rounds of filling that still carry a parabola on; what lies farther out counts for no ray.
+/// Rounds of filling that still carry a parabola on; nodes farther out count for no ray.
 const ROUNDS: usize = 3;
 
 /// The rows of a square of `side`, the missing ones continued from their neighbours; `lost` where that is too far.

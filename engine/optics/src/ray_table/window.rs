@@ -22,7 +22,7 @@ pub(super) struct PlaneWindow {
 const MARGIN: f64 = 0.01;
 
 impl PlaneWindow {
-    /// The window that holds `bounds` (low, high) at all their film points, none far from what it must; `glass`, a
+    /// The window that holds `bounds` (low, high) at all their film points, none far larger than needed; `glass`, a
     /// square of that half side, if there are none. `is_radial`: the film's second coordinate does not count.
     pub(super) fn around(bounds: &[(DVec2, [DVec2; 2])], is_radial: bool, glass: f64) -> Self {
         let places = bounds.iter().map(|(film, _)| *film);
@@ -54,7 +54,7 @@ impl PlaneWindow {
         window
     }
 
-    /// 1, x, y, x², ... of a film point, each coordinate from −1 to 1; zero what depends on a coordinate that has no extent.
+    /// 1, x, y, x², ... of a film point, each coordinate from −1 to 1; zero for terms of a coordinate that has no extent.
     #[inline]
     fn powers(&self, film: DVec2) -> [f64; TERMS] {
         let DVec2 { x, y } = (film - self.middle) * self.per_half;

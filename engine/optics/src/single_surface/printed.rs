@@ -2,7 +2,7 @@
 //!
 //! Equations 3 to 5, in the form with the radius r and the squared eccentricity e² = −k, with the letters set right
 //! where the print slips (docs/references.md): in f64, without carrying the ray, without a second form of the root,
-//! with Snell's law as textbooks have it. The choice between the two roots is the tracer's, so that what differs is
+//! with Snell's law as textbooks have it. The choice between the two roots is the tracer's, so that the difference is
 //! numerics alone.
 
 use glam::DVec3;
@@ -86,7 +86,7 @@ mod tests {
         }
     }
 
-    /// Point and direction by both, and by how much they differ.
+    /// Point and direction by both, and their differences.
     fn difference(surface: &SingleSurface, origin: DVec3, direction: DVec3) -> f64 {
         let (a, b) = (surface.trace::<f64>(origin, direction), surface.trace_as_printed(origin, direction).unwrap());
         let (Some(x), Some(y)) = (a.hit, b.hit) else { return f64::INFINITY };

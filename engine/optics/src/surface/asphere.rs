@@ -168,7 +168,7 @@ impl<L: Lane> Profiled<L> for RayToAsphere<'_, L> {
     }
 }
 
-/// The length of what an iteration looks at, from the point nearest the vertex and its first guess.
+/// The length of the interval that an iteration searches, from the point nearest the vertex and its first guess.
 #[inline(always)]
 pub(super) fn size<L: Lane>(p: Vector<L>, start: L) -> L {
     let size = p.length_squared().sqrt() + start.abs();

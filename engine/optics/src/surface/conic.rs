@@ -13,7 +13,7 @@ pub struct Conic<R = f64> {
     pub conic: R,
 }
 
-/// Below this part of B², the discriminant B² − A C is formed again without the rounding of its products.
+/// The part of B² below which the discriminant B² − A C is formed again without the rounding of its products.
 /// Larger costs time, smaller loses digits at grazing incidence.
 const CANCELLED: f64 = 1e-2;
 

@@ -38,7 +38,7 @@ const ROUNDINGS: f64 = 2.0;
 /// The t near `start` where `side` times the function rises through 0.
 ///
 /// Newton's step, with the slope taken as rising, always goes towards such a root. The first is no longer than `size`,
-/// the length of what is looked at, and each may be twice as long as the one before. Once a root lies between two
+/// the length of the searched interval, and each may be twice as long as the one before. Once a root lies between two
 /// places that were tried, steps that leave their interval are replaced by halving it.
 #[inline(always)]
 pub(super) fn rising_root<L: Lane>(start: L, side: L::Real, size: L, surface: &impl Profiled<L>) -> Root<L> {

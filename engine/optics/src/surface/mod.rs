@@ -69,9 +69,9 @@ pub struct Crossing<L: Lane> {
     pub cosine: L,
     /// True if the ray hits the surface with sign(N · D) = side.
     pub met: L::Mask,
-    /// Not hit, for [`Failure::WrongSheet`].
+    /// Lanes without a hit, for [`Failure::WrongSheet`].
     pub wrong_sheet: L::Mask,
-    /// Not hit, for [`Failure::NotConverged`].
+    /// Lanes without a hit, for [`Failure::NotConverged`].
     pub not_converged: L::Mask,
 }
 
@@ -253,7 +253,7 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Every shape that a sphere can be written as meets rays where the sphere does.
+    /// Every shape that a sphere can be written as has the sphere's hits.
     #[test]
     fn a_sphere_by_any_name() {
         let sphere = Conic::new(40.0, 0.0);

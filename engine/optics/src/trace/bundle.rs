@@ -54,8 +54,8 @@ impl<R: Traced> Tracer<R> {
         Bundle::along(self.way(travel).clone())
     }
 
-    /// Takes the rays of `bundle`, which this tracer or one of the same lens made, through the lens; what became of
-    /// them is what [`Self::from_scene`] or [`Self::from_film`] says, to the last bit.
+    /// Takes the rays of `bundle`, which this tracer or one of the same lens made, through the lens; the fates of
+    /// them are those of [`Self::from_scene`] or [`Self::from_film`], to the last bit.
     pub fn trace(&self, bundle: &mut Bundle<R>) {
         self.trace_with(Level::new(), bundle);
     }
@@ -164,8 +164,8 @@ impl<R: Real> Bundle<R> {
     }
 
     /// The rays from `first` on where they left the lens: x, y and z from the last vertex on the way, then their
-    /// directions, whose length is 1; and a bit for each that got through, the first the lowest. What the numbers of the
-    /// others mean, nobody knows.
+    /// directions, whose length is 1; and a bit for each that got through, the first the lowest. The numbers of the
+    /// others are undefined.
     #[inline]
     pub(super) fn results<const N: usize>(&self, first: usize, rays: &mut [[R; N]; 6]) -> u32 {
         debug_assert!(self.is_traced, "trace the bundle first");

@@ -34,7 +34,7 @@ const LEAST_INDEX: f64 = 0.3;
 pub(super) struct Gradients<R> {
     before: Option<(LocalMedium<R>, March<R>)>,
     behind: Option<LocalMedium<R>>,
-    /// The indices before and behind the surface without what the gradients add.
+    /// The indices before and behind the surface without the gradients.
     pub(super) indices: [R; 2],
 }
 
@@ -82,7 +82,7 @@ pub struct GradientsBeside {
     pub before: Option<GradientNumbers>,
     /// The medium behind the surface, if it is a gradient.
     pub behind: Option<GradientNumbers>,
-    /// The indices before and behind without what the gradients add.
+    /// The indices before and behind without the gradients.
     pub indices: [f64; 2],
 }
 
@@ -136,7 +136,7 @@ impl Gradients<f64> {
         }
     }
 
-    /// In numbers for a tracer on another processor.
+    /// The gradients in numbers for a tracer on another processor.
     pub(super) fn numbers(&self) -> GradientsBeside {
         let numbers = |field: &LocalMedium<f64>, march: Option<&March<f64>>| GradientNumbers {
             rows: field.rows.iter().map(|row| row.to_vec()).collect(),
@@ -161,8 +161,8 @@ impl Gradients<f64> {
 }
 
 impl<R: Real> Step<R> {
-    /// [`Self::pass`] with `gradients` beside the surface; `numbers` are then the indices before and behind it without what the gradients
-    /// add.
+    /// [`Self::pass`] with `gradients` beside the surface; `numbers` are then the indices before and behind it without the shifts that the
+    /// gradients add.
     #[inline(always)]
     pub(super) fn pass_gradients<L: Lane<Real = R>>(
         &self,

@@ -14,22 +14,22 @@ impl<R: Real> Tracer<R> {
         &self.way(travel).steps
     }
 
-    /// The point of `ray` nearest to the vertex of the first surface on the way, seen from there, in mm, and its direction: what
-    /// enters the first of [`Self::steps`].
+    /// The point of `ray` nearest to the vertex of the first surface on the way, seen from there, in mm, and its direction: the input of
+    /// the first of [`Self::steps`].
     pub fn enter(&self, travel: Travel, ray: Ray) -> (DVec3, DVec3) {
         (self.way(travel).nearest(ray), ray.direction)
     }
 
     /// The ray in lens space whose point and direction, the one seen from the vertex of the last surface on the way, in mm, are
-    /// what the last of [`Self::steps`] left.
+    /// the result of the last of [`Self::steps`].
     pub fn leave(&self, travel: Travel, point: DVec3, direction: DVec3) -> Ray {
         self.way(travel).leave(point, direction)
     }
 }
 
 impl Tracer {
-    /// The media beside a surface, by its place in [`Self::steps`], where one is a gradient. What the step's action says of indices
-    /// then does not count.
+    /// The media beside a surface, by its place in [`Self::steps`], where one is a gradient. The indices of the step's action
+    /// then do not count.
     pub fn gradients(&self, travel: Travel, step: usize) -> Option<GradientsBeside> {
         self.way(travel).gradients(step).map(Gradients::numbers)
     }

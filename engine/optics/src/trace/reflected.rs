@@ -1,5 +1,6 @@
 //! Light that turns back at surfaces which are meant to let it through: a path with given reflections, laid out as steps of its
-//! own so that rays go along it as along any lens; and one surface at a time, for who decides at each what becomes of a ray.
+//! own so that rays go along it as along any lens; and one surface at a time, for callers that decide at each whether a ray is reflected or
+//! refracted.
 
 use std::sync::Arc;
 
@@ -118,7 +119,7 @@ impl ReflectedTracer {
         &self.meetings
     }
 
-    /// The ray that leaves the last surface, and what happened at each on the way.
+    /// The ray that leaves the last surface, and the events at each on the way.
     pub fn from_scene(&self, ray: Ray, each: &mut impl FnMut(Incidence)) -> Result<Ray, Lost> {
         let way = &self.tracer.from_scene;
         let (mut p, mut d) = way.enter(ray);

@@ -106,7 +106,7 @@ impl<R: Traced> SpectralTracer<R> {
         SpectralBundle { rays: Bundle::along(self.way(travel).0.clone()), first: Vec::new(), group }
     }
 
-    /// Takes the rays of a bundle, which this tracer made, through the lens; what became of them is what
+    /// Takes the rays of a bundle, which this tracer made, through the lens; their fates are those that
     /// [`Tracer::from_scene`] or [`Tracer::from_film`] of their lines say, to the last bit.
     pub fn trace(&self, bundle: &mut SpectralBundle<R>) {
         let SpectralBundle { rays, first, group } = bundle;
@@ -182,7 +182,7 @@ impl<R: Real> SpectralBundle<R> {
     }
 }
 
-/// The way that all lines share, and what they do not.
+/// The surface sequence that all wavelengths share, and the tables of their indices.
 fn along(lines: &[&SurfaceSequence<f64>]) -> (SurfaceSequence<f64>, Tables<f64>) {
     let at = |i: usize| {
         let numbers = |line: &&SurfaceSequence<f64>| match (line.gradients(i), line.steps[i].action) {

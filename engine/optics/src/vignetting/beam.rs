@@ -1,4 +1,4 @@
-//! Rays of one field through a lens without its rims, and how near they come to where the rims are.
+//! Rays of one field through a lens without its rims, and their distances from the rims.
 
 use std::f64::consts::TAU;
 

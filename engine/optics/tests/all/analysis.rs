@@ -1,4 +1,4 @@
-//! Spots, fans, transfer functions, distortion and illumination against the reference data and what is known in closed form.
+//! Spots, fans, transfer functions, distortion and illumination against the reference data and closed forms.
 
 // A comparison that NaN fails.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -143,7 +143,7 @@ fn a_stigmatic_lens_transfers_what_diffraction_leaves() {
     }
 }
 
-/// Far out of focus rays alone say what is left: 2 J1(x) / x of the disc; and diffraction adds nothing that could be seen.
+/// Far out of focus rays alone give the contrast that is left: 2 J1(x) / x of the disc; and diffraction adds nothing that could be seen.
 #[test]
 fn far_out_of_focus_contrast_is_that_of_a_disc() {
     let settings = LensSettings { f_number: Some(8.0), ..LensSettings::default() };
@@ -174,7 +174,7 @@ fn bessel_j1(x: f64) -> f64 {
 }
 
 /// A quarter of a wave of defocus leaves 80 % of the middle of the point's light (Rayleigh), so contrast at half the cut-off falls from
-/// 0.39 to what Hopkins (1955) tables: here by the autocorrelation itself, as an integral along the shift.
+/// 0.39 to the values that Hopkins (1955) tables: here by the autocorrelation itself, as an integral along the shift.
 #[test]
 fn a_little_out_of_focus_contrast_is_hopkins() {
     let settings = LensSettings { f_number: Some(8.0), ..LensSettings::default() };

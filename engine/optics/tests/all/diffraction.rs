@@ -1,4 +1,4 @@
-//! Point spread and the transfer of a pupil's shape against what is known in closed form.
+//! Point spread and the transfer of a pupil's shape against closed forms.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -44,7 +44,7 @@ fn along(psf: &Psf, angle: f64, radius_mm: f64) -> f64 {
     (0..16).map(|k| wx[k % 4] * wy[k / 4] * at(k % 4, k / 4)).sum()
 }
 
-/// Bessel's function of the first kind and first order, as its integral: the trapezoid's rule is exact for what is periodic.
+/// Bessel's function of the first kind and first order, as its integral: the trapezoid's rule is exact for periodic functions.
 fn bessel_j1(x: f64) -> f64 {
     let steps = 400;
     (0..steps).map(|i| PI * (f64::from(i) + 0.5) / f64::from(steps)).map(|t| (t - x * t.sin()).cos()).sum::<f64>()
@@ -154,7 +154,7 @@ fn point_spread_and_transfer_function_are_one() {
     }
 }
 
-/// Straight blades throw light at right angles to their edges, to both sides: as many spikes as blades if these are even, else twice as
+/// Straight blades diffract light at right angles to their edges, to both sides: as many spikes as blades if these are even, else twice as
 /// many.
 #[test]
 fn blades_make_spikes_at_right_angles_to_their_edges() {

@@ -1,4 +1,4 @@
-//! Drawings: what they show is where the lens is and where light goes.
+//! Drawings show surfaces and rays at their places.
 
 use crate::common::{ASPHERES, lens_names, prescription, repository, system};
 use petzval_optics::drawing::Drawing;

@@ -1,4 +1,4 @@
-//! Toroids, aspheres, decentred and tilted elements, by what is known of them without tracing.
+//! Toroids, aspheres, decentred and tilted elements, by closed forms.
 
 use crate::common::repository;
 use glam::DVec3;
@@ -49,7 +49,7 @@ fn a_toroid_has_two_focal_lengths() {
     assert!((crossing(out, 0) - 85.0).abs() < 1e-6 && (crossing(out, 1) - 55.0).abs() < 1e-6);
 }
 
-/// A parabola written as an asphere, and one written as a conic: parallel light meets in one point, exactly.
+/// A parabola written as an asphere, and one written as a conic: parallel light converges in one point, exactly.
 #[test]
 fn a_parabola_by_its_r_squared_term_is_stigmatic() {
     for text in [

@@ -1,4 +1,4 @@
-//! The schematic eyes: their published powers, how they accommodate, how sharp they are beside the axis.
+//! The schematic eyes: their published powers, their accommodation, their sharpness off the axis.
 
 use glam::{DVec2, DVec3};
 use petzval_optics::focus::{FilmPlane, FocusError, Focusing, GroupsError};

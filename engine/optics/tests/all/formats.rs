@@ -1,5 +1,5 @@
-//! Lens files of other programs: what is read of them is what those programs see, what is written reads back the same, and what
-//! is wrong or missing is said in one line.
+//! Lens files of other programs: a lens that is read is the one of those programs, a written file reads back the same, and
+//! faults are reported in one line.
 
 mod catalogues;
 mod configurations;

@@ -1,5 +1,5 @@
 //! The hinge rule (Merklinger 1992): the plane that a turned film shows sharp goes through the line in which the object
-//! focal plane meets the plane that is parallel to the film and goes through the object principal point. Held against
+//! focal plane intersects the plane that is parallel to the film and goes through the object principal point. Held against
 //! exact rays near the axis.
 
 use crate::common::system;

@@ -18,7 +18,7 @@ fn foreign() -> PathBuf {
     repository("tests/reference/foreign")
 }
 
-/// Asserts what every reader must hold; also that what it reads can be set up, and comes back.
+/// Asserts the promises of every reader; also that a lens that it reads can be set up, and comes back.
 fn judge(bytes: &[u8], name: &str) {
     match formats::parse_bytes(bytes, Path::new(name), Catalogue::shipped(), None) {
         Ok(reading) => {

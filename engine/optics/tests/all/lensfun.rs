@@ -1,4 +1,4 @@
-//! Lensfun's calibrations beside what lensfun's own library makes of them (`tests/reference/lensfun`), and names of lenses.
+//! Lensfun's calibrations beside the results of lensfun's own library (`tests/reference/lensfun`), and names of lenses.
 
 use std::path::Path;
 
@@ -80,7 +80,7 @@ fn setting(crop: f64, focal_mm: f64, f_number: f64, distance_m: f64) -> Photogra
     }
 }
 
-/// As a camera: directions by the projection's own formula, everything else as lensfun's library has it.
+/// Lenses as cameras: directions by the projection's own formula, everything else as lensfun's library has it.
 #[test]
 fn cameras_are_those_of_lensfun() {
     let database = database();

@@ -1,4 +1,4 @@
-//! Every lens that comes with Petzval: it says what its source says and gives it, its numbers are those of the reference, and
+//! Every lens that comes with Petzval: it states the numbers of its source and names it, its numbers are those of the reference, and
 //! light comes through it at the centre, at 0.7 of its field and at the edge, focused far and near.
 
 use std::path::PathBuf;
@@ -77,7 +77,7 @@ fn every_lens_has_a_group_a_field_and_a_source() {
     }
 }
 
-/// The numbers of sources are never bent: what is in the reference data is here as it is there. An obstruction that a source leaves
+/// The numbers of sources are never bent: numbers of the reference data are here as they are there. An obstruction that a source leaves
 /// out may be added, if it is as wide as a mirror of the lens by the source's own numbers.
 #[test]
 fn the_numbers_are_those_of_the_reference() {
@@ -115,7 +115,7 @@ struct Setting {
     tracer: Tracer,
 }
 
-/// Focused near, a lens that extends as a whole is so many focal lengths away from what is sharp.
+/// Focused near, a lens that extends as a whole is so many focal lengths away from the sharp plane.
 const NEAR: f64 = 15.0;
 /// One that focuses by groups is set to so many times the nearest distance of its table.
 const NOT_NEAREST: f64 = 1.3;

@@ -1,4 +1,4 @@
-//! All that the crate promises, in one program: what is generic in the tracer is compiled once.
+//! All that the crate promises, in one program: generic code of the tracer is compiled once.
 
 mod analysis;
 mod common;

@@ -1,4 +1,4 @@
-//! Many hard rays against an exact tracer: what docs/numerics.md promises.
+//! Many hard rays against an exact tracer: the promises of docs/numerics.md.
 
 mod measure;
 
@@ -6,7 +6,7 @@ use measure::{By, Tally, measure, measure_case};
 use petzval_testkit::hard_rays::Category;
 use proptest::prelude::*;
 
-/// Points and directions may be off by so many times what one unit in the last place of one input does, or of the
+/// Points and directions may be off by so many times the effect of one unit in the last place of one input, or of the
 /// result itself: of some ten inputs each is rounded a few times on the way. The largest seen in 5e6 rays is 6.9.
 const LARGEST_OVER_DATA: f64 = 10.0;
 /// A status may differ only where so small a change of the data, in roundings, would turn it. The largest seen is 0.4.

@@ -308,7 +308,7 @@ fn throughput_of_a_polygon_is_exact() {
     }
 }
 
-/// A hole half as wide as the opening that is its own pupil: of r² / (r² + d²), what is inside.
+/// A hole half as wide as the opening that is its own pupil: of r² / (r² + d²), the part inside.
 #[test]
 fn an_obstruction_takes_its_part() {
     let part = |radius: f64| radius * radius / (radius * radius + 50.0 * 50.0);

@@ -90,7 +90,7 @@ fn seidel_and_chromatic_sums_are_those_of_the_reference() {
     assert!(bad.is_empty(), "{} values:\n{}", bad.len(), bad.join("\n"));
 }
 
-/// −Ā³ y Δ(1/n²): what a plane in the pupil adds to S_V of an object at infinity. There Snell's invariant A of the
+/// −Ā³ y Δ(1/n²): the term of a plane in the pupil in S_V of an object at infinity. There Snell's invariant A of the
 /// marginal ray is 0, Welford's form of S_V divides by it, and the reference leaves the surface out; the limit of a
 /// surface that becomes plane is this term, and the form of `seidel.rs` contains it.
 fn term_at_a_plane_pupil(system: &petzval_optics::system::System, field_rad: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! Seidel and chromatic sums against what exact rays do when aperture and field become small.
+//! Seidel and chromatic sums against exact rays when aperture and field become small.
 
 use crate::common::{ASPHERES, lens_names, system};
 use glam::DVec3;

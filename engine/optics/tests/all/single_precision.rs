@@ -50,7 +50,7 @@ fn single_precision_keeps_its_promise() {
 }
 
 /// Status and surface are those of the table (no ray of it lies within 1e-9 of a rim, and none so near that f32 would
-/// tell otherwise); hits and direction are off by what is noted in `errors`.
+/// tell otherwise); the errors of hits and direction are noted in `errors`.
 fn compare(what: &str, tracer: &Tracer<f32>, ray: &Value, is_reverse: bool, size: f64, errors: &mut Errors) {
     let start = Ray { origin: vector(&ray["o"]), direction: vector(&ray["d"]).normalize() };
     let mut hits = Vec::new();

@@ -1,4 +1,4 @@
-//! More stops than one, field stops, and flat glass beside or under the diaphragm: exact rays against geometry.
+//! Several stops, field stops, and flat glass beside or under the diaphragm: exact rays against geometry.
 
 use glam::{DVec2, DVec3};
 use petzval_optics::formats::lens::parse;

@@ -141,7 +141,7 @@ fn views_are_not_joined_with_others() {
     assert!(said.contains("is the view 'left'"), "{said}");
 }
 
-/// A header may claim any number of pixels: what does not fit is refused before it is read.
+/// A header may claim any number of pixels: a file of another size is refused before it is read.
 #[test]
 fn pictures_that_do_not_fit_are_refused() {
     let folder = Folder::new("large");

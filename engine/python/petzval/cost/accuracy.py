@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far pictures are from the truth, parted into what more samples mend (noise) and what they do not (bias).
+"""The error of pictures against the truth, parted into noise, which more samples mend, and bias, which they do not.
 
 The error is the relative squared one, its worst pixels left out. Its bias is estimated without noise: were every picture
 its limit plus noise with mean 0, then of independent pictures a and b, and independent truths r and s, (a - r)(b - s)
@@ -12,18 +12,18 @@ from typing import Any, NamedTuple
 
 #: Part of the pixels, the worst ones, that is left out: a few sparks would decide it all.
 TRIMMED = 1e-3
-#: Of the truth's mean: keeps black pixels from deciding. Larger than where one camera's noise is measured: a simple camera is
-#: bright where the lens leaves corners black, and there any relative error would be one of the floor.
+#: The floor of brightness as a part of the truth's mean: keeps black pixels from deciding. Larger than where one camera's noise is
+#: measured: a simple camera is bright where the lens leaves corners black, and there any relative error would be one of the floor.
 FLOOR = 0.1
 #: The pixel filter makes neighbours alike: the mean over pixels is less sure than if each stood alone. A filter of 1.5
 #: pixels (Blackman-Harris) spreads a sample's light as over 1 / sum of squared weights, about 2, pixels.
 _PIXELS_ALIKE = 2.0
-#: A bias smaller than so many of its standard errors is not told from none.
+#: The standard errors below which a bias is not told from none.
 SURE = 3.0
 
 
 class Sums:
-    """Of pictures with independent noise: how many, their sum, the sum of their squares."""
+    """The sums of pictures with independent noise: their count, their sum, the sum of their squares."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -45,7 +45,7 @@ class Sums:
         return self.sum / self.count
 
     def variance(self) -> Any:
-        """Of one picture, for each pixel and colour."""
+        """The variance of one picture, for each pixel and colour."""
         import numpy as np
 
         return np.maximum(self.squares - self.sum**2 / self.count, 0.0) / (self.count - 1)
@@ -83,7 +83,7 @@ def error(pictures: Sums, truth: tuple[Sums, Sums]) -> Error:
 
 
 def change(parts: Sums, truth: Any) -> Error:
-    """The error of a picture without a part of its light, against the truth with it: how large the part is. It is known by itself, so
+    """The error of a picture without a part of its light, against the truth with it: the size of the part. It is known by itself, so
     the noise of the rest does not hide it. Needs it from two pictures."""
     import numpy as np
 
@@ -115,5 +115,5 @@ def _pairs(pictures: Sums) -> Any:
 
 
 def _scale(reference: Any) -> Any:
-    """Of a squared error, to be relative."""
+    """The factor that makes a squared error relative."""
     return 1.0 / (reference**2 + (FLOOR * reference.mean()) ** 2)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What follows from the numbers for somebody who has to choose: a few sentences, computed. Plain Python."""
+"""The advice that follows from the numbers for a user who has to choose: a few sentences, computed. Plain Python."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Any
 
 from .ladder import is_camera
 
-#: Times closer than this are called the same.
+#: The relative difference below which times are called the same.
 ALIKE = 0.05
-#: Of an error, the part that may be bias without being seen beside the noise.
+#: The part of an error that may be bias without being seen beside the noise.
 UNSEEN = 0.1
 #: Standard errors.
 SURELY = 2.0
 
 
 def percent(rel_mse: float) -> str:
-    """An error as people think of it: how far a pixel is off, of its brightness."""
+    """An error in readable form: that of a pixel relative to its brightness."""
     part = 100.0 * math.sqrt(max(rel_mse, 0.0))
     return f"{part:.2g} %" if part < 9.95 else f"{part:.0f} %"
 
@@ -29,7 +29,7 @@ def seconds(value: float) -> str:
 
 
 def seconds_to(row: dict[str, Any], error: float, found: dict[str, Any]) -> float | None:
-    """Until a rung's error is down to this; None where it never is."""
+    """The time until a rung's error is down to `error`, s; None where it never is."""
     left = error - row["bias"]
     if left <= 0.0:
         return None
@@ -39,7 +39,7 @@ def seconds_to(row: dict[str, Any], error: float, found: dict[str, Any]) -> floa
 
 
 def advice(found: dict[str, Any]) -> list[str]:
-    """Sentences, the first of which says what to use."""
+    """Sentences; the first names the camera to use."""
     rows = {row["key"]: row for row in found["rungs"] if row["is_measured"]}
     auto, top = rows["auto"], rows["hero"]
     goal = auto["rel_mse"]
@@ -78,7 +78,7 @@ def advice(found: dict[str, Any]) -> list[str]:
 
 
 def _unsure(row: dict[str, Any]) -> float:
-    """How well a time is known, relative; a quarter where nobody knows."""
+    """The relative half width of a time's interval; a quarter without an interval."""
     interval = row.get("ratio_interval")
     return 0.25 if interval is None else (interval[1] - interval[0]) / (2.0 * row["ratio"])
 

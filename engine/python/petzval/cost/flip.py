@@ -23,7 +23,7 @@ _XYZ = ((10135552 / 24577794, 8788810 / 24577794, 4435075 / 24577794),
 
 
 def flip(test: Any, reference: Any) -> float:
-    """Mean FLIP of two linear Rec.709 pictures (height, width, 3), clipped to what a screen can show."""
+    """Mean FLIP of two linear Rec.709 pictures (height, width, 3), clipped to the range of a screen."""
     import numpy as np
 
     vision = _Vision(np)
@@ -35,7 +35,7 @@ def flip(test: Any, reference: Any) -> float:
 
 
 class _Vision:
-    """What is the same for every picture."""
+    """The constants and transforms of FLIP's model of vision, the same for every picture."""
 
     def __init__(self, np: Any) -> None:
         self.np = np
@@ -68,7 +68,7 @@ class _Vision:
         return abs(d[..., 0]) + self.np.hypot(d[..., 1], d[..., 2])
 
     def colour_difference(self, reference: Any, test: Any) -> Any:
-        """Of what is left when the eye has blurred both."""
+        """The difference of the features that are left when the eye has blurred both."""
         np = self.np
         seen = [self.hunt_lab(np.clip(self.linear(self.blurred(one)), 0.0, 1.0)) for one in (reference, test)]
         green, blue = (self.hunt_lab(np.array(one)) for one in ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
@@ -98,7 +98,7 @@ class _Vision:
         return np.stack(channels, -1)
 
     def feature_difference(self, reference: Any, test: Any) -> Any:
-        """Of edges and points in lightness."""
+        """The difference of edges and points in lightness."""
         np = self.np
         deviation = 0.5 * _FEATURE_WIDTH_DEG * PIXELS_PER_DEGREE
         radius = math.ceil(3.0 * deviation)
@@ -119,7 +119,7 @@ class _Vision:
 
 
 def _balanced(np: Any, kernel: Any) -> Any:
-    """Its positive weights add up to 1, its negative ones to -1."""
+    """The kernel normalized: its positive weights add up to 1, its negative ones to -1."""
     return np.where(kernel > 0.0, kernel / kernel[kernel > 0.0].sum(), -kernel / kernel[kernel < 0.0].sum())
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well a median is known: by order statistics, which ask for nothing of how values are spread. Plain Python."""
+"""The confidence interval of a median: by order statistics, which assume no distribution of the values. Plain Python."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import math
 from collections.abc import Sequence
 from statistics import median
 
-#: The chance that an interval holds the true median is at least this.
+#: The least chance that an interval holds the true median.
 CONFIDENCE = 0.9
-#: Fewer values have no interval: of five, the least and the largest hold the median with 94 %.
+#: The least number of values with an interval: of five, the least and the largest hold the median with 94 %.
 LEAST = 5
 
-#: Of a median, the width of its interval at which it has settled.
+#: The relative width of a median's interval at which it has settled.
 SETTLED = 0.03
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..description import opened
 
-#: What everything is held against.
+#: The base camera: times are relative to its time.
 PINHOLE = "pinhole"
 #: The plan's own choice.
 AUTO = "auto"
@@ -27,7 +27,7 @@ _COLOURS = ("lateral_colour", "axial_colour")
 #: The cameras are held against the truth without it, and each kind of it against the truth with all of it.
 STRAYS = {"ghosts": "with ghosts", "glare": "with veiling glare", "diffraction": "with diffraction"}
 
-#: What cannot be simulated yet, but stands in the table so that nobody looks for it in vain.
+#: Effects that cannot be simulated yet, but stand in the table so that nobody looks for them in vain.
 NOT_YET = {
     "transmission": "with coatings",
     **STRAYS,
@@ -46,15 +46,15 @@ class Rung:
     settings: dict[str, Any] = field(default_factory=dict)
     effects: dict[str, str] = field(default_factory=dict)
     quality: float = 1.0
-    #: Why it cannot be rendered; None where it can.
+    #: The reason why it cannot be rendered; None where it can.
     missing: str | None = None
 
 
 def ladder(camera: Any, info: dict[str, Any], available: list[str], wishes: dict[str, Any]) -> list[Rung]:
     """The rungs for a camera with a lens.
 
-    `info` is the engine's `camera_info_json` of it, `available` the effects that can be simulated, `wishes` what the user
-    says to the plan.
+    `info` is the engine's `camera_info_json` of it, `available` the effects that can be simulated, `wishes` the values that the user
+    gives to the plan.
     """
     on = {effect: "off" if effect in STRAYS else "on" for effect in available}
     grey = {name: word for name, word in on.items() if name not in _COLOURS}
@@ -100,7 +100,7 @@ def effect_of(rung_key: str) -> str | None:
 
 
 def is_camera(row: dict[str, Any]) -> bool:
-    """Of a row of costs.json: a camera to choose, and neither one with an effect taken out nor one with stray light added."""
+    """True if a row of costs.json is a camera to choose, and neither one with an effect taken out nor one with stray light added."""
     return row["group"] in ("camera", "auto")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""costs.json as a picture: error over time, a curve a camera, a dot where the picture's samples end; and what each effect
+"""costs.json as a picture: error over time, a curve a camera, a dot where the picture's samples end; and the cost of each effect
 changes. Needs matplotlib."""
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _COLOURS = {
     "pinhole": _SIMPLE, "thin": _SIMPLE, "thick": _SIMPLE, "paraxial": _SIMPLE, "one-f32": _ONE, "one-f64": _ONE,
     "rgb": _ONE, "film": _FULL, "scene": _FULL, "hero": _FULL, "auto": _AUTO,
 }  # fmt: skip
-#: Of letters, in points.
+#: Sizes of letters, points.
 _LABEL, _TEXT = 8.5, 9.5
 
 

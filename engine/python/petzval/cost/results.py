@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From what was seen of the rungs to the numbers of costs.json.
+"""The numbers of costs.json, from the measurements of the rungs.
 
-Time is processor time over threads: what the clock of a machine with nothing else to do shows. Errors are relative squared
+Time is processor time over threads: the wall time of a machine with nothing else to do. Errors are relative squared
 ones (`accuracy`), for the picture's number of samples: the bias stays, the noise falls with it.
 """
 
@@ -94,7 +94,7 @@ def _row(one: Any, measured: Any, samples: int, pixels: int) -> dict[str, Any]:
 
 
 def _add_strays(rows: list[dict[str, Any]], measured: Any) -> dict[str, Any] | None:
-    """Puts into the rows of stray light what it alone costs and changes, and gives the same of all of it together.
+    """Puts the cost and the change of each kind of stray light into its row, and returns those of all kinds together.
 
     Each is held against the truth with everything on, all stray light with it. The rungs know that light apart from the picture, so it is
     not lost in the picture's noise.
@@ -131,7 +131,7 @@ def _add_strays(rows: list[dict[str, Any]], measured: Any) -> dict[str, Any] | N
 
 
 def _mark_front(rows: list[dict[str, Any]]) -> None:
-    """Which cameras no other is both faster and nearer to the truth than."""
+    """Marks the cameras for which no other is both faster and nearer to the truth."""
     cameras = [row for row in rows if row["is_measured"] and is_camera(row)]
     for row in rows:
         row["is_on_front"] = row in cameras and not any(
@@ -143,7 +143,7 @@ def _mark_front(rows: list[dict[str, Any]]) -> None:
 
 
 def _forecast(measured: Any, samples: int) -> dict[str, Any]:
-    """What the plan said that its render would take, beside what it took; for the picture's samples, by the clock."""
+    """The plan's forecast of its render's time, beside the measured time; for the picture's samples, wall clock."""
     one = measured.runs[AUTO]
     scale = samples / one.samples
     # Both in the same round: the machine may be slower in one than in another.

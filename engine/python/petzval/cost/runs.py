@@ -2,10 +2,10 @@
 """Renders the rungs, interleaved, until their times have settled. Runs where Blender is; the scene is read once.
 
 A round renders the rungs for about as long each, in an order that is drawn anew, and a part of the truth (the top rung with
-random numbers of its own, in two halves). What the machine does beside meets all rungs of a round alike, so times are
+random numbers of its own, in two halves). Other work of the machine affects all rungs of a round alike, so times are
 compared within rounds. Effects taken out, and strays, that take long to set up have their turn in every `SLOW_STRIDE`th round, with as
-many more samples. The first round is not counted: it warms up, and says how many samples fit. It ends when the interval of every rung's
-median ratio to the pinhole is narrower than `SETTLED`, but not before `LEAST_ROUNDS`; or when the time given is over, or
+many more samples. The first round is not counted: it warms up, and gives the number of samples that fit. It ends when the interval of every
+rung's median ratio to the pinhole is narrower than `SETTLED`, but not before `LEAST_ROUNDS`; or when the time given is over, or
 the rounds asked for are done.
 """
 
@@ -27,16 +27,16 @@ from .ladder import AUTO, PINHOLE, TOP, Rung, effect_of, ladder
 LEAST_ROUNDS = 2 * LEAST
 #: Rounds that should fit into the time given.
 WANTED_ROUNDS = 14
-#: Of a round's time, the part that goes into the truth.
+#: The part of a round's time that goes into the truth.
 TRUTH_PART = 0.4
-#: Set-up that takes longer than this is not paid in every round, s.
+#: The time of a set-up beyond which it is not paid in every round, s.
 SLOW_SETUP_S = 0.1
 SLOW_STRIDE = 4
 #: A rung renders at least so long in its turn, s: shorter times are not well measured.
 LEAST_RENDER_S = 0.08
 #: A pixel, in the round that warms up.
 WARM_UP_SAMPLES = 4
-#: The truth's random numbers are not those of any rung.
+#: The seed of the truth, which no rung has.
 TRUTH_SEED = 1 << 30
 _POLL_SECONDS = 0.05
 
@@ -47,33 +47,33 @@ class Broken(Exception):
 
 @dataclass
 class Runs:
-    """What was seen of one rung."""
+    """The measurements of one rung."""
 
     rung: Rung
-    #: A pixel, in each of its turns, which come in every so many rounds.
+    #: Samples a pixel in each turn, which comes in every `stride`th round.
     samples: int = WARM_UP_SAMPLES
     stride: int = 1
-    #: The numbers of its rounds; the lists below go with it.
+    #: The numbers of the rung's rounds; the lists below go with them.
     rounds: list[int] = field(default_factory=list)
     plan: dict[str, Any] = field(default_factory=dict)
     setup_s: list[float] = field(default_factory=list)
-    #: Of a render: by the clock, and of all threads together.
+    #: Times of a render: by the clock, and of all threads together.
     wall_s: list[float] = field(default_factory=list)
     processor_s: list[float] = field(default_factory=list)
     predicted_s: list[float] = field(default_factory=list)
-    #: That foretelling took.
+    #: Time of the forecast, s.
     forecast_s: list[float] = field(default_factory=list)
     pictures: Sums = field(default_factory=Sums)
-    #: Of a rung with stray light: that light, and the time to find it, by the clock.
+    #: The stray light of a rung with some, and the time to find it, by the clock.
     strayed: Sums = field(default_factory=Sums)
     stray_s: list[float] = field(default_factory=list)
     stats: dict[str, Any] = field(default_factory=dict)
-    #: Why it could not be rendered.
+    #: The reason why it could not be rendered.
     why_not: str | None = None
 
 
 class Study:
-    """Called by the engine with what would be rendered; `found` is what was found, if something was."""
+    """The study that is called by the engine instead of a render; `found` is its result, if there is one."""
 
     #: Worth a progress bar.
     is_long = True
@@ -96,7 +96,7 @@ class Study:
 
 
 class _Measured:
-    """The rungs of one picture, and what was seen of each."""
+    """The rungs of one picture, and the measurements of each."""
 
     def __init__(self, subject: Any, options: dict[str, Any], watch: Any) -> None:
         from petzval import _native
@@ -116,11 +116,11 @@ class _Measured:
         self.truth_each = 0
         self.rounds = 0
         self.began = time.monotonic()
-        #: Of the screen that the scene is looked at on.
+        #: The exposure of the scene's view transform, stops.
         self.exposure_stops = options["exposure_stops"]
 
     def run(self) -> None:
-        """All of it."""
+        """Runs all rounds, and computes the results."""
         self._warm_up()
         order = random.Random(1)
         while not self._is_over():
@@ -207,7 +207,7 @@ class _Measured:
         return effects
 
     def _prepare(self, one: Runs) -> None:
-        """Renders a rung for the first time; what cannot be rendered is left with the reason."""
+        """Renders a rung for the first time; a rung that cannot be rendered is left with the reason."""
         try:
             self._render(one, seed=0)
         except self.native.PetzvalError as error:

@@ -15,7 +15,7 @@ from .spec import Spec
 
 
 def assemble(folder: Path, spec: Spec, records: list[Record]) -> None:
-    """Writes cameras.json and what is asked for of COLMAP's, NeRF's, KITTI's and COCO's files. Raises `OSError`."""
+    """Writes cameras.json and those of COLMAP's, NeRF's, KITTI's and COCO's files that are asked for. Raises `OSError`."""
     write = spec.write
     atomic_files.write_json(
         folder / "cameras.json",

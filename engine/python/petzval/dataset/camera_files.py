@@ -14,7 +14,7 @@ from .. import atomic_files
 from .cameras import Intrinsics
 from .poses import FLIP, Matrix, to_quaternion
 
-#: A coloured point of the world: x, y, z in metres, r, g, b from 0 to 255, and where it is seen: number of the picture, x and y in pixels.
+#: A coloured point of the world: x, y, z in metres, r, g, b from 0 to 255, and its views: number of the picture, x and y in pixels.
 Point = tuple[float, float, float, int, int, int, int, float, float]
 
 
@@ -73,7 +73,7 @@ def write_colmap(folder: Path, views: Sequence[View], points: Sequence[Point]) -
 
 def write_nerf(file: Path, views: Sequence[View]) -> None:
     """transforms.json of instant-ngp and nerfstudio: camera to world, OpenGL's camera axes, which are Blender's (docs.nerf.studio, "Data
-    conventions"). What all pictures share stands at the top, as instant-ngp reads it; what differs, by picture, too."""
+    conventions"). Shared parameters stand at the top, as instant-ngp reads them; those that differ, by picture, too."""
     shared = views[0].intrinsics if len({one.intrinsics for one in views}) == 1 else None
     frames: list[dict[str, Any]] = []
     for view in views:

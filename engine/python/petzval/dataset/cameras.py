@@ -17,9 +17,9 @@ from . import lens_fit
 
 #: Blender's cameras without a lens file that project centrally.
 _CENTRAL = ("PINHOLE", "THIN")
-#: Of the rays that ground truth goes by, nm: the d line.
+#: The wavelength of the rays of ground truth: the d line.
 WAVELENGTH_NM = 587.5618
-#: How far a lens is stopped down for these, so that they go through the middle of its diaphragm. Through smaller ones rays that are aimed at them
+#: The f-number of a lens for rays that go through the middle of its diaphragm. At larger ones rays that are aimed at the diaphragm
 #: begin to miss.
 F_NUMBER = 100.0
 #: Pixels along the longer side at which a lens's rays are looked up for a fit.
@@ -28,8 +28,8 @@ _LOOKED_UP = 24
 
 @dataclass(frozen=True)
 class Intrinsics:
-    """How a camera shows points of camera space (x right, y down, z forward) in pixels, right and down from the picture's upper left
-    corner: the middle of the first pixel is (0.5, 0.5), as COLMAP counts."""
+    """The projection of a camera: points of camera space (x right, y down, z forward) to pixels, right and down from the picture's upper
+    left corner: the middle of the first pixel is (0.5, 0.5), as COLMAP counts."""
 
     #: A key of `lens_fit.DISTORTION`.
     model: str
@@ -52,13 +52,13 @@ class Intrinsics:
 
     @classmethod
     def of_json(cls, told: dict[str, Any]) -> Intrinsics:
-        """What `as_json` gave."""
+        """The intrinsics that `as_json` gave."""
         names = ("fx", "fy", "cx", "cy", *lens_fit.DISTORTION[told["model"]])
         parameters = tuple(told[name] for name in names)
         return cls(told["model"], parameters, told["width"], told["height"], told["fit_rms_px"], told["fit_largest_px"])
 
     def as_json(self) -> dict[str, Any]:
-        """As it stands in cameras.json."""
+        """The intrinsics as they stand in cameras.json."""
         return {
             "model": self.model, "width": self.width, "height": self.height, **self.named,
             "fit_rms_px": self.rms_px, "fit_largest_px": self.largest_px,

@@ -82,7 +82,7 @@ def polygons(mask: Mask) -> list[list[int]]:
 
 
 def _corners(outline: npt.NDArray[np.int_]) -> npt.NDArray[np.int_]:
-    """Without the points in the middle of straight edges."""
+    """The corners of an outline, without the points in the middle of straight edges."""
     ways = np.roll(outline, -1, axis=0) - outline
     corners: npt.NDArray[np.int_] = outline[(ways != np.roll(ways, 1, axis=0)).any(axis=1)]
     return corners

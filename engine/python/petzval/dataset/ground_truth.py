@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the passes of a render to depth, normals and flow. Arrays have their first row at the top; the pose is a camera's, Blender's axes."""
+"""Depth, normals and flow from the passes of a render. Arrays have their first row at the top; the pose is a camera's, Blender's axes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .poses import FLIP, Matrix
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-#: Blender's depth of what lies infinitely far.
+#: Blender's depth of pixels without a hit.
 FAR = 1e10
 #: Depths from here on are that.
 _BEYOND = 1e9
@@ -33,12 +33,12 @@ class Passes:
 
     @property
     def hits(self) -> Mask:
-        """Where something was met."""
+        """The pixels with a hit."""
         return self.depth < _BEYOND
 
     @property
     def is_full(self) -> bool:
-        """Whether nothing is left to find: all pixels have a hit, and flow."""
+        """True if nothing is left to find: all pixels have a hit, and flow."""
         return bool(self.hits.all()) and (self.vector is None or bool(self.vector.any(axis=-1).all()))
 
     def fill(self, more: Passes) -> bool:
@@ -67,7 +67,7 @@ def depth_m(passes: Passes, pose: Matrix, along: str, metres_per_unit: float) ->
 
 
 def depth_levels(depth: Array, scale: float) -> npt.NDArray[np.uint16]:
-    """Depths in metres as 16-bit numbers, `scale` to a metre; 0 where there is nothing, and beyond what 16 bits hold."""
+    """Depths in metres as 16-bit numbers, `scale` to a metre; 0 where there is nothing, and beyond the range of 16 bits."""
     levels = np.rint(depth * scale)
     return np.where((levels >= 1) & (levels <= 65535), levels, 0).astype(np.uint16)
 
@@ -85,22 +85,22 @@ def normal_levels(values: Array, hits: Mask) -> npt.NDArray[np.uint16]:
 
 
 def flow(vector: Array, direction: str) -> Array:
-    """Pixels, right and down (height, width, 2), from here to where the same is in the picture before or after. Blender's pass counts up, and its Z
-    and W lead from there to here."""
+    """Pixels, right and down (height, width, 2), from a surface's place to its place in the picture before or after. Blender's pass counts
+    up, and its Z and W lead from there to here."""
     x, y, z, w = np.moveaxis(vector, -1, 0)
     return np.stack([x, -y] if direction == "backward" else [-z, w], axis=-1)
 
 
 def known_flow(values: Array, hits: Mask) -> Mask:
-    """Where flow is known. A ray that a lens loses on its way from the neighbouring picture leaves exactly 0: so does what stands still, but that is
-    seldom a pixel most of whose neighbours move."""
+    """The pixels whose flow is known. A ray that a lens loses on its way from the neighbouring picture leaves exactly 0: so do surfaces
+    that stands still, but that is seldom a pixel most of whose neighbours move."""
     moves = hits & (np.linalg.norm(values, axis=-1) > _STILL_PX)
     known: Mask = ~(hits & (values == 0.0).all(axis=-1) & (_neighbours(moves) > 0.7 * _neighbours(hits)))
     return known
 
 
 def _neighbours(of: Mask) -> npt.NDArray[np.int_]:
-    """How many of a pixel's eight neighbours."""
+    """The number of each pixel's eight neighbours that are in the mask."""
     padded, (height, width) = np.pad(of, 1).astype(int), of.shape
     around = sum(padded[y : y + height, x : x + width] for y in range(3) for x in range(3)) - of
     return np.asarray(around)

@@ -35,7 +35,7 @@ class Picture:
 
 
 def run(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> str | None:
-    """Renders what the options ask for; the error, if any."""
+    """Renders by the options; returns the error, if any."""
     try:
         _Run(scene, options, addon, voice).run()
     except (CommandError, rendering.OutOfRange) as error:
@@ -61,7 +61,7 @@ class _Run:
         self._known: dict[str, dict[str, Any]] = {}
 
     def run(self) -> None:
-        """Renders what is missing, and writes the files that are about all of it."""
+        """Renders the missing pictures, and writes the files that are about all of them."""
         self._ready_scene()
         pictures = self._pictures()
         keys = {one.name: self._key(one) for one in pictures}
@@ -224,7 +224,7 @@ class _Run:
     # One picture.
 
     def _holder(self, camera: CameraSpec) -> Any:
-        """The camera object that stands for one of the rig: a copy, free of what moves the scene's own."""
+        """The camera object that stands for one of the rig: a copy without the animation and constraints of the scene's own."""
 
         if camera.name not in self._holders:
             scene = self._scene
@@ -337,7 +337,7 @@ class _Run:
         return record
 
     def _intrinsics(self, one: Picture, sharp: Any, width: int, height: int) -> dict[str, Any]:
-        """Those of a camera, looked up once for each way in which it is set."""
+        """The intrinsics of a camera, computed once for each of its settings."""
         export = self._addon.export
         described = export.camera.describe(sharp, self._scene, width, height, export.report.Report())
         base = self._scene.objects.get(one.camera.based_on) or self._first_camera()

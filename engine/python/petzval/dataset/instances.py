@@ -15,7 +15,7 @@ from .. import atomic_files
 from ..errors import CommandError
 from .spec import ClassSpec
 
-#: What 16-bit masks hold.
+#: The largest number of 16-bit masks.
 _MOST = 65535
 
 
@@ -98,7 +98,7 @@ def _has_property(one: Any, name: str, value: str) -> bool:
 
 
 def unmatched(objects: list[Any], made: ClassSpec) -> list[str]:
-    """What a class says that is true of nothing in the scene."""
+    """The conditions of a class that hold for nothing in the scene."""
     names = [one.name for one in objects]
     collections = [group.name for one in objects for group in one.users_collection]
     materials = [slot.material.name for one in objects for slot in one.material_slots if slot.material is not None]

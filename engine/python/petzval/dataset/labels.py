@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The render that ground truth comes from: what is set for it in Blender, and set back. Needs Blender."""
+"""The render that ground truth comes from: its settings in Blender, and their restoration. Needs Blender."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ from .spec import Labels
 _NARROW_PX = 0.01
 #: Old names of the pass of indices.
 _INDICES = ("Object Index", "IndexOB")
-#: Renders for the pixels whose rays were lost: of a lens that loses a tenth of its rays, 1e-8 are lost in all; and how far seeds lie apart.
+#: Renders for the pixels whose rays were lost: of a lens that loses a tenth of its rays, 1e-8 are lost in all; and the distance of their
+#: seeds.
 _MOST_ROUNDS, _BETWEEN_SEEDS = 8, 7919
 _LAYER_PASSES = ("use_pass_z", "use_pass_position", "use_pass_normal", "use_pass_object_index")
 
@@ -32,14 +33,14 @@ class _Settings:
         self._before: list[tuple[Any, str, bool, Any]] = []
 
     def set(self, owner: Any, name: str, value: Any) -> None:
-        """Sets one where the owner has it."""
+        """Sets a setting where the owner has it."""
         if owner is None or not hasattr(owner, name):
             return
         self._before.append((owner, name, owner.is_property_set(name), getattr(owner, name)))
         setattr(owner, name, value)
 
     def back(self) -> None:
-        """Sets all as they were: what was never set counts as never set again."""
+        """Restores all settings: those that were never set count as never set again."""
         for owner, name, was_set, value in reversed(self._before):
             if was_set:
                 setattr(owner, name, value)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The camera models of OpenCV, fitted to where a lens shows directions."""
+"""The camera models of OpenCV, fitted to the places where a lens shows directions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
-#: By model: the names of what stands behind fx, fy, cx, cy. Models and their equations: docs.opencv.org, "Camera Calibration and 3D
+#: By model: the names of the parameters behind fx, fy, cx, cy. Models and their equations: docs.opencv.org, "Camera Calibration and 3D
 #: Reconstruction", and "Fisheye camera model".
 DISTORTION = {"PINHOLE": (), "OPENCV": ("k1", "k2", "p1", "p2", "k3"), "OPENCV_FISHEYE": ("k1", "k2", "k3", "k4")}
 
@@ -39,7 +39,7 @@ def project(model: str, parameters: Array, points: Array) -> Array:
 
 
 def fit(model: str, pixels: Array, directions: Array, start: Array) -> tuple[Array, Array]:
-    """The parameters with the least squares of the distances between where the model shows directions (n, 3) and their pixels (n, 2), from
+    """The parameters with the least squares of the distances between the model's places of directions (n, 3) and their pixels (n, 2), from
     fx, fy, cx, cy to begin with; and these distances, (n,)."""
     first = np.concatenate([start, np.zeros(len(DISTORTION[model]))])
 

@@ -12,18 +12,18 @@ from .. import render_command, scene_options
 from ..errors import CommandError
 from .tables import Table
 
-#: What decides how a picture is rendered, for all cameras.
+#: The options that decide how a picture is rendered, for all cameras.
 OF_RENDER = (
     "resolution", "samples", "noise-threshold", "min-samples", "time-limit", "seed", "denoise", "blue-noise", "threads",
     "pipeline", "integrator", "light-tracing", "effect", "quality", "ghost-reflections",
 )  # fmt: skip
-#: What decides which camera takes it. Where it is to be sharp must not depend on the picture, so that the intrinsic parameters do not.
+#: The options of one camera. Its focus must not depend on the picture, so that the intrinsic parameters do not.
 OF_CAMERA = (
     "lens", "camera", "focal-length", "f-number", "pupil-diameter", "blades", "blade-curvature", "blade-rotation", "tilt", "swing",
     "shutter", "iso", "aperture-mask", "coating", "white-balance", "expose-by", "film", "film-diagonal", "focus-distance",
     "focus-object", "anchor", "focus-relation", "shift", "scale", "spectrum", "precision",
 )  # fmt: skip
-#: Whose lists are written with something else than a comma between the numbers.
+#: The options whose lists are written with another separator than a comma.
 _SEPARATORS = {"resolution": "x", "film": "x"}
 _FILES = ("lens", "aperture-mask")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Poses by what is in a scene: random ones that stand clear of it, an object's, and those along a curve. Needs Blender."""
+"""Poses by the content of a scene: random ones that stand clear of it, an object's, and those along a curve. Needs Blender."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from . import poses
 from .poses import Matrix, Vector
 from .spec import Path_, Random
 
-#: Candidates for each pose that is wanted, before it is given up.
+#: Candidates for each wanted pose before the search is given up.
 _MOST_TRIES = 200
-#: Ways in which it is looked for what a place is inside of: none along an axis, as sides of boxes are.
+#: Directions of the rays that find whether a place is inside of something: none along an axis, as sides of boxes are.
 _WAYS = np.array([(0.57, 0.43, 0.71), (-0.81, 0.31, 0.5), (0.23, -0.89, 0.39)])
 #: Surfaces on one way, at most.
 _MOST_CROSSED = 1000
 
 
 class Surroundings:
-    """All surfaces of a scene that a render shows, for looking up what is near."""
+    """All surfaces of a scene that a render shows, for looking up the nearest one."""
 
     def __init__(self, depsgraph: Any) -> None:
         from mathutils.bvhtree import BVHTree
@@ -80,7 +80,7 @@ class Surroundings:
 def random(
     asked: Random, centre: Vector, target: Vector | None, around: Surroundings
 ) -> tuple[list[Matrix], Counter[str]]:
-    """The poses, and how many candidates were refused for what. Raises `CommandError` where too few are found."""
+    """The poses, and the number of refused candidates by reason. Raises `CommandError` where too few are found."""
     chance = np.random.default_rng(asked.seed)
     found: list[Matrix] = []
     refused: Counter[str] = Counter()
@@ -121,7 +121,7 @@ def _place(asked: Random, centre: Vector, numbers: Matrix) -> Matrix:
 
 
 def _looking(at: Matrix, target: Vector | None, jitter_deg: float, numbers: Matrix) -> Matrix:
-    """At the target, turned by up to the jitter; without a target anywhere, the horizon level."""
+    """A pose that looks at the target, turned by up to the jitter; without a target in any direction, the horizon level."""
     if target is None:
         height, turn = 2.0 * numbers[0] - 1.0, 2.0 * math.pi * numbers[1]
         across = math.sqrt(max(1.0 - height * height, 0.0))
@@ -155,7 +155,7 @@ def along(asked: Path_, scene: Any, frames: tuple[int, ...], place_of: Any) -> l
 
 
 def _along_curve(asked: Path_, curve: Any, count: int, place_of: Any) -> list[Matrix]:
-    """Evenly along a curve, looking along it with z up, or at a target."""
+    """Poses evenly along a curve, looking along it with z up, or at a target."""
     import bpy
 
     graph = bpy.context.evaluated_depsgraph_get()

@@ -24,7 +24,7 @@ _UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 
 
 
 def format_of(file: Path) -> str | None:
-    """The format that a file's name says; None: it says none."""
+    """The format of a file by its name; None: the name has none."""
     if file.name == "images.txt":
         return "colmap"
     return {".json": "nerf", ".csv": "csv", ".txt": "kitti"}.get(file.suffix.lower())

@@ -13,13 +13,13 @@ import numpy.typing as npt
 Matrix = npt.NDArray[np.float64]
 Vector = tuple[float, float, float]
 
-#: From Blender's camera axes to those of computer vision (x right, y down, z forward), and back.
+#: The turn from Blender's camera axes to those of computer vision (x right, y down, z forward), and back.
 FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a camera stands and where it looks: by one of `rotation_deg`, `quaternion`, `target` and `matrix`."""
+    """The place and direction of a camera: by one of `rotation_deg`, `quaternion`, `target` and `matrix`."""
 
     location: Vector = (0.0, 0.0, 0.0)
     #: Euler angles about X, then Y, then Z, degrees, as Blender's XYZ.

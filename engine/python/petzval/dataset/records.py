@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is known of each picture that is whole: a file of its own beside the pictures, written when all else is."""
+"""The record of each finished picture: a file of its own beside the pictures, written after all else."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class Record:
     metres_per_unit: float
     width: int
     height: int
-    #: As `cameras.Intrinsics.as_json` has them; None where none were asked for.
+    #: The intrinsics by `cameras.Intrinsics.as_json`; None where none were asked for.
     intrinsics: dict[str, Any] | None
-    #: How far the parameters show the places of this picture from the middles of their pixels, pixels: the median and the largest; None where either is
-    #: not known.
+    #: Distances of this picture's places, as the parameters project them, from the middles of their pixels, pixels: the median and the
+    #: largest; None where either is not known.
     reprojection_px: list[float] | None = None
-    #: Files by what is in them, relative to the folder of the data set, with their sizes.
+    #: Files by the kind of their content, relative to the folder of the data set, with their sizes.
     files: dict[str, str] = field(default_factory=dict)
     sizes: dict[str, int] = field(default_factory=dict)
     annotations: list[dict[str, Any]] = field(default_factory=list)
@@ -45,7 +45,7 @@ def key_of(facts: Any) -> str:
 
 
 def hash_of_file(file: Path) -> str:
-    """The hash of what a file holds."""
+    """The hash of a file's content."""
     with file.open("rb") as opened:
         return hashlib.file_digest(opened, "sha256").hexdigest()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a data set is to be: its specification in TOML, read and checked as far as it can be without Blender."""
+"""The specification of a data set, in TOML: read and checked as far as it can be without Blender."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class CameraSpec:
     name: str
     #: The camera of the scene that it is made from; empty: the scene's active one.
     based_on: str
-    #: As `render_in_blender.apply` takes them.
+    #: The options as `render_in_blender.apply` takes them.
     options: dict[str, Any]
-    #: Its pose in the rig's axes, which are those of a camera.
+    #: The pose in the rig's axes, which are those of a camera.
     in_rig: poses.Pose
 
 
@@ -63,7 +63,7 @@ class Orbit:
 
 @dataclass(frozen=True)
 class Random:
-    """Poses by chance, in a box or in a shell about a centre, none inside of or near to what is there."""
+    """Poses by chance, in a box or in a shell about a centre, none inside of or near to objects."""
 
     count: int
     seed: int
@@ -73,7 +73,7 @@ class Random:
     radius: tuple[float, float]
     elevation_deg: tuple[float, float]
     target: poses.Vector | str | None
-    #: How far the direction may turn from the target, degrees.
+    #: The largest turn of the direction from the target, degrees.
     jitter_deg: float
     clearance: float
     rejects_inside: bool
@@ -81,7 +81,7 @@ class Random:
 
 @dataclass(frozen=True)
 class ClassSpec:
-    """A class of objects: what any of these says."""
+    """A class of objects: those for which any of these conditions holds."""
 
     name: str
     id: int
@@ -96,7 +96,7 @@ class ClassSpec:
 
 @dataclass(frozen=True)
 class Write:
-    """What is written, and how."""
+    """The files to write, and their formats."""
 
     picture: str
     depth: str
@@ -117,17 +117,17 @@ class Write:
 
 @dataclass(frozen=True)
 class Labels:
-    """Which rays ground truth is of: one through the middle of each pixel and of the diaphragm, or as many as make the picture."""
+    """The rays of ground truth: one through the middle of each pixel and of the diaphragm, or as many as make the picture."""
 
     rays: str
     samples: int
-    #: Of the lens, for rays through the middle.
+    #: The f-number of the lens for rays through the middle.
     f_number: float = cameras.F_NUMBER
 
 
 @dataclass(frozen=True)
 class Spec:
-    """All of it."""
+    """The whole specification."""
 
     file: Path
     scene: Path
@@ -144,7 +144,7 @@ _SOURCES = ("pose", "poses", "path", "orbit", "random")
 
 
 def read(file: Path) -> Spec:
-    """The specification of a file. Raises `CommandError` with the line, the key and what to do."""
+    """The specification of a file. Raises `CommandError` with the line, the key and the remedy."""
     table, folder = Table.read(file), file.parent
     scene, output = table.text("scene"), table.text("output")
     if scene is None or output is None:

@@ -20,7 +20,7 @@ _KEY = re.compile(r"^(\s*)([A-Za-z0-9_.\-\"']+)\s*=")
 
 
 class Table:
-    """A table of a TOML file. Each method takes a key out of it; `end` refuses what is left."""
+    """A table of a TOML file. Each method takes a key out of it; `end` refuses keys that are left."""
 
     def __init__(
         self, file: Path, values: dict[str, Any], places: dict[KeyPath, tuple[int, int]], path: KeyPath = ()
@@ -76,7 +76,7 @@ class Table:
         return value
 
     def word(self, key: str, words: Sequence[str], default: str) -> str:
-        """One of several words; false is "off" where that is one of them."""
+        """The value of a key that is one of several words; false is "off" where that is one of them."""
         value = self.take(key, default)
         if value is False and "off" in words:
             return "off"

@@ -18,7 +18,7 @@ from .spec import Spec, Write
 
 
 def needs_passes(write: Write) -> bool:
-    """Whether something is written that comes from the passes of a render."""
+    """True if a file is written that comes from the passes of a render."""
     return (
         any(one != "off" for one in (write.depth, write.normal, write.position, write.flow, write.coco))
         or write.instances
@@ -94,7 +94,8 @@ def _write_flow(form: str, kind: str, file: Any, passes: Passes, values: npt.NDA
 
 
 def _reprojection(record: Record, passes: Passes) -> list[float]:
-    """How far the parameters that are written show the picture's places from the middles of their pixels: median and largest."""
+    """The distances of the picture's places, as the written parameters project them, from the middles of their pixels: median and largest,
+    pixels."""
     assert record.intrinsics is not None
     rows, columns = np.nonzero(passes.hits)
     seen = ground_truth.in_camera(passes.position[rows, columns], np.array(record.pose))

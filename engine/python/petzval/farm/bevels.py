@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bevel modifiers of the .blend that is open, applied for a job: Blender's Bevel goes by addresses of memory and makes other corners in each process,
-of which parts could not be joined. A Subdivision Surface behind a Bevel is applied too: what it makes of a Bevel's texture coordinates, of which many lie
-within rounding of each other, differs between processes even where the Bevel is the same."""
+of which parts could not be joined. A Subdivision Surface behind a Bevel is applied too: its result for a Bevel's texture coordinates, of
+which many lie within rounding of each other, differs between processes even where the Bevel is the same."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ _OF_THE_MESH = {
     "ARRAY", "BEVEL", "DECIMATE", "EDGE_SPLIT", "MIRROR", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WEIGHTED_NORMAL",
     "WELD", "WIREFRAME",
 }  # fmt: skip
-#: Properties of these that name another object.
+#: Properties of modifiers that name another object.
 _OTHERS = ("mirror_object", "offset_object", "curve", "start_cap", "end_cap", "object")
 
 
 def apply_all(bpy: Any, frame: int, *, moves: bool) -> tuple[list[str], list[str]]:
     """Applies each object's modifiers up to its last Bevel and the Subdivision Surface behind it, at a frame, as a render evaluates them. Names of the objects whose modifiers are applied, and
-    of those whose are not; of what is linked, its own .blend is asked. `moves`: more than one time is rendered."""
+    of those whose are not; of linked data, their own .blend is asked. `moves`: more than one time is rendered."""
     done, left = [], []
     wanted: dict[Any, int] = {}
     for one in bpy.data.objects:
@@ -59,7 +59,7 @@ def _is_adaptive(one: Any, made: Any) -> bool:
 
 
 def _can_be_applied(one: Any, last: int, *, moves: bool) -> bool:
-    """True of an object of this file whose mesh may be replaced by what its modifiers make of it."""
+    """True of an object of this file whose mesh may be replaced by the result of its modifiers."""
     if (
         one.type != "MESH"
         or one.library is not None
@@ -103,7 +103,7 @@ def _curves(action: Any) -> Iterator[Any]:
 
 
 def _evaluated(bpy: Any, wanted: dict[Any, int], frame: int) -> list[tuple[Any, Any]]:
-    """For each object a new mesh of its modifiers up to the one with that number; None where Blender makes none."""
+    """A new mesh for each object, of its modifiers up to the one with that number; None where Blender makes none."""
     if not wanted:
         return []
     # A scene of its own, in which nothing is hidden; its graph is of the viewport, so that modifiers are set as a render has them.

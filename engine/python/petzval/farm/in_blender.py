@@ -19,7 +19,7 @@ _MOST_NAMED = 5
 
 
 def run(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> str | None:
-    """Does what the options ask for; the error, if any. What was found goes to the file `answer`. Raises `TryAgain`."""
+    """Runs a step by the options; returns the error, if any. The result goes to the file `answer`. Raises `TryAgain`."""
     asked = options["farm"]
     work = {"pack": _pack, "part": _part, "merge": _merge}[asked["what"]]
     try:
@@ -33,7 +33,7 @@ def run(scene: Any, options: dict[str, Any], addon: Any, voice: TextIO) -> str |
 
 
 def _pack(scene: Any, options: dict[str, Any], addon: Any, _: TextIO) -> dict[str, Any] | str:
-    """Copies the scene's files into the job's folder, and tells what the parts are cut by."""
+    """Copies the scene's files into the job's folder, and returns the numbers that the parts are cut by."""
     import bpy
 
     wrong = rendering.apply(scene, options, addon, {})

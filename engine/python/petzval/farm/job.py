@@ -17,10 +17,10 @@ from ..errors import CommandError
 
 #: The file of a job; another layout has another number.
 NAME, FORMAT = "job.json", "petzval farm job 1"
-#: Of job.json; a million parts take less.
+#: The largest size of job.json; a million parts take less.
 _MOST_BYTES = 256 << 20
 _BLOCK = 1 << 20
-#: Folders inside of a job's folder: what it reads, finished parts, parts under way, and pictures.
+#: Folders inside of a job's folder: its input, finished parts, parts under way, and pictures.
 SCENE, PARTS, WORK, PICTURES = "scene", "parts", "work", "pictures"
 
 
@@ -28,16 +28,16 @@ SCENE, PARTS, WORK, PICTURES = "scene", "parts", "work", "pictures"
 class Part:
     """A part: some slots of the tiles of a frame."""
 
-    #: None: the frame of the .blend.
+    #: The frame; None: that of the .blend.
     frame: int | None
-    #: The slot where it begins, and the one before which it ends.
+    #: The slot where the part begins, and the one before which it ends.
     first: int
     end: int
 
 
 @dataclass(frozen=True)
 class Job:
-    """What job.json says, checked."""
+    """The content of job.json, checked."""
 
     folder: Path
     #: The .blend, relative to the folder.
@@ -47,9 +47,9 @@ class Job:
     #: The picture's name; of an animation with #### for the frame's number.
     picture: str
     engine: str
-    #: What the engine was compiled for.
+    #: The processor level that the engine was compiled for.
     processor: str
-    #: What Python calls the operating system, whose C library computes sines and powers.
+    #: Python's name of the operating system, whose C library computes sines and powers.
     system: str
     blender: str
     #: Slots into which the tiles of a picture are dealt.
@@ -60,7 +60,7 @@ class Job:
     most_memory_mb: float | None
     #: Every file that a part reads, relative to the folder: its size and BLAKE2b.
     files: dict[str, tuple[int, str]]
-    #: For people: size of the picture, samples, seed.
+    #: Facts for the user: size of the picture, samples, seed.
     about: dict[str, Any] = dataclasses.field(default_factory=dict)
 
     def slots_of(self, number: int) -> tuple[int, int, int]:
@@ -85,7 +85,7 @@ class Job:
         return self.folder / WORK / f"{'still' if frame is None else frame}.scene"
 
     def is_done(self, number: int) -> bool:
-        """Whether a part is finished, and its files are there in their size. That they are whole is known when they are merged."""
+        """True if a part is finished, and its files are there in their size. Whether they are whole is known when they are merged."""
         try:
             told = json.loads(self.marker(number).read_text(encoding="utf-8"))
             files = told["films"]

@@ -16,7 +16,7 @@ from .. import interrupts, processes
 from ..errors import AGAIN, complain
 from . import job as jobs
 
-#: A part is given up after so many tries.
+#: Tries after which a part is given up.
 TRIES = 3
 _POLL_S = 0.05
 _INTERRUPTED = 130
@@ -30,7 +30,7 @@ def command(folder: Path, *words: str, blender: str | None = None, threads: int 
 
 
 def may_try_again(status: int) -> bool:
-    """Whether another try may help: the command says so, or was killed."""
+    """True if another try may help: the command says so, or was killed."""
     return status in (AGAIN, _INTERRUPTED) or processes.has_crashed(status)
 
 
@@ -88,7 +88,7 @@ def _left(job: jobs.Job, parts: list[int], status: int, tries: Counter[int]) -> 
 
 
 def _end(parts: list[subprocess.Popen[bytes]]) -> None:
-    """Asks processes to keep what they have, and to end."""
+    """Asks processes to keep their work, and to end."""
     for process in parts:
         processes.ask_to_end(process)
     began = time.monotonic()

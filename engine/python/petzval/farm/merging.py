@@ -19,7 +19,7 @@ _OTHER_PICTURE = "another picture"
 
 
 def merge(folder: Path, *, blender: str | None, threads: int | None, again: bool, as_json: bool) -> int:
-    """Joins what is there; the exit status: 0 where all pictures are whole, `AGAIN` where parts are missing."""
+    """Joins the parts that are there; returns the exit status: 0 where all pictures are whole, `AGAIN` where parts are missing."""
     job = jobs.load(folder)
     running.pin_processor(job)
     running.check_machine(job)
@@ -86,14 +86,14 @@ def _note(frame: dict[str, Any]) -> Path:
 
 
 def _parts_of(frame: dict[str, Any]) -> dict[str, Any]:
-    """What a picture is made of: its parts, each with the time of its file."""
+    """The parts of a picture, each with the time of its file."""
     return {
         "parts": {str(number): Path(film).with_suffix(".json").stat().st_mtime_ns for number, film, _ in frame["parts"]}
     }
 
 
 def _is_merged(frame: dict[str, Any]) -> bool:
-    """Whether a frame's picture is made of just the parts that are there."""
+    """True if a frame's picture is made of just the parts that are there."""
     try:
         return Path(frame["picture"]).is_file() and json.loads(_note(frame).read_text(encoding="utf-8")) == _parts_of(
             frame
@@ -103,7 +103,7 @@ def _is_merged(frame: dict[str, Any]) -> bool:
 
 
 def _tell(job: jobs.Job, frames: list[dict[str, Any]], refused: dict[int, str], *, as_json: bool) -> None:
-    """Says of each picture what it is made of, and of each part that is missing how it is rendered."""
+    """Prints the parts of each picture, and the command that renders each missing part."""
     missing = [number for one in frames for number in _missing(job, one)]
     if as_json:
         pictures = [

@@ -105,7 +105,7 @@ class Packer:
         self._files |= dict.fromkeys(_File(cache, is_sequence=False).files() if os.path.isdir(cache) else [])
 
     def _named(self) -> Iterator[_File]:
-        """The paths that the .blend that is open names, those of what is linked in left to its library."""
+        """The paths that the .blend that is open names, those of linked data left to their library."""
         for block, paths in self._bpy.data.file_path_map(include_libraries=False).items():
             if block.library is not None or type(block).__name__ in _UNREAD or self._is_packed(block):
                 continue
@@ -139,7 +139,7 @@ class Packer:
         return any(os.path.isabs(path) and not path.startswith("//") for path in own)
 
     def _save_relative(self, file: str, place: Path) -> None:
-        """Saves a .blend with relative paths, which lead where they led."""
+        """Saves a .blend with relative paths to the same files."""
         self._bpy.ops.wm.open_mainfile(filepath=file, load_ui=False, use_scripts=False)
         self._bpy.ops.file.make_paths_relative()
         for camera in self._bpy.data.cameras:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval farm part`: renders parts of a job, in one process. It can be broken off and goes on where it was, may run twice at once, and what is
-finished is not rendered again."""
+"""`petzval farm part`: renders parts of a job, in one process. It can be broken off and goes on where it was, may run twice at once, and a
+part that is finished is not rendered again."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def render(
 
 
 def _by_frame(job: jobs.Job, numbers: list[int]) -> list[dict[str, Any]]:
-    """What is rendered of each frame."""
+    """The parts to render of each frame, with their files."""
     frames: dict[int | None, list[int]] = {}
     for number in numbers:
         frames.setdefault(job.parts[number].frame, []).append(number)

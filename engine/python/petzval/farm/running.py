@@ -18,7 +18,7 @@ from . import job as jobs
 def in_blender(
     blender: str | None, options: dict[str, Any], *, is_quiet: bool = False
 ) -> tuple[int, dict[str, Any] | None]:
-    """The exit status of the step, and what it told, if it came to its end. What went wrong it has said. `is_quiet`: nothing of what Blender
+    """The exit status of the step, and its answer, if it came to its end. It has printed its own errors. `is_quiet`: nothing that Blender
     says on stdout is seen."""
     sys.stdout.flush()
     out, voice = os.dup(1), os.dup(2)
@@ -89,5 +89,5 @@ def pin_processor(job: jobs.Job) -> None:
 
 
 def has_engines() -> bool:
-    """Whether this installation has engines for several levels of processors."""
+    """True if this installation has engines for several levels of processors."""
     return not processors.has_one_engine() and bool(processors.engines())

@@ -11,17 +11,17 @@ from .page import DARK, lengths, line_colours, line_names
 from .report import LensReport
 from .table import Table
 
-#: From this half field on a picture by the tangent is none that anybody wants: distortion is that from heights by the angle.
+#: The half field from which on nobody wants a picture by the tangent: distortion is that from heights by the angle.
 _FISHEYE_DEG = 60.0
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     return 10.0, 4.2
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure."""
+    """Draws the report into a figure."""
     curvature, distortion, colour = figure.subplots(1, 3, sharey=True)
     lit = [field for field in found["fields"] if not field["is_dark"]]
     for axes in (curvature, distortion, colour):

@@ -15,12 +15,12 @@ from .table import Table, per_line
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     return 8.5, 1.9 * len(found["fields"]) + 0.7
 
 
 def draw(found: dict[str, Any], figure: Any, key: str = "error_mm") -> None:
-    """Into a figure: `error_mm`, where rays land, or `path_waves`, how long they take; all to one scale."""
+    """Draws into a figure: `error_mm`, transverse aberrations, or `path_waves`, optical path differences; all to one scale."""
     fields = found["fields"]
     lit = [line for f in fields if not f["is_dark"] for kind in ("tangential", "sagittal") for line in f[kind]]
     largest = max((abs(value) for line in lit for value in line[key]), default=0.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A glass: its index and what it lets through over the wavelength, and its place among others."""
+"""A glass: its index and its transmittance over the wavelength, and its place among others."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ABBE, _ND = (100.0, 15.0), (1.4, 2.15)
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure: the dispersion on the left, Abbe's diagram on the right."""
+    """Draws into a figure: the dispersion on the left, Abbe's diagram on the right."""
     left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
     places = [row["wavelength_nm"] for row in found["indices"]]
     left.plot(places, [row["index"] for row in found["indices"]], color=_INDEX, linewidth=1.6)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How bright the film is off the axis, at one or several f-numbers."""
+"""The relative illumination of the film off the axis, at one or several f-numbers."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .table import Table
 
 
 def size_in(found: list[dict[str, Any]]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     return 7.0, 4.2
 
 
 def draw(found: list[dict[str, Any]], figure: Any) -> None:
-    """Into a figure, a curve a setting."""
+    """Draws into a figure, a curve a setting."""
     axes = figure.subplots()
     most = 1.0
     for i, setting in enumerate(found):

@@ -12,17 +12,17 @@ from .report import LensReport, together
 from .table import Table
 
 _DASHES = (4, 2)
-#: From coarse to fine lines.
+#: Colours from coarse to fine lines.
 _FREQUENCIES = ("#0b2e59", "#1f5fae", "#5d9bd6", "#a6c8e8")
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     return 10.0, 4.8
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure."""
+    """Draws the report into a figure."""
     left, right = figure.subplots(1, 2, sharey=True)
     _by_frequency(found, left)
     _by_height(found, right)

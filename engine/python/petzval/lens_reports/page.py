@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page that a report stands on: what is said of the lens above it, colours, files. Only what writes files needs matplotlib."""
+"""The page that a report stands on: the head with the lens's data, colours, files. Only writing of files needs matplotlib."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from typing import Any
 
 from ..errors import CommandError, writing
 
-#: By ending, what is written.
+#: The formats of the files by ending.
 PICTURES = (".svg", ".png", ".pdf")
 PALE, DARK, GRID = "#8a939a", "#444444", "#e3e7ea"
-#: By field, as designers have them: the axis blue, then green and red.
+#: Colours by field, as designers have them: the axis blue, then green and red.
 FIELDS = ("#1f5fae", "#2d8a3e", "#c0392b", "#8e44ad", "#c77700", "#128a8a")
-#: From short to long waves.
+#: Colours from short to long waves.
 _LINES = ("#7b3fa0", "#1f5fae", "#128a8a", "#2d8a3e", "#c77700", "#c0392b", "#7a1f1f")
 _BLUE, _GREEN, _RED = _LINES[1], _LINES[3], _LINES[5]
-#: Of axes, beside what every picture has.
+#: Settings of axes, beside those of every picture.
 _STYLE = {
     "axes.edgecolor": PALE, "axes.labelcolor": DARK, "xtick.color": DARK, "ytick.color": DARK, "axes.titlesize": 9.5,
     "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": GRID,
@@ -30,7 +30,7 @@ HEAD_IN = 0.75
 
 
 def check(out: Path) -> None:
-    """Raises `CommandError` where nothing can be written so."""
+    """Raises `CommandError` where no file of that ending can be written."""
     if out.suffix.lower() not in (*PICTURES, ".json"):
         raise CommandError(f"cannot draw into {out}: its ending is not .svg, .png, .pdf or .json: change --output")
     if out.suffix.lower() != ".json":
@@ -70,7 +70,7 @@ def save(found: Any, out: Path, style: dict[str, Any], make: Callable[[Any], Any
 
 
 def _with_steady_names(svg: str) -> str:
-    """The same with the names of its shared parts numbered as they come: matplotlib makes some of them from addresses in memory,
+    """The SVG with the names of its shared parts numbered as they come: matplotlib makes some of them from addresses in memory,
     and a report is to be the same file again."""
     numbers: dict[str, int] = {}
     return re.sub(
@@ -106,7 +106,7 @@ def write(found: Any, out: Path, size_in: tuple[float, float], title: str, draw:
 
 
 def head(found: Any, title: str, figure: Any, height_in: float) -> None:
-    """What stands above a report, on a page that high."""
+    """Draws the head of a report, on a page that high."""
     top = found[0] if isinstance(found, list) else found
     figure.text(0.02, 1.0 - 0.12 / height_in, top["name"], fontsize=11, weight="bold", va="top")
     figure.text(0.02, 1.0 - 0.36 / height_in, title, color=DARK, va="top")
@@ -129,12 +129,12 @@ def facts(found: dict[str, Any]) -> str:
 
 
 def field_colour(i: int) -> str:
-    """Of the field of that number."""
+    """The colour of the field of that number."""
     return FIELDS[i % len(FIELDS)]
 
 
 def line_colours(wavelengths_nm: list[float]) -> list[str]:
-    """By wavelength: the shorter the bluer, three of them as F, d and C are drawn."""
+    """The colours by wavelength: the shorter the bluer, three of them as F, d and C are drawn."""
     order = sorted(range(len(wavelengths_nm)), key=lambda i: wavelengths_nm[i])
     few = {1: [_GREEN], 2: [_BLUE, _RED], 3: [_BLUE, _GREEN, _RED]}.get(len(order))
     colours = [""] * len(order)
@@ -144,15 +144,15 @@ def line_colours(wavelengths_nm: list[float]) -> list[str]:
 
 
 def line_names(wavelengths_nm: list[float]) -> list[str]:
-    """By wavelength."""
+    """The names by wavelength."""
     return [f"{nm:.4g} nm" for nm in wavelengths_nm]
 
 
 def degrees(angle: float) -> str:
-    """An angle as it is written."""
+    """An angle in words."""
     return f"{angle:.4g}°"
 
 
 def lengths(largest_mm: float) -> tuple[float, str]:
-    """What a length in mm is multiplied by to be read, and the unit then."""
+    """The factor from mm to the unit of display, and that unit."""
     return (1e3, "µm") if largest_mm < 0.5 else (1.0, "mm")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point spread: what waves make of a point, by field, bright and in the dark, and how much of its light lies how near."""
+"""Point spread: the image of a point by diffraction, by field, at linear and logarithmic brightness, and its encircled energy."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from .table import Table
 
 #: Decades that the dark picture shows.
 _DECADES = 4.0
-#: The bright one reaches so many times as far as this part of the light.
+#: The reach of the bright picture, as a factor of the radius that holds this part of the light.
 _ZOOM, _MOST = 1.5, 0.9
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     return 2.0 + 2.6 * max(len(found["fields"]), 1), 7.6
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure."""
+    """Draws the report into a figure."""
     fields = found["fields"]
     grid = figure.add_gridspec(3, max(len(fields), 1))
     lit = [field for field in fields if "values" in field]

@@ -61,5 +61,5 @@ class LensReport:
 
 
 def together(found: Found) -> str:
-    """The wavelengths of a report that shows them together."""
+    """The wavelengths of a report that shows all of them together."""
     return " ".join(f"{nm:.4g}" for nm in found["wavelengths_nm"]) + " nm together"

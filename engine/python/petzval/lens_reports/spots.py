@@ -18,7 +18,7 @@ _MARKS = ("o", "^", "s", "D", "v")
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     rows, columns = _shape(found)
     return max(_SIDE_IN * columns + 0.6, 6.6), _SIDE_IN * rows + 0.6
 
@@ -30,7 +30,7 @@ def _shape(found: dict[str, Any]) -> tuple[int, int]:
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure: all spots to one scale."""
+    """Draws into a figure: all spots to one scale."""
     every = [(place, field) for place in found["defocus"] for field in place["fields"]]
     lit = [field["largest_mm"] for _, field in every if not field["is_dark"]]
     half_mm = _round_up(1.08 * max([*lit, found["airy_radius_mm"] or 0.0, 1e-9]))
@@ -91,7 +91,7 @@ def _legend(found: dict[str, Any], figure: Any) -> None:
 
 
 def _round_up(value: float) -> float:
-    """To the next of 1, 1.5, 2, 3, 5, 7 times a power of ten."""
+    """The value rounded up to the next of 1, 1.5, 2, 3, 5, 7 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(step * power for step in (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0) if step * power >= value * (1 - 1e-12))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tolerances: what deviations in making and mounting do to the picture, one by one and all together by the Monte Carlo method."""
+"""Tolerances: the effects of deviations in making and mounting on the picture, one by one and all together by the Monte Carlo method."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ _OPTIONS: dict[str, Any] = {
 
 
 def size_in(_found: dict[str, Any]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     return 10.5, 5.2
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure: how many of the lenses are as good, and the deviations that do most."""
+    """Draws into a figure: the cumulative part of lenses by quality, and the deviations with the largest effect."""
     chance, single = figure.subplots(1, 2)
     _by_chance(found, chance)
     _one_by_one(found, single)
@@ -89,7 +89,7 @@ def _rms(one: dict[str, Any]) -> list[float]:
 
 
 def name_of(one: dict[str, Any]) -> str:
-    """A deviation as it is written: what, of which surfaces, by how much."""
+    """A deviation in words: its kind, its surfaces and its size."""
     surfaces = f"{one['first']}" if one["first"] == one["last"] else f"{one['first']}-{one['last']}"
     unit = _UNITS[one["kind"]]
     return f"{one['kind'].replace('_', ' ')} {surfaces} ±{one['size']:.4g}{f' {unit}' if unit else ''}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lens lets through of each colour, by field, and what its coatings reflect."""
+"""The transmittance of a lens for each colour, by field, and the reflectance of its coatings."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .table import Table
 
 
 def size_in(found: dict[str, Any]) -> tuple[float, float]:
-    """Of the report."""
+    """The size of the report."""
     return 9.0, 4.2
 
 
 def draw(found: dict[str, Any], figure: Any) -> None:
-    """Into a figure: on the left what passes, on the right what one surface of each coating reflects."""
+    """Draws into a figure: on the left the transmittance, on the right the reflectance of one surface of each coating."""
     through, back = figure.subplots(1, 2)
     spectrum = found["spectrum_nm"]
     for i, field in enumerate(field for field in found["fields"] if field["parts"]):

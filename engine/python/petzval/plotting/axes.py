@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: Points: of ticks, from them to their numbers, from those to the axis's name, above the plot to its title.
 _TICK, _TO_NUMBER, _TO_NAME, _TO_TITLE = 3.0, 3.0, 4.0, 5.0
 _NUMBER_COLOUR, _EDGE, _GRID = "#444444", "#8a939a", "#e3e7ea"
-#: What the limits leave free about the data, parts of their span.
+#: The margin of the limits about the data, as a part of their span.
 _MARGIN = 0.05
 #: Marks whose line is not drawn.
 _FORMATS = {"o": "o", "*": "*", "<": "<"}
@@ -54,7 +54,7 @@ class _Spine:
 
 
 class _Spines(dict[Any, Any]):
-    """By name, or by a list of names all at once."""
+    """The spines by name, or by a list of names all at once."""
 
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, list):
@@ -73,7 +73,7 @@ class _Several:
 
 @dataclass
 class _Scale:
-    """Of one axis: what is seen, and what is written at it."""
+    """One axis: its range, its ticks and its words."""
 
     limits: list[float | None] = field(default_factory=lambda: [None, None])
     is_log: bool = False
@@ -83,7 +83,7 @@ class _Scale:
     name_look: dict[str, Any] = field(default_factory=dict)
 
     def part(self, value: Any, low: float, high: float) -> Any:
-        """How far a value stands from low to high."""
+        """The place of a value between low, 0, and high, 1."""
         if self.is_log:
             value = np.log10(np.maximum(value, 1e-300))
             low, high = math.log10(low), math.log10(high)
@@ -142,7 +142,7 @@ class Axes:
         self.lines.append(Line(0.0, y, endless="y", **look))
 
     def axvline(self, x: float, **look: Any) -> None:
-        """From below to above."""
+        """Adds a vertical line over the whole height."""
         self.lines.append(Line(x, 0.0, endless="x", **look))
 
     def fill(
@@ -168,11 +168,11 @@ class Axes:
     # How it looks.
 
     def set_xlim(self, low: Any = None, high: Any = None) -> None:
-        """What is seen."""
+        """Sets the range of x that is seen."""
         self.share_x._x.limits = [low, high]
 
     def set_ylim(self, low: Any = None, high: Any = None) -> None:
-        """What is seen."""
+        """Sets the range of y that is seen."""
         self.share_y._y.limits = [low, high]
 
     def set_xscale(self, kind: str) -> None:
@@ -184,11 +184,11 @@ class Axes:
         self.share_y._y.is_log = kind == "log"
 
     def set_xticks(self, places: Sequence[float], words: Sequence[str] | None = None) -> None:
-        """Where numbers or words stand."""
+        """Sets the places of numbers or words along x."""
         self._x.places, self._x.words = list(places), None if words is None else list(words)
 
     def set_yticks(self, places: Sequence[float], words: Sequence[str] | None = None) -> None:
-        """Where numbers or words stand."""
+        """Sets the places of numbers or words along y."""
         self._y.places, self._y.words = list(places), None if words is None else list(words)
 
     def set_xlabel(self, text: str, **look: Any) -> None:
@@ -200,7 +200,7 @@ class Axes:
         self._y.name, self._y.name_look = text, look
 
     def set_title(self, text: str, **look: Any) -> None:
-        """Above it."""
+        """Sets the title above the axes."""
         self._title = text, look
 
     def set_aspect(self, _kind: str) -> None:
@@ -216,7 +216,7 @@ class Axes:
         self._has_axes = False
 
     def tick_params(self, *, labelsize: float | None = None, **_look: Any) -> None:
-        """Of their numbers."""
+        """Sets the size of the ticks' numbers."""
         self._number_size = labelsize or self._number_size
 
     def secondary_yaxis(self, _side: str) -> _RightAxis:
@@ -236,7 +236,7 @@ class Axes:
     # Where everything comes to stand.
 
     def margins(self) -> tuple[float, float, float, float]:
-        """Pixels left, below, right and above the box for what is written there."""
+        """Pixels left, below, right and above the box for the words there."""
         px, size = self.figure.pixels, self.figure.font_size
         number, line = px(self._number_size), px(size)
         left = low = right = high = 0.0
@@ -295,7 +295,7 @@ class Axes:
         return (low, high) if high > low else (low, low + (abs(low) or 1.0))
 
     def _fit(self) -> None:
-        """Takes from the box what makes one length as long both ways."""
+        """Shrinks the box so that a length has the same size both ways."""
         if not self._is_equal:
             return
         (x0, x1), (y0, y1) = self._seen("x"), self._seen("y")
@@ -315,7 +315,7 @@ class Axes:
     # Drawing.
 
     def draw(self) -> None:
-        """Into the figure's picture."""
+        """Draws the axes into the figure's picture."""
         self._fit()
         left, low, right, high = self.box
         if self._image is not None:

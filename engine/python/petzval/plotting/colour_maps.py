@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-#: By name: red, green and blue at equal steps from 0 to 1, sRGB, for linear interpolation. Sampled from matplotlib's maps (inferno: Nathaniel
-#: Smith and Stefan van der Walt 2015, CC0).
+#: Colour maps by name: red, green and blue at equal steps from 0 to 1, sRGB, for linear interpolation. Sampled from matplotlib's maps
+#: (inferno: Nathaniel Smith and Stefan van der Walt 2015, CC0).
 _STOPS = {
     "inferno": (
         (0.001, 0, 0.014), (0.008, 0.006, 0.047), (0.019, 0.015, 0.089), (0.038, 0.026, 0.132),

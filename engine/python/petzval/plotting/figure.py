@@ -24,10 +24,10 @@ _GAP, _GAP_ACROSS = 0.9, 2.4
 
 
 class Lettering(Protocol):
-    """Where letters come from."""
+    """The source of letters' outlines."""
 
     def outline(self, text: str) -> tuple[list[Polygon], float]:
-        """The outlines of a line of text, capitals as high as 1, from the origin of its first letter; and how wide it is."""
+        """The outlines of a line of text, capitals as high as 1, from the origin of its first letter; and its width."""
 
 
 class GridSpec:
@@ -61,7 +61,7 @@ class Figure:
         self._legend: tuple[Legend, str, tuple[float, float]] | None = None
 
     def pixels(self, points: float) -> float:
-        """Of a length in points."""
+        """The pixels of a length in points."""
         return points * self.dpi / _POINTS
 
     def subplots(
@@ -102,14 +102,14 @@ class Figure:
         return axes
 
     def text(self, x: float, y: float, text: str, **look: Any) -> None:
-        """At parts of the width and height."""
+        """Adds text at parts of the width and height."""
         self._texts.append((x * self.width, y * self.height, text, look))
 
     def legend(
         self, *, handles: list[Line] | None = None, loc: str, ncols: int = 1, fontsize: float | None = None,
         bbox_to_anchor: tuple[float, float] = (0.0, 0.0), **_look: Any,
     ) -> None:  # fmt: skip
-        """Under all plots, in the middle ("outside lower center") or at a place ("lower left")."""
+        """Adds a legend under all plots, in the middle ("outside lower center") or at a place ("lower left")."""
         lines = handles or [line for axes in self.axes for line in axes.lines if line.label]
         self._legend = Legend(lines, fontsize or self.font_size, ncols), loc, bbox_to_anchor
 
@@ -159,7 +159,7 @@ class Figure:
         return pixels
 
     def _place(self) -> None:
-        """Gives the plots of the grid their boxes, all with room for what stands about them."""
+        """Gives the plots of the grid their boxes, all with room for the words about them."""
         if self._grid is None:
             return
         rows, columns, ratios = self._grid

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the lines of a plot are called."""
+"""The legend of a plot: its lines and their names."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .figure import Figure
     from .lines import Line
 
-#: In letters: a line's sample, the space after it and between columns; a row.
+#: Sizes in letters: a line's sample, the space after it and between columns; a row.
 _SAMPLE, _SPACE, _BETWEEN, _ROW = 1.9, 0.7, 1.6, 1.5
 
 
@@ -31,7 +31,7 @@ class Legend:
         return sum(widths) + _BETWEEN * em * (len(widths) - 1), _ROW * em * self._rows()
 
     def draw(self, figure: Figure, x: float, y: float) -> None:
-        """Its upper left corner there."""
+        """Draws the legend with its upper left corner at (x, y)."""
         em = figure.pixels(self.size_pt)
         for widths, lines in zip(self._widths(figure), self._by_column(), strict=True):
             for i, line in enumerate(lines):

@@ -37,7 +37,7 @@ class Line:
     has_line: bool = True
     alpha: float = 1.0
     zorder: float = 2.0
-    #: Of an infinite line: "x" where `x` is its place, "y" where `y` is.
+    #: The direction of an infinite line: "x" where `x` is its place, "y" where `y` is.
     endless: str = ""
     hollow: bool = False
 
@@ -62,7 +62,7 @@ class Line:
                 figure.canvas.fill(marks(inside, self.marker, size), colour, self.alpha)
 
     def sample(self, figure: Figure, ends: Any) -> None:
-        """Of it in a legend."""
+        """Draws a sample of the line in a legend."""
         low, high = (0.0, 0.0), (figure.width, figure.height)
         if self.has_line:
             Line(0, 0, self.color, self.linewidth, self.dashes, alpha=self.alpha).paint(figure, ends, low, high)

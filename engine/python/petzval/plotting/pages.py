@@ -19,7 +19,7 @@ Picture = npt.NDArray[np.float32]
 def report(
     found: Any, size_in: tuple[float, float], title: str, draw: Callable[[Any, Any], None], lettering: Lettering
 ) -> Picture:
-    """As `lens_reports.page.write`: (height, width, 4), first row at the bottom, sRGB."""
+    """The picture of a report, as `lens_reports.page.write` draws it: (height, width, 4), first row at the bottom, sRGB."""
     width, height = size_in[0], size_in[1] + page.HEAD_IN
     figure = Figure((width, height), lettering)
     left, low, right, high = figure.room
@@ -30,7 +30,7 @@ def report(
 
 
 def drawing(found: dict[str, Any], lettering: Lettering) -> Picture:
-    """As `lens_drawing.write`."""
+    """The picture of a lens, as `lens_drawing.write` draws it."""
     figure = Figure(lens_drawing.size_in(found), lettering, has_grid=False)
     lens_drawing.lay_out(found, figure)
     return figure.drawn()

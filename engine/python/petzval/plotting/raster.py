@@ -34,7 +34,8 @@ class Canvas:
 def coverage(
     polygons: Sequence[Polygon], width: int, height: int
 ) -> tuple[tuple[int, int], npt.NDArray[np.float64]] | None:
-    """How much of each pixel polygons cover, and the lower left corner of the pixels that are told; None: they cover none."""
+    """The lower left corner of the returned pixels, and the part of each, 0 to 1, that polygons cover, (rows, columns); None: they cover
+    none."""
     shapes = [shape for shape in polygons if len(shape) > 2]
     if not shapes:
         return None

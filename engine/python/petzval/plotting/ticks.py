@@ -9,7 +9,7 @@ _STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
 
 
 def even(low: float, high: float, most: int) -> list[float]:
-    """Not more than so many numbers from `low` to `high`, evenly apart."""
+    """Numbers from `low` to `high`, evenly apart, at most `most`."""
     if not (math.isfinite(low) and math.isfinite(high) and high > low):
         return [low]
     rough = (high - low) / max(most, 1)
@@ -31,7 +31,7 @@ def by_power(low: float, high: float, most: int) -> list[float]:
 
 
 def names(places: list[float]) -> list[str]:
-    """As they are written: all with as many digits as the finest needs."""
+    """The words of ticks: all with as many digits as the finest needs."""
     step = min((b - a for a, b in zip(places, places[1:], strict=False)), default=0.0)
     if step <= 0.0:
         return [plain(place) for place in places]

@@ -32,7 +32,7 @@ unsafe extern "C" {
     fn host_statistics64(host: u32, kind: c_int, counts: *mut PageCounts, length: *mut u32) -> c_int;
 }
 
-/// Free memory, bytes: pages that are free, hold only what lies in files, or may be dropped.
+/// Free memory, bytes: pages that are free, hold only content of files, or may be dropped.
 pub(super) fn free_bytes() -> Option<u64> {
     let mut counts = PageCounts::default();
     // Counted in integers of 32 bits.

@@ -16,7 +16,7 @@ use windows::free_bytes;
 
 use pyo3::prelude::*;
 
-/// Bytes that this process may still take without swapping: what the machine has left, or its container (cgroups); `None` where
+/// Bytes that this process may still take without swapping: the free memory of the machine or of its container (cgroups); `None` where
 /// the system does not say.
 #[pyfunction]
 pub(crate) fn free_memory_bytes() -> Option<u64> {

@@ -51,7 +51,7 @@ impl Balls {
         self.point[lane] = point;
     }
 
-    /// These balls moved by a part of the way to where another leaf has them.
+    /// These balls moved by a part of the way to their places in another leaf.
     #[inline(always)]
     pub(super) fn towards(&self, to: &Self, part: f32) -> Self {
         let mut now = self.clone();

@@ -44,7 +44,7 @@ impl Block {
         self.triangle[lane] = triangle;
     }
 
-    /// These triangles moved by a part of the way to where another block has them.
+    /// These triangles moved by a part of the way to their places in another block.
     #[inline(always)]
     pub(super) fn towards(&self, to: &Self, part: f32) -> Self {
         let mut now = self.clone();

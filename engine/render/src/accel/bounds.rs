@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3, Vec3A, Vec4};
 
-/// A box, and what it is around: the bits of the fourth components, which mean nothing in a union.
+/// A box, and the index of its content: the bits of the fourth components, which mean nothing in a union.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     pub(super) min: Vec4,
@@ -17,7 +17,7 @@ impl Bounds {
     /// units in the triangle test's shear, three in the box test, four where the node is coarse; rounded up.
     pub(super) const SLACK: f32 = 8.0 * f32::EPSILON;
 
-    /// A triangle's, grown by what rounding may lose.
+    /// The box of a triangle, grown by a bound on rounding errors.
     pub(super) fn of(corners: &[Vec3; 3]) -> Self {
         let [a, b, c] = corners.map(|p| p.extend(0.0));
         Self { min: a.min(b).min(c), max: a.max(b).max(c) }.grown()
@@ -49,7 +49,7 @@ impl Bounds {
         self.low().abs().max(self.high().abs()).cmple(Vec3A::splat(REACH)).all()
     }
 
-    /// Grown by what rounding may lose at its distance from the origin.
+    /// The box grown by a bound on rounding errors at its distance from the origin.
     fn grown(self) -> Self {
         let reach = self.min.abs().max(self.max.abs()).truncate().max_element();
         let grow = Vec4::splat(Self::SLACK * reach);

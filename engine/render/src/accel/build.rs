@@ -10,9 +10,9 @@ use std::ops::Range;
 
 /// Bins along each axis; a power of two.
 const BINS: usize = 16;
-/// Below this depth boxes are parted by number alone: 2^32 of them need 32 levels more.
+/// The depth below which boxes are parted by number alone: 2^32 of them need 32 levels more.
 const DEEP: usize = super::traverse::DEEPEST - 32;
-/// Fewer boxes are not worth another thread.
+/// The number of boxes from which on another thread pays.
 const PARALLEL: usize = 4096;
 /// Number of boxes that a thread sorts into bins at a time, where a span is so long that threads share it.
 const STRETCH: usize = 1 << 14;
@@ -49,7 +49,7 @@ pub(super) struct NamedLeaves {
 }
 
 impl NamedLeaves {
-    /// Builds a tree over those boxes that are within reach, known by what they name, `most` in each leaf at most.
+    /// Builds a tree over those boxes that are within reach, known by their index, `most` in each leaf at most.
     pub(super) fn new(mut boxes: Vec<Bounds>, most: usize) -> Self {
         boxes.retain(Bounds::is_within_reach);
         let Built { nodes, leaves } = build(&mut boxes, most);

@@ -114,7 +114,7 @@ impl Segments {
         base
     }
 
-    /// Puts segments into this order, and strands into that of their first segments: what one ray hits lies together in memory.
+    /// Puts segments into this order, and strands into that of their first segments: segments that one ray hits lie together in memory.
     fn set_order(&mut self, order: impl Iterator<Item = usize>, strands: &[Range<usize>], strand_of: &[u32]) {
         let mut segments = Vec::with_capacity(self.segments.len());
         let mut keys = Vec::with_capacity(self.keys.len());

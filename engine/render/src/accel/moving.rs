@@ -1,6 +1,6 @@
 //! The trees of instances that move while the shutter is open, beside those of still ones: scenes without motion pay nothing.
 //!
-//! The shutter's time is parted into slices, each with a tree over what its instances sweep meanwhile; a ray asks the tree of its
+//! The shutter's time is parted into slices, each with a tree over the boxes that its instances sweep meanwhile; a ray asks the tree of its
 //! moment's slice, and an instance where it stands at that moment.
 
 use super::bounds::Bounds;
@@ -84,7 +84,7 @@ impl MovingPlaces {
         self.slices.iter().filter_map(|slice| slice.nodes.first().map(Node::bounds)).reduce(|a, b| a.union(&b))
     }
 
-    /// The tree over what there is at a moment.
+    /// The nodes of the tree over the moving instances at a moment.
     #[inline(always)]
     pub(super) fn nodes(&self, moment: u16) -> &[Node] {
         &self.slice(moment).nodes

@@ -1,4 +1,4 @@
-//! Instances below a tree of their boxes: what a ray asks of each before it goes into its own tree.
+//! Instances below a tree of their boxes: their transforms and the tests of a ray before it enters the tree of one.
 
 use super::Ray;
 use super::bounds::Bounds;

@@ -199,7 +199,7 @@ mod tests {
         }
     }
 
-    /// Triangles thrown about, others that are new, and trees over nothing are built.
+    /// Triangles moved at random, others that are new, and trees over nothing are built.
     #[test]
     fn what_does_not_fit_is_built_anew() {
         let first = Accel::new(&scene(0.0, 0.0, 40));

@@ -19,7 +19,7 @@ const MOST_PIECES: f32 = 64.0;
 const RIBBON_ROOM: f32 = 2.0;
 
 /// Round pieces reach so many radii over the joint before and the one behind them: two cones do not meet the plane between them in
-/// quite the same line, which a ray along the strand passes at some distance. (One side is enough, and what overlaps may count twice
+/// quite the same line, which a ray along the strand passes at some distance. (One side is enough, and overlaps may count twice
 /// for light that is let through.)
 const OVERLAP: [f32; 2] = [0.005, 0.1];
 /// Depth that is added to a hit past the end plane of its piece, as a share of its distance from that plane. Where two pieces overlap, the
@@ -211,7 +211,7 @@ fn in_pieces<S: Simd, const ROUND: bool>(
     if ROUND { both.map(|met| met.map(|met| on_curve(&coefficients, met))) } else { both }
 }
 
-/// The place of the curve that is nearest to where a piece was hit, instead of that of the chord.
+/// The place of the curve that is nearest to the hit of a piece, instead of that of the chord.
 fn on_curve([a, b, c, d]: &[Vec4; 4], met: CurveMet) -> CurveMet {
     let at = |u: f32| *a + u * (*b + u * (*c + u * *d));
     let slope = |u: f32| (*b + u * (2.0 * *c + 3.0 * u * *d)).truncate();
@@ -233,7 +233,8 @@ struct Lanes<S: Simd> {
 }
 
 impl<S: Simd> Lanes<S> {
-    /// Keeps what is nearer than what was found; the first piece's number, how many there are, and how much of the segment each is.
+    /// Keeps a hit that is nearer than `nearest`; arguments: the first piece's number, their count, and the part of the segment that each
+    /// is.
     #[inline(always)]
     fn keep_nearest(self, (first, count, step): (usize, usize, f32), nearest: &mut Option<CurveMet>) {
         let mut lanes = self.hit & ((1 << count) - 1);

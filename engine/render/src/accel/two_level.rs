@@ -1,5 +1,5 @@
 //! The trees of all primitives of one kind, and the way of a ray through them: a common tree in render space first, then the trees of
-//! instances that stand still, then those of instances that move, each with what length is left.
+//! instances that stand still, then those of instances that move, each with the length of the ray that is left.
 
 use super::bounds::Bounds;
 use super::members::Members;
@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 /// The trees of one kind of primitive.
 pub(super) struct TwoLevel<P: Primitives> {
-    /// The tree in render space of what stands in the scene once.
+    /// The tree in render space of meshes that stand in the scene once.
     pub(super) common: Tree<P>,
     /// Trees in object space, by mesh; empty for meshes that need none.
     pub(super) shared: Vec<Arc<Tree<P>>>,
@@ -97,7 +97,7 @@ impl<P: Primitives> TwoLevel<P> {
         }
     }
 
-    /// [`Self::closest`] among what moves. (A function of its own: kernels of scenes without motion are not the larger for it.)
+    /// [`Self::closest`] among moving instances. (A function of its own: kernels of scenes without motion are not the larger for it.)
     #[inline(never)]
     fn closest_moving(
         &self,
@@ -130,7 +130,7 @@ impl<P: Primitives> TwoLevel<P> {
         }
     }
 
-    /// [`Self::each_between`] among what moves.
+    /// [`Self::each_between`] among moving instances.
     #[inline(never)]
     fn each_moving_between(
         &self,

@@ -81,7 +81,7 @@ impl Spectrum {
 /// The effects of a traced lens that the picture shows; by default all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EnabledEffects {
-    /// Blur of subjects out of focus; if false, everything is seen through the middle of the pupil.
+    /// Blur of subjects out of focus; if false, all rays go through the middle of the pupil.
     pub defocus: bool,
     /// Aberrations; if false, Gaussian optics make the image, with all else of the lens.
     pub aberration: bool,
@@ -125,7 +125,7 @@ pub struct Perspective {
     pub film_width_mm: f64,
     /// Shift, in units of the picture's larger side.
     pub shift: [f64; 2],
-    /// Height over width of what is out of focus, as behind an anamorphic lens; 1 is round.
+    /// Height over width of blur discs, as behind an anamorphic lens; 1 is round.
     pub aperture_ratio: f64,
 }
 
@@ -162,7 +162,7 @@ pub struct FilmSettings {
     pub shift_mm: [f64; 2],
 }
 
-/// The calibration of a camera, and where it stands.
+/// The calibration of a camera, and the place of its file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationSettings {
@@ -354,7 +354,7 @@ impl CameraDescription {
         f64::from(rows) * self.pixel_aspect
     }
 
-    /// Checks what every model needs.
+    /// Checks the settings that every model needs.
     pub(super) fn check(&self, width: u32, height: u32) -> Result<(), CameraError> {
         if width == 0 || height == 0 {
             return Err(self.error("the picture has no pixels; raise the resolution"));

@@ -23,7 +23,7 @@ pub struct PhysicalExposure {
 
 impl PhysicalExposure {
     /// The picture's value for radiance one, W/(m² sr), where the film has an irradiance of `throughput` for it:
-    /// 1 is where the film saturates.
+    /// 1 is the saturation of the film.
     pub fn value(&self, throughput: f64) -> f64 {
         self.lumens_per_watt * throughput * self.shutter_s * self.iso / SATURATION_LX_S
     }

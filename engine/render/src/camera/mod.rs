@@ -88,12 +88,12 @@ pub enum CameraError {
     Setting {
         /// Name of the camera's object in Blender.
         camera: String,
-        /// The setting, and what to do.
+        /// The setting, and the remedy.
         what: String,
     },
 }
 
-/// A ray into the scene and what its radiance adds to the picture's colour.
+/// A ray into the scene and the factor of its radiance in the picture's colour.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRay {
     /// The ray, render space.

@@ -25,7 +25,7 @@ impl Scattering {
     /// A lens without scattering: smooth, clean and without veiling glare.
     pub const NONE: Self = Self { roughness_nm: 0.0, cleanliness: 0.0, veiling_index: 0.0 };
 
-    /// Checks the numbers; the error says what is wrong and what to do.
+    /// Checks the numbers; the error names the fault and the remedy.
     pub(super) fn check(&self) -> Result<(), String> {
         let within = |value: f64, most: f64, name: &str| {
             let is_good = (0.0..=most).contains(&value);

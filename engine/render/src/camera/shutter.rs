@@ -137,7 +137,7 @@ fn unscaled(m: &DMat4) -> DMat4 {
     DMat4::from_mat3_translation(unit_axes(m).unwrap_or(DMat3::IDENTITY), m.w_axis.truncate())
 }
 
-/// The inverse of how much light has come in by a time, at even parts of the light; `None` where that is even.
+/// The inverse of the part of light that has come in by a time, at even parts of the light; `None` where that is even.
 fn times(openness: &[f32]) -> Option<Vec<f32>> {
     let open: Vec<f64> =
         openness.iter().map(|v| f64::from(if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 })).collect();

@@ -23,7 +23,7 @@ impl SphericalStereo {
     /// Checks that the settings are numbers and that eyes converge before the camera.
     ///
     /// # Errors
-    /// The first wrong setting, and what to do.
+    /// The first wrong setting, and the remedy.
     pub(super) fn check(&self) -> Result<(), String> {
         if !self.offset.is_finite() {
             return Err(format!("the interocular distance is {}; give a number, or look at its driver", self.offset));

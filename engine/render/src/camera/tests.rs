@@ -170,7 +170,7 @@ fn a_white_world_is_white() {
     assert!((mean - glam::DVec3::ONE).abs().max_element() < 0.01, "{mean}");
 }
 
-/// Rays of one film point meet where the focus says, upright: the right of the picture looks to the right.
+/// Rays of one film point converge at the focus, upright: the right of the picture looks to the right.
 #[test]
 fn the_lens_looks_where_the_picture_says() {
     let d = description(Model::Lens);
@@ -221,7 +221,7 @@ fn what_is_at_the_distance_is_sharp_from_each_anchor() {
     }
 }
 
-/// Nothing is lost or gained by where the camera stands and how it is turned, or by the scale of the world.
+/// The camera's place and direction, and the scale of the world, change no brightness.
 #[test]
 fn world_scale_and_place_do_not_matter() {
     let base = description(Model::Lens);

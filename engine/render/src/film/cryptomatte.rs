@@ -211,7 +211,7 @@ impl MatteSums {
         }
     }
 
-    /// The id that most of a pixel's rays hit; what hit nothing counts as 0.
+    /// The id that most of a pixel's rays hit; rays without a hit count as 0.
     pub(super) fn most_seen(&self, mattes: &Mattes, layer: MatteLayer, pixel: usize) -> u32 {
         let Some((at, _)) = mattes.table(layer) else { return 0 };
         let (Some(Counts(counts)), Some(&rays)) = (self.counts.get(at), self.rays.get(pixel)) else { return 0 };
@@ -318,7 +318,7 @@ mod tests {
         assert_eq!(of_pixel(&mattes, &sums, 1), [(1007, 0.375), (1002, 0.25), (1005, 0.125), (0, 0.0)]);
     }
 
-    /// The index that most rays hit; what hit nothing, or what has index 0, counts as 0.
+    /// The index that most rays hit; rays without a hit, or with index 0, count as 0.
     #[test]
     fn an_index_is_that_of_most_rays() {
         let table = IdTable { ids: vec![0, 7, 300], names: BTreeMap::new() };

@@ -46,7 +46,7 @@ impl DataSums {
     }
 }
 
-/// Sums of the ways over the picture of what one pixel sees.
+/// Sums of the motion vectors of the hits of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VectorSums {
     /// Rays whose way is known.

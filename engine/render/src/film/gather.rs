@@ -118,7 +118,7 @@ impl Film {
         out
     }
 
-    /// The pixels of a part of the picture, as large as a tile at most: what the tiles in it and about it gave.
+    /// The pixels of a part of the picture, as large as a tile at most: the light of the tiles in it and about it.
     fn means(&self, rect: TileRect, scattered: &GatheredLight) -> Vec<[f32; 4]> {
         let (sums, samples) = self.sums(rect, scattered);
         sums.iter().map(|sum| sum.map(|s| (s / samples) as f32)).collect()
@@ -229,7 +229,7 @@ impl Film {
     }
 }
 
-/// Adds what of a tile's light, sums in their own rectangle, falls on `rect` to its pixels, divided.
+/// Adds the part of a tile's light, sums in their own rectangle, that falls on `rect` to its pixels, divided.
 pub(super) fn give<T: Copy>(from: TileRect, sums: &[[T; 4]], by: f64, rect: TileRect, to: &mut [[f64; 4]])
 where
     f64: From<T>,

@@ -16,7 +16,7 @@ impl Film {
         &self.groups[..usize::from(self.keep.groups)]
     }
 
-    /// The films of parts, by their places; not divided by what they are relative to.
+    /// The films of parts, by their places; not divided by their bases.
     pub fn parts(&self) -> &[Self] {
         &self.groups[usize::from(self.keep.groups)..]
     }

@@ -8,8 +8,8 @@
 //! The error is that of the means of batches. Of K batches with N samples a pixel in all, S_k their sums, Q = Σ |S_k|² / n_k
 //! over the channels and S = Σ S_k, a pixel's squared error is v = 3 (Q - |S|² / N) / (N (K - 1)): that of the sum of the
 //! channels, if they err together. It counts relative to the brightness s, the sum of the channels, as Cycles has it:
-//! e² = mean of v / max(s, s², 0.003) over the half, so that e is relative to the square root of s for what is dark, to s for
-//! what is bright. A half's light may land in the pixels of the other, so s is that of the pixels about: their light of
+//! e² = mean of v / max(s, s², 0.003) over the half, so that e is relative to the square root of s for dark pixels, to s for
+//! bright ones. A half's light may land in the pixels of the other, so s is that of the pixels about: their light of
 //! this half, divided by how many of them start it. Light that lands farther from its tile than is kept by pixel counts
 //! by its squares alone, relative to the mean of the half.
 
@@ -88,7 +88,7 @@ impl Half {
             && self.far.iter().all(|&(pixel, _)| (pixel as usize) < picture_pixels)
     }
 
-    /// Adds a batch: samples for the picture, and others behind them for the error alone, each with how many a pixel. The
+    /// Adds a batch: samples for the picture, and others behind them for the error alone, each with their number a pixel. The
     /// error is of the batch as a whole, so that it does not depend on where the count ends. `width` is the picture's.
     pub(super) fn add(
         &mut self,
@@ -150,7 +150,7 @@ impl Half {
         of_sample.map(|v| v / self.samples as f32)
     }
 
-    /// The squared relative error of what was seen by this half, of that number, of a tile, with the rectangle of its sums, in a
+    /// The squared relative error of the samples of this half, of that number, of a tile, with the rectangle of its sums, in a
     /// picture with that exposure; `None` where it cannot be told.
     pub(super) fn squared_error(&self, half: usize, tile: TileRect, patch: TileRect, exposure: f32) -> Option<f32> {
         let error = &self.error;

@@ -1,6 +1,6 @@
 //! The light that has reached the film: sums by pixel, in tiles that are filled by one thread at a time.
 //!
-//! A tile keeps the light of its own samples, also what fell beyond its edge: each pixel is the sum of what the tiles
+//! A tile keeps the light of its own samples, also light that fell beyond its edge: each pixel is the sum of the light that the tiles
 //! about it gave, each divided by its own count of samples. So the picture is right at any moment, however far the
 //! tiles are. Light that fell farther is kept by pixel alone ([`splats`]). Where pixels are to have different counts, tiles
 //! are smaller, and each is in two [`halves`].
@@ -97,11 +97,11 @@ pub struct FilmChannels {
     pub groups: u16,
     /// Parts of paths that are, by their places.
     pub parts: usize,
-    /// True to keep what [`Film::variances`] needs.
+    /// True to keep the sums that [`Film::variances`] needs.
     pub variance: bool,
 }
 
-/// Bytes of memory that each pixel takes of a film that keeps these: what surfaces the pixels see, how they move, which they are,
+/// Bytes of memory that each pixel takes of a film that keeps these: data of the surfaces that pixels see, motion vectors, mattes,
 /// light in halves, and so many groups and parts of the light.
 pub fn bytes_a_pixel(surfaces: bool, vectors: bool, mattes: bool, halves: bool, groups: usize) -> usize {
     // Light that falls far from its tile has sums of two sizes, three colours each.
@@ -170,7 +170,7 @@ impl TileAccumulator {
         }
     }
 
-    /// Notes what a ray of a pixel of the tile found, if anybody asked.
+    /// Adds the surface data of a hit of a ray of a pixel of the tile, if they are kept.
     #[inline]
     pub fn add_data(&mut self, x: u32, y: u32, found: Option<FirstSurface>) {
         let Some(i) = self.rect.index(x, y) else { return };
@@ -182,7 +182,7 @@ impl TileAccumulator {
         }
     }
 
-    /// Notes how what a ray of a pixel of the tile found moves over the picture, if anybody asked.
+    /// Adds the motion over the picture of a hit of a ray of a pixel of the tile, if it is kept.
     pub fn add_vector(&mut self, x: u32, y: u32, vector: [f32; 4]) {
         if let Some(sums) = self.rect.index(x, y).and_then(|i| self.vectors.get_mut(i)) {
             sums.add(vector);
@@ -287,13 +287,13 @@ pub struct Film {
 impl Film {
     /// An empty film; tiles in order of their distance from the centre, where one looks first. `spreads` if samples
     /// give light to other pixels than their own.
-    /// `with_data` if it shall also keep what surfaces the pixels see.
+    /// `with_data` if it shall also keep data of the surfaces that pixels see.
     pub fn new(width: u32, height: u32, spreads: bool, with_data: bool) -> Self {
         Self::keeping(width, height, spreads, FilmChannels { surfaces: with_data, ..FilmChannels::default() })
     }
 
-    /// An empty film that keeps what `keep` names; tiles in order of their distance from the centre. `spreads` if samples give light to
-    /// other pixels than their own.
+    /// An empty film that keeps the data that `keep` names; tiles in order of their distance from the centre. `spreads` if samples give
+    /// light to other pixels than their own.
     pub fn keeping(width: u32, height: u32, spreads: bool, keep: FilmChannels) -> Self {
         let tile_size = if keep.halves { BLOCK_SIZE } else { TILE_SIZE };
         let rects = cut(width, height, tile_size);
@@ -475,7 +475,7 @@ impl Film {
         self.tile(tile).passes += 1;
     }
 
-    /// The squared relative error of what a half of a tile has seen, for the mean over its pixels; `None` if unknown.
+    /// The squared relative error of the samples of half of a tile, for the mean over its pixels; `None` if unknown.
     pub fn squared_error(&self, tile: usize, half: usize) -> Option<f32> {
         let (sums, rect) = (self.tile(tile), self.rect(tile));
         sums.halves.as_ref().and_then(|halves| halves[half].squared_error(half, rect, sums.light.rect, self.exposure))

@@ -41,7 +41,7 @@ struct Gathering {
 }
 
 impl Film {
-    /// This film, for joining alone: nothing is added to it but what other films found. `spreads` as it was made with.
+    /// This film, for joining alone: nothing is added to it but the sums of other films. `spreads` as it was made with.
     #[must_use]
     pub fn for_joining(mut self, spreads: bool) -> Self {
         for group in &mut self.groups {
@@ -55,7 +55,7 @@ impl Film {
         self.groups.iter().any(|group| group.parked.as_ref().is_some_and(|parked| !parked.pieces().is_empty()))
     }
 
-    /// [`Self::picture`] of what was joined; `None` if the film has its light itself.
+    /// [`Self::picture`] of the joined films; `None` if the film has its light itself.
     pub(super) fn parked_picture(&self) -> Option<Vec<[f32; 4]>> {
         let parked = self.parked.as_ref()?;
         let pieces = parked.pieces();

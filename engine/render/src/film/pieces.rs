@@ -99,7 +99,7 @@ impl FilmState {
 }
 
 impl Film {
-    /// An empty film of the same kind becomes what it was when its state was taken.
+    /// An empty film of the same kind takes the state that was kept.
     ///
     /// # Errors
     /// [`NotThisFilm`], with the film unchanged.
@@ -160,7 +160,7 @@ impl Film {
         film.checked_sub(1).map_or(Some(self), |group| self.groups.get(group))
     }
 
-    /// True if a tile has not begun, and these sums are of it and keep what this film does.
+    /// True if a tile has not begun, and these sums are of it and keep the data that this film keeps.
     fn may_take(&self, tile: usize, kept: &TileSums) -> bool {
         if tile >= self.tiles.len() {
             return false;

@@ -40,7 +40,7 @@ fn means_and_changes() {
     assert_eq!(film.picture().iter().filter(|p| p[3] > 0.0).count(), 256);
 }
 
-/// Tiles that are at different counts of samples: light beyond an edge is divided by the count of where it came from.
+/// Tiles that are at different counts of samples: light beyond an edge is divided by the count of its own tile.
 #[test]
 fn light_beyond_an_edge_counts_once() {
     let film = Film::new(70, 40, true, false);

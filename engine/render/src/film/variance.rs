@@ -23,7 +23,7 @@ pub(super) struct BatchSquares {
 }
 
 impl BatchSquares {
-    /// Those of no batch.
+    /// The sums of no batch.
     pub(super) fn new() -> Self {
         Self { squares: Vec::new(), largest: 0 }
     }

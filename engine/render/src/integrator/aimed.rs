@@ -51,7 +51,7 @@ struct AimedGroup {
 /// A ray from a source, turned round: as the camera would have sent it.
 #[derive(Clone, Copy, Debug)]
 pub struct AimedRay {
-    /// From the lens to the source, where the lens stands in the middle of the exposure.
+    /// The ray from the lens to the source, where the lens stands in the middle of the exposure.
     pub ray: Ray,
     /// The source that the ray left: its light alone counts.
     pub source: Source,

@@ -84,7 +84,7 @@ impl LightPath {
         light::trace(stage, limits, sampler, self.moment, self)
     }
 
-    /// Gives what the film gets of it to `add`, pixel by pixel, for one light path a pixel. Gives the rays traced.
+    /// Calls `add` with the light for the film, pixel by pixel, for one light path a pixel. Returns the number of rays traced.
     pub fn splat(
         &self,
         stage: &PreparedScene,

@@ -22,7 +22,7 @@ use glam::Vec3A;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Tentative particles on one stretch of a ray; what is behind so many is taken as it is seen.
+/// Tentative particles on one stretch of a ray; light from behind so many is taken undimmed.
 const MOST_STEPS: u32 = 1024;
 /// Tentative particles on a ray's way to infinity, which is empty as a rule.
 const MOST_STEPS_OUT: u32 = 256;
@@ -169,7 +169,7 @@ impl Stretch<'_> {
         (part > 0.0 && distance.is_finite()).then_some((distance, part))
     }
 
-    /// Follows light of this throughput: what is left of it, and what the media add. `scatters`: else it is dimmed only.
+    /// Follows light of this throughput: the throughput that is left, and the light that the media add. `scatters`: else it is dimmed only.
     pub(super) fn follow(&self, throughput: &mut Rgb, scatters: bool, u: [f32; 4]) -> (Event, Rgb) {
         if self.is_even() {
             self.follow_even(throughput, scatters, u)

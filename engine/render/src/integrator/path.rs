@@ -190,7 +190,7 @@ pub fn trace(stage: &PreparedScene, camera_ray: Ray, limits: &Limits, sampler: &
     found
 }
 
-/// Follows rays from the camera together, and tells by their numbers what they found.
+/// Follows rays from the camera together, and returns their results by number.
 pub fn trace_all(
     stage: &PreparedScene,
     rays: impl Iterator<Item = (Ray, PathSampler)>,
@@ -249,7 +249,7 @@ pub(super) fn transmittance(scene: &Scene, hit: &Hit, view: &View) -> Rgb {
     nodes::transmittance(material, scene.into(), [hit.instance, hit.triangle], [hit.u, hit.v], view)
 }
 
-/// Makes a mixture of what a surface of these layers scatters at a point; `kept` is what it counts. Light goes through bodies where the
+/// Makes a mixture of the lobes of a surface of these layers at a point; `kept` is its weight. Light goes through bodies where the
 /// path's past is given, or is scattered where it enters them.
 #[inline(never)]
 pub(super) fn mix(

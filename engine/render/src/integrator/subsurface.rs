@@ -39,8 +39,8 @@ pub(super) fn leave(
     }
 }
 
-/// A place beside `point` by a profile, and what of the light comes out there. Rays through a disk about the point, along its normal or
-/// at right angles to it, find the places; all three count by the power heuristic, as in Cycles (`subsurface_disk.h`).
+/// A place beside `point` by a profile, and the part of the light that comes out there. Rays through a disk about the point, along its
+/// normal or at right angles to it, find the places; all three count by the power heuristic, as in Cycles (`subsurface_disk.h`).
 fn beside(
     stage: &PreparedScene,
     point: &SurfacePoint,

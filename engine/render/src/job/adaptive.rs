@@ -1,7 +1,7 @@
 //! Adaptive sampling: as many samples for each pixel as its error asks for.
 //!
-//! A block's error is looked at when its pixels have 16, 64, 256 ... samples (four times as many each time, from what the
-//! settings say). Each half of its pixels then gets as many as the error of the *other* half asks for: those, if they are
+//! A block's error is looked at when its pixels have 16, 64, 256 ... samples (four times as many each time, from the first count in the
+//! settings). Each half of its pixels then gets as many as the error of the *other* half asks for: those, if they are
 //! fewer than at the next look; else it goes on to that look. A half whose count is settled is sampled on, for the error
 //! alone, while the other waits for its word. So no count depends on the light that it divides: docs/design/
 //! adaptive-sampling.md says why that matters.
@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Samples that a pixel has at a look, in those that it had at the look before. More looks come nearer to what is needed;
+/// Samples that a pixel has at a look, in those that it had at the look before. More looks come nearer to the count that is needed;
 /// fewer cost less samples that only the other half's error needs.
 const BETWEEN_LOOKS: u32 = 4;
-/// Batches before the first look: their differences are what the error is known from.
+/// Batches before the first look: the error is estimated from their differences.
 const FIRST_BATCHES: u32 = 4;
 /// Counts are rounded up to these, a whole set of the sampler's points.
 const ROUND: u32 = 4;
@@ -139,7 +139,7 @@ impl Adaptive {
         fits
     }
 
-    /// Takes over what was decided of some of the tiles; false, with nothing changed, if that is of another picture.
+    /// Takes over the decisions on some of the tiles; false, with nothing changed, if that is of another picture.
     pub(super) fn join(&self, state: &AdaptiveState, tiles: &[usize]) -> bool {
         let fits = state.plans.len() == self.plans.len();
         for &tile in tiles.iter().filter(|_| fits) {

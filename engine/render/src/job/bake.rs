@@ -1,4 +1,4 @@
-//! Bakes: what the surface of one object sends up, or is, pixel by pixel of a texture that Blender has laid out.
+//! Bakes: the light that the surface of one object sends up, or its data, pixel by pixel of a texture that Blender has laid out.
 //!
 //! Paths, film and parts of light are those of pictures; only where paths start differs ([`crate::pipeline::bake`]).
 
@@ -84,9 +84,9 @@ pub struct BakeTable {
 
 /// A bake as it is asked for.
 pub struct BakeRequest {
-    /// Its settings.
+    /// The settings.
     pub settings: BakeSettings,
-    /// Its points.
+    /// The points.
     pub table: BakeTable,
 }
 
@@ -121,13 +121,13 @@ pub(super) struct Baked {
 }
 
 impl Baked {
-    /// True if the image has the film's alpha; what else is baked is opaque, as in Cycles.
+    /// True if the image has the film's alpha; other bakes are opaque, as in Cycles.
     fn has_alpha(&self) -> bool {
         matches!(self.kind, BakeKind::Combined | BakeKind::Diffuse | BakeKind::Glossy | BakeKind::Transmission)
     }
 }
 
-/// The result of a bake, by what the film keeps.
+/// The result of a bake, by the data that the film keeps.
 #[derive(Clone, Debug, PartialEq)]
 enum BakeResult {
     /// The picture as it is.
@@ -264,8 +264,8 @@ pub(super) struct Prepared {
 }
 
 impl BakeRequest {
-    /// Checks the points and makes of them what a job takes. `guides`: the parts by which a denoiser is guided; `occlusion_distance`: length
-    /// of the rays of ambient occlusion, Blender units, `None` without end.
+    /// Checks the points and makes of them the arguments of a job. `guides`: the parts by which a denoiser is guided; `occlusion_distance`:
+    /// length of the rays of ambient occlusion, Blender units, `None` without end.
     ///
     /// # Errors
     /// [`BakeError`].
@@ -348,7 +348,7 @@ impl Job {
     }
 }
 
-/// The part of the light that is left; all of it where there is none, and of what is seen through the surface.
+/// The part of the light that is left; all of it where there is none, and of light through the surface.
 fn left(light: [f32; 4], lit: [f32; 4]) -> [f32; 3] {
     let alpha = light[3];
     std::array::from_fn(|c| 1.0 - alpha + alpha * if lit[c] == 0.0 { 1.0 } else { light[c] / lit[c] })

@@ -1,4 +1,4 @@
-//! Surfaces that catch shadows: the picture is to be laid over a photograph, and holds of them what light they lose.
+//! Surfaces that catch shadows: the picture is to be laid over a photograph, and holds the part of light that they lose.
 //!
 //! The scene is rendered twice, as in Cycles: with all that is in it and with those surfaces alone; the shadow is the ratio of the first to
 //! the second (manual of Cycles, "Shadow Catcher"). Both by the same rays and random numbers, so noise that they share cancels.
@@ -24,7 +24,7 @@ pub struct Laying {
 /// A pixel of the two renders.
 #[derive(Clone, Copy)]
 struct Pixel {
-    /// Light that the surfaces that catch shadows scatter, and how much of it they do alone.
+    /// Light that the surfaces that catch shadows scatter, and the light that they scatter when alone.
     caught: Rgb,
     lit: Rgb,
     /// The picture of everything.
@@ -53,7 +53,7 @@ impl Pixel {
 }
 
 impl Job {
-    /// The pixels of this render of everything and of that of what catches shadows `alone`; `None` if this keeps not [`PARTS`].
+    /// The pixels of this render of everything and of that of shadow catchers `alone`; `None` if this keeps not [`PARTS`].
     fn pixels_beside(&self, alone: &Self, is_noisy: bool) -> Option<impl Iterator<Item = Pixel>> {
         let (caught, picture, lit) = match is_noisy {
             false => (self.caught()?, self.picture(), alone.straight()),
@@ -78,8 +78,8 @@ impl Job {
         Some(self.pixels_beside(alone, false)?.map(|pixel| pixel.shadow().into()).collect())
     }
 
-    /// The picture to be laid over a photograph: what catches shadows is gone, and the mean of its shadow is alpha. Where there is a render
-    /// of the `sky` it is laid over that. `None` if this keeps not [`PARTS`].
+    /// The picture to be laid over a photograph: shadow catchers are transparent, and the mean of their shadow is alpha. Where there is a
+    /// render of the `sky` it is laid over that. `None` if this keeps not [`PARTS`].
     pub fn over_photograph(&self, alone: &Self, sky: Option<&Self>, laying: Laying) -> Option<Vec<[f32; 4]>> {
         let laid = self.pixels_beside(alone, laying.is_noisy)?.map(|pixel| pixel.laid(laying));
         let Some(sky) = sky else {
@@ -100,7 +100,7 @@ mod tests {
         Pixel { caught: Rgb::ONE, lit: Rgb::ONE, light: Rgb::ONE, alpha: 1.0, catches: 1.0, finds: 1.0 };
     const LAYING: Laying = Laying { is_opaque: false, is_apart: false, is_noisy: false };
 
-    /// A floor in full light leaves nothing; in the dark it blackens what is beneath; half of it half.
+    /// A floor in full light leaves nothing; in the dark it blackens the photograph beneath; half of it half.
     #[test]
     fn only_the_shadow_is_left_of_a_floor() {
         for (left, light) in [(1.0, 0.0), (0.0, 0.0), (0.5, 0.0)] {
@@ -111,7 +111,7 @@ mod tests {
         }
     }
 
-    /// Half a pixel of something else stays, and hides half of what is beneath.
+    /// Half a pixel of something else stays, and hides half of the photograph beneath.
     #[test]
     fn what_throws_the_shadow_stays() {
         let pixel = Pixel { caught: Rgb::splat(0.5), lit: Rgb::ONE, light: Rgb::splat(2.0), catches: 0.5, ..ALONE };

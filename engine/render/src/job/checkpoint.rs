@@ -1,7 +1,7 @@
-//! Long renders survive the end of their program: what is done is written to a file again and again, and a render of the same
+//! Long renders survive the end of their program: the work so far is written to a file again and again, and a render of the same
 //! picture takes it up, to the same bits.
 //!
-//! Passes of a tile are added in order, and what light falls far away is added in whole quanta (`film/splats.rs`), so the
+//! Passes of a tile are added in order, and light that falls far away is added in whole quanta (`film/splats.rs`), so the
 //! picture depends on which passes have been added alone. A checkpoint is the film between passes. The threads stand still
 //! while it is copied, not while it is written; a new file takes the place of the old one when it is whole.
 
@@ -70,7 +70,7 @@ pub(super) struct Keeper {
 }
 
 impl Keeper {
-    /// Takes up what was kept of the same picture, before the first thread starts. A file that is no checkpoint ends the render: it
+    /// Takes up the checkpoint of the same picture, before the first thread starts. A file that is no checkpoint ends the render: it
     /// is not to be replaced.
     pub(super) fn new(settings: Checkpoints, shared: &mut Shared) -> Self {
         let (kept, own) = (Mutex::default(), Mutex::default());
@@ -164,7 +164,7 @@ impl Keeper {
 }
 
 impl Shared {
-    /// The state of the render, `before` s having passed before it, and how long the threads stood still for it, s.
+    /// The state of the render, `before` s having passed before it, and the time that the threads stood still for it, s.
     pub(super) fn body(&self, before: f64) -> (CheckpointBody, f64) {
         let _alone = self.gate.write().unwrap_or_else(PoisonError::into_inner);
         let began = Instant::now();
@@ -177,7 +177,7 @@ impl Shared {
         (body, began.elapsed().as_secs_f64())
     }
 
-    /// The life of the thread that keeps the render: also what is there at the end, if that came late enough.
+    /// The life of the thread that keeps the render: also the state at the end, if that came late enough.
     pub(super) fn keep(&self) {
         let Some(keeper) = &self.keeper else { return };
         let began = Instant::now();

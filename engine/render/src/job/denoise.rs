@@ -1,4 +1,4 @@
-//! Denoising of a picture, before the light that strays is laid over.
+//! Denoising of a picture, before the stray light is laid over.
 
 use super::{Job, Shared, catcher, lock};
 use crate::integrator::path::parts::LightPass;
@@ -20,7 +20,7 @@ pub struct Denoising {
     pub by_albedo: bool,
     /// True if [`LightPass::DenoisingNormal`] does so beside albedo.
     pub by_normal: bool,
-    /// What becomes of the noise of both.
+    /// The treatment of the noise of both.
     pub prefilter: Prefilter,
     /// The quality.
     pub quality: Quality,
@@ -54,8 +54,8 @@ pub(super) struct Denoised {
 }
 
 impl Job {
-    /// Denoises the picture as it is now, for [`Self::picture`] and what is made of it; to be called after the end, before
-    /// [`Self::develop`]. Only the part that is wanted is denoised: what lies outside is unfinished. [`Self::stop_developing`] ends it
+    /// Denoises the picture as it is now, for [`Self::picture`] and pictures made of it; to be called after the end, before
+    /// [`Self::develop`]. Only the part that is wanted is denoised: pixels outside are unfinished. [`Self::stop_developing`] ends it
     /// without a result.
     ///
     /// # Errors
@@ -80,7 +80,7 @@ impl Job {
         Ok(())
     }
 
-    /// The picture as it is now, denoised, without the light that strays; rows from below. The render may go on meanwhile, and keeps its
+    /// The picture as it is now, denoised, without the stray light; rows from below. The render may go on meanwhile, and keeps its
     /// noise. [`Self::stop_developing`] ends it.
     ///
     /// # Errors
@@ -108,7 +108,7 @@ impl Job {
         lock(&self.shared.denoised).clone()
     }
 
-    /// The picture as it is now, denoised if it was, before the light that strays; rows from below.
+    /// The picture as it is now, denoised if it was, before the stray light; rows from below.
     pub(super) fn straight(&self) -> Vec<[f32; 4]> {
         let mut picture = self.shared.film.picture();
         if let Some(clean) = self.denoised() {
@@ -135,7 +135,7 @@ impl Job {
         self.denoised().map(|clean| clean.seconds)
     }
 
-    /// The picture with its noise, and with the light that strays once that is found; rows from below.
+    /// The picture with its noise, and with the stray light once that is found; rows from below.
     pub fn noisy_picture(&self) -> Vec<[f32; 4]> {
         self.with_strayed(self.shared.film.picture())
     }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 impl Job {
-    /// Finds the light that strays, by the picture as it is now, for [`Self::picture`] and [`Self::stray_pass`]; to be called after the
+    /// Finds the stray light, by the picture as it is now, for [`Self::picture`] and [`Self::stray_pass`]; to be called after the
     /// end. [`Self::stop_developing`] ends it without a result.
     pub fn develop(&self, strays: &Strays) {
         let shared: &Shared = &self.shared;
@@ -37,7 +37,7 @@ impl Job {
         self.on_threads(|| find(&straight))
     }
 
-    /// What a function gives that runs on as many threads as the render had.
+    /// The result of a function that runs on as many threads as the render had.
     pub fn on_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         // Where there can be no more threads, this one does.
         match ThreadPoolBuilder::new().num_threads(self.threads.len()).build() {
@@ -46,7 +46,7 @@ impl Job {
         }
     }
 
-    /// [`Self::develop`] with what the plan of [`Self::request`] decided; nothing where it simulates no stray light.
+    /// [`Self::develop`] with the decisions of the plan of [`Self::request`]; nothing where it simulates no stray light.
     ///
     /// # Errors
     /// [`CameraError`] where the lens cannot be traced for it.
@@ -74,12 +74,12 @@ impl Job {
         lock(&self.shared.strayed).clone()
     }
 
-    /// The whole picture as it is now, denoised if it was, with the light that strays once that is found; rows from below.
+    /// The whole picture as it is now, denoised if it was, with the stray light once that is found; rows from below.
     pub fn picture(&self) -> Vec<[f32; 4]> {
         self.with_strayed(self.straight())
     }
 
-    /// The light that strays laid over a picture, once it is found.
+    /// The stray light laid over a picture, once it is found.
     pub(super) fn with_strayed(&self, mut picture: Vec<[f32; 4]>) -> Vec<[f32; 4]> {
         if let Some(strayed) = self.strayed() {
             strayed.add_to(&mut picture);
@@ -87,7 +87,7 @@ impl Job {
         picture
     }
 
-    /// A part of the light that strays, rows from below; black where it was not found.
+    /// A part of the stray light, rows from below; black where it was not found.
     pub fn stray_pass(&self, pass: StrayPass) -> Vec<Rgb> {
         let (width, height) = self.shared.film.size();
         let found = self.strayed().and_then(|strayed| strayed.part(pass).map(<[Rgb]>::to_vec));

@@ -1,4 +1,4 @@
-//! What keeps a render from starting.
+//! The errors that keep a render from starting.
 
 use super::SettingsError;
 use super::bake::BakeError;
@@ -13,7 +13,7 @@ pub enum RequestError {
     /// A setting is out of range.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// Points are not of what is baked.
+    /// Points are not of the baked object.
     #[error(transparent)]
     Bake(#[from] BakeError),
 }

@@ -87,7 +87,7 @@ pub(crate) enum Unusable {
 /// Checks that a file may be replaced by a checkpoint: there is none, or it is empty or a checkpoint of any version.
 ///
 /// # Errors
-/// One line that says what the file is.
+/// One line that describes the file.
 pub fn check_file(file: &Path) -> Result<(), String> {
     begin(file).map(drop).map_err(|why| why.to_string())
 }

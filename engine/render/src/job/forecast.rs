@@ -29,7 +29,7 @@ const MOST: Duration = Duration::from_millis(120);
 pub struct Forecast {
     /// Wall time of the samples, s.
     pub seconds: f64,
-    /// Samples of what is rendered of the picture; where pixels get as many as they need, the most.
+    /// Samples of the rendered part of the picture; where pixels get as many as they need, the most.
     pub samples: u64,
     /// Number of threads that the time holds for.
     pub threads: usize,
@@ -40,7 +40,7 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// Renders a little of what [`super::Job::start_with`] would render with the same arguments, and throws it away.
+    /// Renders a little of the picture of [`super::Job::start_with`] with the same arguments, and discards it.
     ///
     /// # Errors
     /// [`SettingsError`].
@@ -152,7 +152,7 @@ pub fn stray_light(
 }
 
 impl Shared {
-    /// The number of a tile: all of them spread evenly over what is rendered.
+    /// The number of a tile: all of them spread evenly over the rendered part.
     fn tile(&self, i: usize) -> usize {
         let place = (0.5 + 0.618_033_988_75 * i as f64).fract();
         self.tiles[(place * self.tiles.len() as f64) as usize]

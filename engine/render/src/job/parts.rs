@@ -25,7 +25,7 @@ impl Shared {
     }
 }
 
-/// The quotient of two colours by channel; what is relative to nothing in a channel is there as in the others, as in Cycles.
+/// The quotient of two colours by channel; a channel whose base is 0 has the mean of the others, as in Cycles.
 fn over(of: [f32; 3], base: [f32; 3]) -> [f32; 3] {
     let parts: [Option<f32>; 3] = std::array::from_fn(|c| (base[c] != 0.0).then(|| of[c] / base[c]));
     let count = parts.iter().flatten().count().max(1) as f32;

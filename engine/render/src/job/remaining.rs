@@ -14,7 +14,7 @@ const LEAST_LEFT: f32 = 0.15;
 /// Distance, in blocks, of those that count beside a block.
 const REACH: usize = 4;
 
-/// The squared relative errors of a block: of what each half has seen; `None` for a half without pixels.
+/// The squared relative errors of a block: of the samples of each half; `None` for a half without pixels.
 pub(super) type Words = [Option<f32>; 2];
 
 impl Shared {

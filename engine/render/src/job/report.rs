@@ -1,4 +1,4 @@
-//! The report of a render: what `petzval render --stats` writes.
+//! The report of a render: the file of `petzval render --stats`.
 
 use super::{Job, Kept};
 use crate::camera::lens::real_lens::RealLens;

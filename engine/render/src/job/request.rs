@@ -46,7 +46,7 @@ pub struct JobRequest {
     pub parts: Vec<LightPass>,
     /// Start and depth of the mist, Blender units, and the power of its falloff.
     pub mist: [f32; 3],
-    /// True to keep what [`Job::shadow`] and [`Job::over_photograph`] need.
+    /// True to keep the parts that [`Job::shadow`] and [`Job::over_photograph`] need.
     pub catches: bool,
     /// The file in which the render is kept while it goes on.
     pub checkpoints: Option<Checkpoints>,

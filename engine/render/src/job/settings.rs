@@ -1,4 +1,4 @@
-//! Settings of a render, and what is refused.
+//! Settings of a render, and the errors of wrong ones.
 
 use super::denoise::Denoising;
 use crate::camera::Camera;
@@ -33,17 +33,17 @@ pub struct Settings {
     pub min_samples: u32,
     /// Seed of all random choices.
     pub seed: u32,
-    /// True if the errors of neighbouring pixels are to cancel once all samples are there. Not where pixels get as many as they need: what
-    /// stops them must not know of their neighbours. Not from a later sample on, either: ranges of samples make the whole picture only
-    /// without. Nor scene-first, where the rays of one pixel land in others.
+    /// True if the errors of neighbouring pixels are to cancel once all samples are there. Not where pixels get as many as they need: the
+    /// test that stops them must not know of their neighbours. Not from a later sample on, either: ranges of samples make the whole picture
+    /// only without. Nor scene-first, where the rays of one pixel land in others.
     pub blue_noise: bool,
     /// True if the noise of neighbouring pixels is to be independent, as denoising needs; else the light of a ray is spread over the pixels
     /// whose filters reach where it arrives, for less noise in each. Lenses disperse light over pixels all the same.
     pub independent_pixels: bool,
     /// Factor of the finished light.
     pub film_exposure: f32,
-    /// Left, bottom, width and height, in pixels, of the part of the picture that is wanted; `None` is all. What lies outside may stay
-    /// black, and near its edge what light a lens spreads farther than [`crate::film::SPREAD`] pixels may be missing; pixels that get
+    /// Left, bottom, width and height, in pixels, of the part of the picture that is wanted; `None` is all. Pixels outside may stay
+    /// black, and near its edge light that a lens spreads farther than [`crate::film::SPREAD`] pixels may be missing; pixels that get
     /// as many samples as they need, and bidirectional paths, know of no part.
     pub window: Option<[u32; 4]>,
     /// Number of the first sample: renders of one seed and disjoint ranges can be merged.

@@ -42,7 +42,7 @@ impl Share {
     }
 }
 
-/// The tiles that a render of a share takes, and how many pixels they have.
+/// The tiles that a render of a share takes, and their number of pixels.
 pub(super) fn own(share: Share, film: &Film, tiles: &[usize]) -> (Vec<usize>, u64) {
     let all = if film.has_halves() { (0..film.tile_count()).collect() } else { tiles.to_vec() };
     let own = share.of(all);

@@ -285,7 +285,7 @@ fn mattes_and_vectors_do_not_depend_on_threads() {
     }
 }
 
-/// Ranges of samples, rendered apart, joined by their counts with what their numbers leave out: the whole to the last bit.
+/// Ranges of samples, rendered apart, joined by their counts with the remainders of their sums: the whole to the last bit.
 #[test]
 fn ranges_of_samples_make_the_whole() {
     use crate::integrator::Integrator;
@@ -320,7 +320,8 @@ fn ranges_of_samples_make_the_whole() {
     }
 }
 
-/// A part of a picture is that part of the whole one, and the rest is not rendered; where light spreads, what is not near the edge.
+/// A part of a picture is that part of the whole one, and the rest is not rendered; where light spreads, the pixels that are not near the
+/// edge.
 #[test]
 fn a_window_is_the_same_picture() {
     let window = [40, 20, 20, 12];

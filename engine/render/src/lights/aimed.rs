@@ -80,7 +80,8 @@ impl Lights {
         groups
     }
 
-    /// Makes the areas of a group's sources those that are seen from a place in the direction `towards`; what is not seen has none.
+    /// Makes the areas of a group's sources those that are seen from a place in the direction `towards`; sources that are not seen have
+    /// none.
     pub fn face(&self, scene: &Scene, group: &mut SourceGroup, towards: Vec3A) {
         for (source, area) in &mut group.sources {
             *area = if let Some(triangle) = self.triangle_at(scene, *source, MIDDLE) {

@@ -32,8 +32,8 @@ pub struct LightHit {
 }
 
 impl Lights {
-    /// Passes `found` each lamp with extent that a ray hits; `to` is where a light sample would have been taken. Lamps hide nothing behind
-    /// them, as in Cycles.
+    /// Passes `found` each lamp with extent that a ray hits; `to` is the receiver of a light sample that would have been taken. Lamps hide
+    /// nothing behind them, as in Cycles.
     #[inline(always)]
     pub fn lamps_along(
         &self,
@@ -63,8 +63,8 @@ impl Lights {
         });
     }
 
-    /// Passes `found` each emitter at infinity along a ray: the world, and suns with extent. `to` is where a light sample would have been
-    /// taken.
+    /// Passes `found` each emitter at infinity along a ray: the world, and suns with extent. `to` is the receiver of a light sample that
+    /// would have been taken.
     pub fn sky_along(
         &self,
         scene: &Scene,

@@ -51,8 +51,8 @@ impl Half {
         (parts[0].0.union(&parts[1].0), Self::Inner(order.len(), Box::new(parts)))
     }
 
-    /// Up to eight parts of it: the one that is costliest to leave closed is opened again and again. Full nodes leave closed what
-    /// fits into a node of its own; where room is left, parts are put in whole, smallest first, which saves nodes.
+    /// Up to eight parts of it: the one that is costliest to leave closed is opened again and again. Full nodes leave closed the parts that
+    /// fit into a node of their own; where room is left, parts are put in whole, smallest first, which saves nodes.
     pub(super) fn open(self, whole: LightBounds, filling: Filling) -> Vec<(LightBounds, Self)> {
         let closed = match filling {
             Filling::Loose => 1,

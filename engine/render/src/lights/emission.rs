@@ -36,7 +36,7 @@ pub struct EmittedRay {
     source: Source,
     /// Radiance; intensity of a lamp without extent, irradiance of a sun without extent.
     strength: Rgb,
-    /// For a triangle: cosine of the ray to its normal.
+    /// The cosine of the ray to a triangle's normal.
     cos: f32,
 }
 

@@ -159,7 +159,7 @@ impl PreparedLamp {
         self.frame.reaches.all_of(way.finds())
     }
 
-    /// The objects that the lamp lights, and those that throw shadows in its light.
+    /// The objects that the lamp lights, and those that cast shadows in its light.
     pub(super) fn sets(&self) -> LightSets {
         self.frame.sets
     }
@@ -216,7 +216,7 @@ impl PreparedLamp {
         with_shape!(self.shape, shape => shape.sample(&self.frame, from, u))
     }
 
-    /// Radiance along a ray that hits the lamp before `t_max`, the density of [`PreparedLamp::sample`], and how far it is.
+    /// Radiance along a ray that hits the lamp before `t_max`, the density of [`PreparedLamp::sample`], and its distance.
     pub(super) fn hit(&self, origin: Vec3A, d: Vec3A, t_max: f32) -> Option<(Rgb, f32, f32)> {
         with_shape!(self.shape, shape => shape.hit(&self.frame, origin, d, t_max))
     }

@@ -54,7 +54,7 @@ impl Local {
         self.lamps.len() + self.triangles.len() + self.moving.len()
     }
 
-    /// True if the bounds of all emitters are those of others, each with the lamps that its numbers are of. Of what moves nothing is said.
+    /// True if the bounds of all emitters are those of others, each with the lamps that its numbers are of. Moving emitters are left out.
     pub(super) fn is_alike(&self, lamps: &[PreparedLamp], other: &Self, other_lamps: &[PreparedLamp]) -> bool {
         let bounds = |local: &Self, lamps: &[PreparedLamp]| -> Vec<LightBounds> {
             local.lamps.iter().map(|&lamp| lamps[lamp as usize].bounds()).collect()

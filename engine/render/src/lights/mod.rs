@@ -1,6 +1,6 @@
-//! Choosing and sampling what emits: lamps, emissive triangles, suns and the world.
+//! Choosing and sampling emitters: lamps, emissive triangles, suns and the world.
 //!
-//! Knows the places that light leaves from; nothing of the surfaces that it arrives at, nor of what stands in between.
+//! Knows the places that light leaves from; nothing of the surfaces that it arrives at, nor of occluders in between.
 
 mod aimed;
 mod along;
@@ -122,7 +122,7 @@ impl Lights {
         })
     }
 
-    /// The objects that a source lights, and those that throw shadows in its light.
+    /// The objects that a source lights, and those that cast shadows in its light.
     pub fn sets(&self, source: Source) -> LightSets {
         match self.local.get(source.0) {
             Some(Emitter::Triangle(triangle) | Emitter::Moving(triangle, _)) => triangle.sets(),
@@ -151,7 +151,7 @@ impl Lights {
     }
 
     /// A place that light may reach. `openness` is the part of the sky that is seen from places in this picture on
-    /// average: the sky is chosen in proportion to what it may bring, so far as nothing stands in its way.
+    /// average: the sky is chosen in proportion to its possible light, so far as nothing stands in its way.
     pub fn receiver(&self, position: Vec3A, normal: Option<Vec3A>, openness: f32) -> LightSampleContext {
         self.receiver_by((0, NO_INSTANCE), position, normal, openness)
     }
@@ -206,8 +206,8 @@ impl Lights {
         to
     }
 
-    /// A place in the middle of a scene of which nothing is known, and that takes light from all sides: what light paths
-    /// and paths from the camera must agree on.
+    /// A place in the middle of a scene of which nothing is known, and that takes light from all sides: light paths
+    /// and paths from the camera must agree on it.
     pub fn receiver_between(&self, position: Vec3A) -> LightSampleContext {
         self.receiver(position, None, 0.5)
     }
@@ -224,7 +224,7 @@ impl Lights {
         self.sample_source(scene, to, u_choice, u, way).map(|(sample, _)| sample)
     }
 
-    /// Light at a place, and where it comes from.
+    /// Light at a place, and its source.
     #[inline(always)]
     pub fn sample_source(
         &self,

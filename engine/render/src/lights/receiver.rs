@@ -29,7 +29,7 @@ pub struct LightSampleContext {
     pub(crate) sky_chance: f32,
     /// The moment at which it is lit, as in [`crate::accel::Ray::moment`].
     pub moment: u16,
-    /// True if samples of closures find all light of the sky that comes to the place: light samples may leave them what is even
+    /// True if samples of closures find all light of the sky that comes to the place: light samples may leave them the even part
     /// ([`super::sky`]).
     pub(super) is_compensated: bool,
 }

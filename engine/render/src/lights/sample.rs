@@ -17,11 +17,11 @@ pub struct LightSample {
     pub pdf: f32,
     /// True if the light has no extent: no ray can hit it.
     pub point_like: bool,
-    /// True if objects throw shadows in the light.
+    /// True if objects cast shadows in the light.
     pub cast_shadow: bool,
     /// The kinds of ray that find it, and so the closures that it lights.
     pub reaches: Rays,
-    /// The objects that the light lights, and those that throw shadows in it.
+    /// The objects that the light lights, and those that cast shadows in it.
     pub sets: LightSets,
     /// The departure of light from the surface that emits, or from an area lamp or a lamp without extent: a surface at the light's
     /// distance, but for rounding, does not hide it.

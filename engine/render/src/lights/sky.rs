@@ -38,7 +38,7 @@ pub(super) struct Sky {
     suns: Vec<u32>,
     /// The suns again, as they are chosen.
     discs: Vec<Disc>,
-    /// True if the world's nodes ask what kind of bounce sees them.
+    /// True if the world's nodes ask for the kind of bounce that sees them.
     tells_bounces_apart: bool,
 }
 
@@ -48,8 +48,8 @@ struct ImageTables {
     /// The density by the brightness of the image.
     whole: Grid2d,
     /// The density by the brightness beyond the mean of the image: MIS compensation (Karlík et al. 2019, "MIS Compensation: Optimizing Sampling
-    /// Techniques in Multiple Importance Sampling", section 5.2). Samples of closures find light from all sides, and light samples go to what
-    /// stands out.
+    /// Techniques in Multiple Importance Sampling", section 5.2). Samples of closures find light from all sides, and light samples go to
+    /// the parts that stand out.
     /// `None` where samples of closures do not find all light that light samples find.
     compensated: Option<Grid2d>,
 }

@@ -322,7 +322,7 @@ fn samples_of_many_emitters_bring_what_all_bring_together() {
     }
 }
 
-/// Many emitters are chosen nearly in proportion to what they bring: relative variance of one light sample under triangles that
+/// Many emitters are chosen nearly in proportion to their light: relative variance of one light sample under triangles that
 /// face down. It was 0.06 to 0.1 while parallel normals joined to a cone of all directions, and 0.03 while nothing looked into
 /// the parts under the root.
 #[test]
@@ -343,7 +343,7 @@ fn many_emitters_are_chosen_by_what_they_bring() {
     assert!(mean < 0.02, "{mean}");
 }
 
-/// Suns by what they give to a surface that faces up: those below its horizon are never chosen, and each sample of the others brings the
+/// Suns by their light on a surface that faces up: those below its horizon are never chosen, and each sample of the others brings the
 /// same but for the size of the discs.
 #[test]
 fn suns_are_chosen_by_what_they_give_here() {
@@ -427,7 +427,8 @@ fn a_lamp_in_the_plane_of_a_ceiling_is_not_hidden_by_it() {
     }
 }
 
-/// After an edit lights are as if they were found anew: whether nothing of them changed, an emitter moved, a lamp did, or the sky is another.
+/// The lights after an edit are as if they were found anew: whether nothing of them changed, an emitter moved, a lamp did, or the sky is
+/// another.
 #[test]
 fn lights_of_an_edited_scene_are_those_of_a_new_one() {
     let sky = |bright: f32| {

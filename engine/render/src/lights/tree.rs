@@ -1,4 +1,4 @@
-//! Choosing one of many emitters by how much light it may send to a place: a tree whose nodes bound position,
+//! Choosing one of many emitters by the light that it may send to a place: a tree whose nodes bound position,
 //! power and direction (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting", without the splitting), eight children a node, weighed at once in the lanes of a register.
 
@@ -13,7 +13,7 @@ use glam::Vec3A;
 const FEW: usize = 1024;
 
 /// The part of its weight that an emitter keeps where it would light another place of the instance that it is a part of, which emits itself:
-/// the light there is at most a part of what the place emits, and where the instance bulges there is none.
+/// the light there is at most a part of the place's emission, and where the instance bulges there is none.
 const OWN_LIGHT: f32 = 0.02;
 
 /// The tree over all emitters of a scene.
@@ -72,7 +72,7 @@ impl LightTree {
         here
     }
 
-    /// By node, the instances that its children are parts of.
+    /// The instances that the children of each node are parts of.
     fn owners_of_nodes(&self, of_emitters: &[u32]) -> Vec<[u32; WIDTH]> {
         let mut all = vec![[NO_INSTANCE; WIDTH]; self.nodes.len()];
         // Nodes come before those under them.

@@ -90,7 +90,7 @@ impl LitTriangle {
         }
     }
 
-    /// The objects that the triangle lights, and those that throw shadows in its light.
+    /// The objects that the triangle lights, and those that cast shadows in its light.
     pub(super) fn sets(&self) -> LightSets {
         self.sets
     }

@@ -53,7 +53,7 @@ impl SceneQueries<'_> {
     }
 
     /// The nearest hit of a ray from a place in render space, as Cycles has it (`svm_raycast` in raycast.h), and its distance in lengths of the
-    /// direction. A ray from the point itself does not hit its own triangle; one from `beside` it passes what is not farther.
+    /// direction. A ray from the point itself does not hit its own triangle; one from `beside` it passes surfaces that are not farther.
     #[inline(never)]
     pub(super) fn nearest(
         &self,

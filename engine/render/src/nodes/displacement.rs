@@ -15,8 +15,8 @@ use petzval_nodes::Registers;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Moves the vertices of every mesh whose material says so; of a mesh that several objects share, as the first has it. What had
-/// to be left out is said.
+/// Moves the vertices of every mesh whose material says so; of a mesh that several objects share, as the first has it. Returns
+/// warnings of the parts that were left out.
 pub fn displace(scene: &mut Scene) -> Vec<String> {
     let mut warnings = Vec::new();
     if !scene.materials.iter().any(|material| material.graph.moves_vertices()) {

@@ -24,7 +24,7 @@ pub struct LampPoint {
     pub distance: f32,
     /// Coordinates across an area lamp, in a spot's cone, or over the sphere of directions.
     pub uv: Vec2,
-    /// The lamp's axes, and where it is, in Blender's world.
+    /// The lamp's axes and place, in Blender's world.
     pub to_world: Affine3A,
     /// The state of the path that looks.
     pub way: PathState,

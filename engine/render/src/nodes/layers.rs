@@ -45,8 +45,8 @@ thread_local! {
     static REGISTERS: RefCell<Registers> = RefCell::default();
 }
 
-/// Runs a slice of a material's program at a point, and hands on what reads its results, with the normal where the displacement bends it.
-/// If nothing has to be run, the point is not asked for.
+/// Runs a slice of a material's program at a point, and hands on the reader of its results, with the normal where the displacement bends
+/// it. If nothing has to be run, the point is not asked for.
 fn with_slice<T>(
     graph: &Graph,
     slice: &Slice,
@@ -308,7 +308,7 @@ pub fn holdout(
     })
 }
 
-/// Calls `found(number, value)` with what a material's nodes give out at a point beside its surface.
+/// Calls `found(number, value)` with the AOVs of a material's nodes at a point.
 pub fn aovs(around: SceneQueries<'_>, point: &SurfacePoint, view: &View, mut found: impl FnMut(u16, Rgb)) {
     let Some(Aovs { graph, numbers }) = &around.scene.materials[point.material as usize].aovs else { return };
     with_slice(

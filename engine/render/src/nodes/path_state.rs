@@ -113,7 +113,7 @@ impl PathState {
         self.is & DIFFUSE != 0
     }
 
-    /// The kind that objects may hide from: what was let through is nothing else.
+    /// The kind that objects may hide from: a ray that was let through keeps its kind.
     #[inline]
     pub fn rays(self) -> Rays {
         if self.is & CAMERA != 0 {

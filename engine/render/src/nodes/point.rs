@@ -20,7 +20,7 @@ use petzval_nodes::{
 
 pub(super) use lanes::PointLanes;
 
-/// The names by which a mesh keeps what its edges tell of its vertices.
+/// The names by which a mesh keeps the attributes of its vertices that come from edges.
 const POINTINESS: &str = ".pointiness";
 const RANDOM_PER_ISLAND: &str = ".random_per_island";
 

@@ -1,4 +1,4 @@
-//! Fields: what a kind of point knows and what it answers, and what is said of the others.
+//! Fields: those that a kind of point knows, its answers, and the warnings about the others.
 
 use super::lamp::{Asked, LampPoint};
 use super::*;
@@ -13,7 +13,7 @@ use crate::surface::SurfacePoint;
 use glam::{Affine3A, DMat4, DVec3, Vec2, Vec3, Vec3A, Vec4};
 use petzval_nodes::{Field, Graph as Shaders, Program, Shift, random_of_pair};
 
-/// Holds what a point answers against what its kind knows.
+/// Compares the answers of a point with the fields that its kind knows.
 #[track_caller]
 fn agrees<C: Context>(point: &C) {
     for &field in Field::ALL {

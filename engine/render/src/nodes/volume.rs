@@ -30,7 +30,7 @@ pub struct Medium {
     pub scattering: Rgb,
     /// Radiance that a unit of length adds.
     pub emission: Rgb,
-    /// The parts of `scattering`, and where each goes.
+    /// The parts of `scattering`, and the target of each.
     pub lobes: ArrayVec<(Rgb, PhaseLobe), MOST_LOBES>,
 }
 
@@ -144,7 +144,7 @@ impl VolumePoint<'_> {
     }
 }
 
-/// A point of space, asked for what changes along a ray.
+/// A point of space, asked for the fields that change along a ray.
 struct AlongRay<'a>(&'a VolumePoint<'a>);
 
 impl AlongRay<'_> {

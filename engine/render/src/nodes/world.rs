@@ -77,7 +77,7 @@ impl Context for Infinity<'_> {
         Vec4::ZERO
     }
 
-    /// Nothing is an object here: from the object's space and to it is no way at all.
+    /// The vector in another space. The world has no object: its space is that of the world.
     fn transform(&self, direction: Direction, from: Space, to: Space, vector: Vec3A) -> Vec3A {
         let map = match (from, to) {
             (Space::World, Space::Camera) => self.viewport.from_world,
@@ -199,8 +199,8 @@ pub fn bake(scene: &mut Scene, previous: Option<&Scene>) {
     scene.textures.push(Arc::new(texture));
 }
 
-/// True if what lets shadow rays through lets rays of closures through, too. Else each kind of sample finds light that the other does not,
-/// and the picture depends on the weights of both: as in Cycles, they are those of the whole image.
+/// True if surfaces that let shadow rays through let rays of closures through, too. Else each kind of sample finds light that the other
+/// does not, and the picture depends on the weights of both: as in Cycles, they are those of the whole image.
 pub fn finds_alike(scene: &Scene) -> bool {
     const INDIRECT: Rays = Rays::BOUNCE.and(Rays::SHADOW).and(Rays::VOLUME_SCATTER);
     /// Blender's default, which no path reaches.

@@ -49,7 +49,7 @@ const MEASURING_SEED: u32 = 0x2545_f491;
 pub struct AimedReport {
     /// Lamps and objects that glow, as the camera could see them.
     pub lights: usize,
-    /// Those that send rays to the lens.
+    /// The number of those lights that send rays to the lens.
     pub aimed: usize,
     /// Rays from them for each camera ray.
     pub rays_per_sample: f32,

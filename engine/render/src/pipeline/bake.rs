@@ -21,7 +21,7 @@ const TRIES: u32 = 10;
 const OFF_VERTEX: f32 = 1e-4;
 /// Least share of a corner in a point that was moved off a vertex.
 const LEAST_SHARE: f32 = 1e-5;
-/// Least cosine of the view from the camera to the shading normal: what faces away is still seen, at a slant.
+/// Least cosine of the view from the camera to the shading normal: surfaces that face away are still seen, at a slant.
 const LEAST_COSINE: f32 = 0.2;
 /// Least cosine of that view to the triangle's own normal.
 const ABOVE: f32 = 1e-5;
@@ -39,14 +39,14 @@ pub struct BakePoint {
     pub numbers_of: [u32; 2],
 }
 
-/// The place from where the surface is seen.
+/// The place from which the surface is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViewFrom {
-    /// From straight above each point.
+    /// The view from straight above each point.
     Above,
-    /// From a place in render space.
+    /// The view from a place in render space.
     Place(Vec3A),
-    /// From far away, where this direction leads; unit.
+    /// The view from far away, where this direction leads; unit.
     Far(Vec3A),
     /// The sky is looked at, in the direction of the point from this place of render space.
     Sky(Vec3A),
@@ -61,7 +61,7 @@ pub struct BakePoints {
     pub instance: u32,
     /// Points pixel by pixel, rows from below; `None` where the object is not.
     pub points: Vec<Option<BakePoint>>,
-    /// The place from where they are seen.
+    /// The place from which they are seen.
     pub view: ViewFrom,
 }
 
@@ -100,7 +100,7 @@ impl BakePoints {
         BakeLead { ray: Ray::new(origin, direction), start: SurfaceStart { hit: Some(hit), footprint } }
     }
 
-    /// The direction from where a point of the front side is seen, unit.
+    /// The direction from which a point of the front side is seen, unit.
     fn towards_view(&self, point: &SurfacePoint) -> Vec3A {
         let (normal, outward) = (point.shading_normal, point.geometric_normal);
         let mut d = match self.view {

@@ -1,4 +1,4 @@
-//! Ways from the film to the scene and back: which rays are followed, and where what they find is added up.
+//! Ways from the film to the scene and back: which rays are followed, and where their light is added up.
 
 pub mod aiming;
 pub mod bake;
@@ -43,10 +43,10 @@ pub enum Pipeline {
     /// Hero where the lens disperses, else film-first.
     #[default]
     Auto,
-    /// From a point of the film through the lens into the scene, one wavelength a path: [`film_first`].
+    /// Rays from a point of the film through the lens into the scene, one wavelength a path: [`film_first`].
     #[serde(rename = "FILM")]
     FilmFirst,
-    /// From a sharp point of the scene through the lens to the film: [`scene_first`].
+    /// Rays from a sharp point of the scene through the lens to the film: [`scene_first`].
     #[serde(rename = "SCENE")]
     SceneFirst,
     /// Film-first for one wavelength, whose light is carried back to the film at the others of its set: [`hero`].
@@ -300,7 +300,7 @@ impl Sample<'_> {
         }
     }
 
-    /// Adds what a ray found to the pixels where it arrives.
+    /// Adds the light of a ray to the pixels where it arrives.
     fn splat(&mut self, lens: &RealLens, splats: &Splats, radiance: Rgb) {
         add_splats(self.light, lens, splats, radiance);
     }

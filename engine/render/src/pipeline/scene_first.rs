@@ -1,5 +1,5 @@
 //! The other way round (Wu et al. 2011, section 5.3 and figure 6): a ray between a point that is sharp and a point of the
-//! entrance pupil; what it finds in the scene is carried through the lens for each wavelength, and counts where it lands.
+//! entrance pupil; the light that it finds in the scene is carried through the lens for each wavelength, and counts where it lands.
 //!
 //! Each pixel starts the rays that its own film point would see sharp: where a lens is sharp they land there again.
 //! Transparency is kept with the pixel that started the ray.

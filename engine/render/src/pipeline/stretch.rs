@@ -19,7 +19,7 @@ const ASKED: usize = 64;
 
 /// A pipeline's requests of camera rays, and its use of the light along them.
 pub(super) trait CameraSampler {
-    /// A ray, and where its light counts.
+    /// A ray, and the pixels where its light counts.
     type Lead: Clone;
 
     /// Appends a lead for each request to camera number `camera`; `None` where it is lost in the lens.

@@ -1,4 +1,4 @@
-//! Decisions on what a calibrated camera's lens does beside its rays.
+//! Decisions on the effects of a calibrated camera's lens beside its rays.
 
 use super::decide::{MARGIN, tolerance};
 use super::effects::Effect;

@@ -10,9 +10,9 @@ use crate::camera::lens::setup::LensInfo;
 use crate::camera::{EnabledEffects, Spectrum};
 use crate::spectrum::{SET_SIZE, SPECTRAL_COUNT};
 
-/// Measures are taken at some places and for some rays of all: what is worst may lie between them.
+/// Measures are taken at some places and for some rays of all: the worst may lie between them.
 pub(super) const MARGIN: f64 = 1.25;
-/// The part of the places without light from which on it is unknown what they would show.
+/// The part of the places without light from which on their content is taken as unknown.
 const DARK: f64 = 0.02;
 
 pub(super) fn decide(known: &Known<'_>, wishes: &PlanOptions) -> Result<(Vec<Decision>, CameraChoice, f64), PlanError> {
@@ -56,7 +56,7 @@ fn beside(effect: Effect, known: &Known<'_>, wishes: &PlanOptions) -> Option<(Ef
     (is_larger && others > 0.0 && wishes.word(other) != EffectMode::Off).then_some((other, others))
 }
 
-/// As many wavelengths as their images need to lie closer together than can be told apart, where the camera leaves their number open.
+/// The number of wavelengths whose images lie closer together than can be told apart, where the camera leaves their number open.
 fn bands(Known { d, lens, .. }: &Known<'_>, wishes: &PlanOptions) -> Spectrum {
     match d.spectrum {
         Spectrum::Visible => {
@@ -82,7 +82,7 @@ fn shown(wishes: &PlanOptions, in_colour: bool) -> EnabledEffects {
     }
 }
 
-/// The cheapest camera that has what is called for.
+/// The cheapest camera that has the effects that are called for.
 fn choose(known: &Known<'_>, wishes: &PlanOptions) -> Result<(CameraChoice, Price), PlanError> {
     let Known { d, survey, lens, .. } = known;
     let wanted = |effect: Effect| is_wanted(effect, known, wishes);

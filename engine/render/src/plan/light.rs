@@ -1,4 +1,4 @@
-//! The light that arrives at the camera, from sources that are seen in the picture and from others: what reflections in the lens
+//! The light that arrives at the camera, from sources that are seen in the picture and from others: the light that reflections in the lens
 //! and scattering would come from.
 
 use crate::accel::Ray;
@@ -43,7 +43,7 @@ struct IncidentLight {
     sky_pdf: f32,
 }
 
-/// Light of all sources at the camera's place. What stands between a source and the camera is seen as hiding all.
+/// Light of all sources at the camera's place. Surfaces between a source and the camera are taken as opaque.
 pub(super) struct Arriving(Vec<IncidentLight>);
 
 impl Arriving {
@@ -68,7 +68,7 @@ impl Arriving {
     }
 
     /// Irradiance on a surface at the camera's place that looks `forwards`, in luminance times steradians: that of sources, of the
-    /// sky, and of what surfaces send on. `luminances` follows rays as paths.
+    /// sky, and of light that surfaces scatter. `luminances` follows rays as paths.
     pub(super) fn irradiance(
         &self,
         stage: &PreparedScene,

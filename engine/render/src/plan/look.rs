@@ -1,4 +1,4 @@
-//! A look at the scene through a camera: what each place of the picture sees first, how bright it is, and where the light
+//! A look at the scene through a camera: the first hit of each place of the picture, its brightness, and the direction from which the light
 //! comes from.
 
 use super::coincident::CoincidentFaces;
@@ -47,7 +47,7 @@ impl SceneProbe {
     }
 
     /// Looks along `rays` (render space) of places all over the picture. `backwards` is the camera's axis, from the scene to
-    /// the film; `has_front` where there is a lens for light to arrive at. Also what each ray hits.
+    /// the film; `has_front` where there is a lens for light to arrive at. Also the hit of each ray.
     pub(super) fn along(
         stage: &PreparedScene,
         rays: &[Option<Ray>],

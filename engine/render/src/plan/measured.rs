@@ -26,7 +26,7 @@ pub(super) struct Known<'a> {
     pub(super) seen_px: f64,
     /// Number of pixels of the picture.
     pub(super) pixels: f64,
-    /// Whether rays from lights end in a lens that is traced.
+    /// The need for a traced lens in which rays from lights end.
     pub(super) lens_need: LensNeed,
 }
 

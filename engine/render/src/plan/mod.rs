@@ -2,7 +2,7 @@
 //! simulated, invisible ones are left out, and the user's word goes before both.
 //!
 //! A plan is a value: made once before a render from the lens, the camera and a look at the scene, printed, kept with the
-//! picture, and applied to the camera's description. After that nothing asks any more what is simulated. No decision depends
+//! picture, and applied to the camera's description. After that nothing asks for the decisions again. No decision depends
 //! on a clock, so the same scene has the same plan on every machine.
 
 mod calibrated;
@@ -381,7 +381,7 @@ impl Plan {
     }
 
     /// The part of a picture (left, bottom, width, height, pixels) to render for a border of it, within which no light of the rest belongs:
-    /// larger by how far colours are apart. `None`: all, as light strays or is led to the film from anywhere.
+    /// larger by how far colours are apart. `None`: all, as stray light, or light led to the film, comes from anywhere.
     pub fn window(&self, [left, bottom, width, height]: [u32; 4], size: [u32; 2]) -> Option<[u32; 4]> {
         let camera = &self.camera;
         if camera.ghosts || camera.glare || camera.diffraction || camera.pipeline == Pipeline::SceneFirst {

@@ -13,7 +13,7 @@ pub(super) struct ModelEffects {
 }
 
 impl ModelEffects {
-    /// Checks that the user asks for nothing else, but for what is decided already.
+    /// Checks that the user's wishes are those of the decided effects.
     pub(super) fn new(model: Model, decided: &[Decision], wishes: &PlanOptions) -> Result<Self, PlanError> {
         if let Some(effect) = Effect::ALL.into_iter().find(|e| wishes.word(*e) == EffectMode::On && !e.is_available()) {
             return Err(PlanError::NotYet(effect));

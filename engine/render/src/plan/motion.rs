@@ -20,7 +20,7 @@ pub(super) struct SceneMotion {
 }
 
 /// The farthest motion over the picture: of moving objects, seen or not, since their shadows or mirror images may be; and, where the camera
-/// moves, of what it sees along `rays`, which hit `seen`. `None` where everything stands still.
+/// moves, of the hits `seen` of its `rays`. `None` where everything stands still.
 pub(super) fn scene_motion(
     scene: &Scene,
     exposure: Option<&Exposure>,
@@ -41,7 +41,7 @@ pub(super) fn scene_motion(
     Some(SceneMotion { px, text: format!("{}, {what}", size(px, Unit::Pixels)) })
 }
 
-/// The angle that what a ray hits goes as the camera sees it, rad: the sum of its steps.
+/// The angle that the hit of a ray moves through as the camera sees it, rad: the sum of its steps.
 fn way(exposure: &Exposure, ray: &Ray, seen: Option<DVec3>) -> f64 {
     let origin = ray.origin.as_dvec3();
     // What is not hit lies as good as infinitely far.

@@ -1,4 +1,4 @@
-//! The report of a plan: what `petzval plan --json` prints, and what is kept with a picture.
+//! The report of a plan: the output of `petzval plan --json`, and the record that is kept with a picture.
 
 use super::{Decision, Effect, Plan};
 use glam::{DVec3, Vec2};
@@ -93,7 +93,7 @@ pub struct CoincidentReport {
     pub objects: [String; 2],
     /// The part of the picture that shows such faces.
     pub part: f64,
-    /// What a user is told, a line.
+    /// The message to the user, a line.
     pub text: String,
 }
 

@@ -29,7 +29,7 @@ struct LensEntry {
     name: String,
     mounts: Vec<String>,
     focal_range_mm: [f64; 2],
-    /// Of the sensors with which it was measured.
+    /// Crop factors of the sensors with which it was measured.
     crop_factors: Vec<f64>,
     /// Numbers of measurements of distortion, vignetting and lateral colour.
     measured: [usize; 3],
@@ -136,7 +136,7 @@ fn entry(lens: &CalibratedLens) -> LensEntry {
     }
 }
 
-/// Reports what a file of calibrations holds.
+/// Reports the content of a file of calibrations.
 pub fn report(file: &CalibrationFile) -> CalibrationReport {
     let cameras = file.cameras.iter().map(|camera| of_camera(&camera.name, &camera.calibration)).collect();
     let (lenses, bodies) = (Vec::new(), Vec::new());

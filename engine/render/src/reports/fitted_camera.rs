@@ -1,4 +1,4 @@
-//! A camera model fitted to a lens: its calibration, and how far it is from the lens's own rays.
+//! A camera model fitted to a lens: its calibration, and its distance from the lens's own rays.
 
 use crate::camera::CameraDescription;
 use crate::camera::tools::picture_rays::{Centre, PictureRay, PictureRays, PictureRaysError};
@@ -63,7 +63,7 @@ pub struct FittedCameraReport {
     name: String,
     efl_mm: Option<f64>,
     wavelength_nm: f64,
-    /// From the entrance pupil; null: infinity.
+    /// The focus distance from the entrance pupil; null: infinity.
     focus_distance_mm: Option<f64>,
     size_px: [u32; 2],
     picture_mm: [f64; 2],
@@ -73,7 +73,7 @@ pub struct FittedCameraReport {
     free: Vec<&'static str>,
     /// The part of the picture that the lens lights by its chief rays, where the model was fitted.
     lit: f64,
-    /// Residuals: the model's sight of what the lens shows at a point, from that point.
+    /// Residuals: the place where the model sees the lens's direction of a point, from that point.
     rms_px: f64,
     worst_px: f64,
     worst_at_px: [f64; 2],
@@ -275,8 +275,8 @@ impl FittedCamera {
         ]
     }
 
-    /// The residual map: for each pixel where the model sees what the lens shows in it, from its middle, pixels to the right and down, and an
-    /// A of 1; all 0 where the lens lights nothing or the model sees nothing.
+    /// The residual map: for each pixel the place where the model sees the lens's direction of it, from its middle, pixels to the right and
+    /// down, and an A of 1; all 0 where the lens lights nothing or the model sees nothing.
     pub fn residual_map(&self, pixels: &[Option<PictureRay>]) -> MapChannels {
         let of = |ray: &PictureRay| {
             let is_flat = self.calibration.model().is_flat();

@@ -1,4 +1,4 @@
-//! A lens adjusted to a measured calibration: how far it is from it before and after, and its file.
+//! A lens adjusted to a measured calibration: the residuals before and after, and its file.
 
 use petzval_optics::formats;
 use petzval_optics::formats::calibration::{self, CalibrationFileError};
@@ -28,7 +28,7 @@ pub enum GapTolerance {
     Part(f64),
 }
 
-/// A calibration, and what is adjusted to it.
+/// A calibration, and the options of a lens's fit to it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FittedLensOptions {
@@ -75,7 +75,7 @@ pub enum FittedLensError {
 pub struct FittedLens {
     /// The report.
     pub report: FittedLensReport,
-    /// Its file.
+    /// The file.
     pub text: String,
     /// The parts of the lens that a lens file cannot hold.
     pub lost: Vec<String>,
@@ -90,7 +90,7 @@ pub struct FittedLensReport {
     size_px: [u32; 2],
     pixel_pitch_um: [f64; 2],
     wavelength_nm: f64,
-    /// The part of the picture that was compared: what both see.
+    /// The part of the picture that was compared: the part that both see.
     compared: f64,
     points: usize,
     before: Compared,
@@ -111,7 +111,7 @@ struct Compared {
     rms_um: f64,
     worst_um: f64,
     efl_mm: Option<f64>,
-    /// From the entrance pupil; null: infinity.
+    /// The focus distance from the entrance pupil; null: infinity.
     focus_distance_mm: Option<f64>,
     /// The film from the last vertex.
     film_distance_mm: f64,
@@ -273,7 +273,7 @@ fn pitch_mm(
     Ok(pitch)
 }
 
-/// The adjusted lens with a header that says where it is from.
+/// The adjusted lens with a header that names its origin.
 fn named(found: &LensFit, report: &FittedLensReport, source: &str) -> Prescription {
     let mut lens = found.prescription.clone();
     let FittedLensReport { model, size_px: [width, height], before, after, .. } = report;

@@ -1,5 +1,5 @@
 //! Reports on a lens, each in a file of its own. Adding one is a file here with a [`LensReport`], and a line in [`REPORTS`]; the command
-//! line and Blender offer what `petzval/lens_reports` draws.
+//! line and Blender offer those that `petzval/lens_reports` draws.
 //!
 //! A report's options come as JSON, and its result goes as JSON: lengths in mm, angles in degrees, null where there is no finite number.
 
@@ -201,7 +201,7 @@ pub struct ReportSettings {
     pub azimuth_deg: f64,
     /// Focus distance from the entrance pupil; `None` is infinity.
     pub focus_distance_mm: Option<f64>,
-    /// True if the film is where the axis is sharpest, instead of where paraxial rays meet.
+    /// True if the film is at the best focus of the axis, instead of the paraxial image.
     pub best_focus: bool,
     /// Displacement of the film from that place.
     pub defocus_mm: f64,
@@ -332,7 +332,7 @@ impl<F> FieldResult<F> {
     }
 }
 
-/// So many parts from 0 to 1.
+/// `count` numbers from 0 to 1 at equal steps.
 fn evenly(count: usize) -> Vec<f64> {
     (0..count).map(|i| i as f64 / (count - 1).max(1) as f64).collect()
 }

@@ -17,7 +17,7 @@ pub(super) struct MtfOptions {
     steps: usize,
     /// Number of heights in the picture.
     heights: usize,
-    /// Over the height are 1, 2, 3 and 4 times so many line pairs/mm.
+    /// The step of frequency over the height, line pairs/mm; 1 to 4 times so many are shown.
     height_step_per_mm: f64,
 }
 

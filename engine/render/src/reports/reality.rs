@@ -1,4 +1,4 @@
-//! A lens beside what photographers have measured of its product, by a lensfun database.
+//! A lens beside photographers' measurements of its product, by a lensfun database.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use petzval_optics::sensitivity::Sensitivities;
 use petzval_optics::system::{LensSettings, System};
 use serde::Serialize;
 
-/// What is asked for of a comparison.
+/// The options of a comparison.
 #[derive(Clone, Debug)]
 pub struct RealityOptions {
     /// A lensfun database: a file, or a folder of them; `None`: the installed one.
@@ -62,7 +62,7 @@ pub struct Reality {
 #[derive(Serialize)]
 struct VignettingAt {
     f_number: f64,
-    /// Where the measurement was made, 0; farther, it is interpolated, in lensfun's measure.
+    /// The distance from the nearest measurement, in lensfun's measure; the values are interpolated if it is not 0.
     apart: f64,
     rows: Vec<VignettingRow>,
 }

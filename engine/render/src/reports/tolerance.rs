@@ -1,4 +1,4 @@
-//! Tolerances: what deviations of radii, thicknesses, indices and places of elements do to the picture, one by one and all together.
+//! Tolerances: the effects of deviations of radii, thicknesses, indices and places of elements on the picture, one by one and all together.
 //!
 //! All together is by the Monte Carlo method: lenses whose deviations are drawn at random within their tolerances, each refocused as it
 //! would be in use. The same seed gives the same lenses for any number of threads.
@@ -24,11 +24,11 @@ const GOLDEN: f64 = 0.618_033_988_75;
 /// Displacement of the film by which the best film is found, as a part of the depth of focus: the mean square of a spot is a parabola.
 const ASIDE: f64 = 1.0;
 
-/// What is adjusted to make up for deviations.
+/// The quantity that is adjusted to make up for deviations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum Compensator {
-    /// Nothing.
+    /// No compensator.
     None,
     /// The distance of the film from the last vertex.
     BackFocus,
@@ -50,15 +50,15 @@ enum Distribution {
 #[derive(Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ToleranceOptions {
-    /// Of radii of curvature, per cent.
+    /// The tolerance of radii of curvature, per cent.
     radius_percent: f64,
-    /// Of thicknesses and gaps, mm.
+    /// The tolerance of thicknesses and gaps, mm.
     thickness_mm: f64,
-    /// Of indices.
+    /// The tolerance of indices.
     index: f64,
-    /// Of the places of elements, mm.
+    /// The tolerance of the places of elements, mm.
     decenter_mm: f64,
-    /// Of the tilts of elements, degrees.
+    /// The tolerance of the tilts of elements, degrees.
     tilt_deg: f64,
     /// Number of lenses drawn at random.
     trials: usize,
@@ -188,7 +188,7 @@ struct Bench<'a> {
     focus: Focus,
     /// The film from the last vertex.
     film_mm: f64,
-    /// Depth of focus in which a spot grows by what a pixel would show, mm.
+    /// Depth of focus in which a spot grows by as much as a pixel would show, mm.
     aside_mm: f64,
     wavelengths_nm: Vec<f64>,
     main: usize,
@@ -372,12 +372,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// From 0 to 1, without 0.
+    /// A uniform number from 0 to 1, without 0.
     fn unit(&mut self) -> f64 {
         ((self.bits() >> 11) as f64 + 0.5) / (1u64 << 53) as f64
     }
 
-    /// From -1 to 1.
+    /// A number from -1 to 1 by the distribution.
     fn within(&mut self, distribution: Distribution) -> f64 {
         match distribution {
             Distribution::Uniform => 2.0 * self.unit() - 1.0,

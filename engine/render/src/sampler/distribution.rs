@@ -41,7 +41,7 @@ impl AliasTable {
         Some(Self { bins })
     }
 
-    /// The chosen index, its probability, and a fresh uniform number made from what `u` had left.
+    /// The chosen index, its probability, and a fresh uniform number made from the rest of `u`.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, f32, f32) {
         let n = self.bins.len();

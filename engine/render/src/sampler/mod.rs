@@ -1,4 +1,4 @@
-//! Point sets for Monte Carlo integration: where the numbers come from ([`PathSampler`]), what shapes they are
+//! Point sets for Monte Carlo integration: the source of the numbers ([`PathSampler`]), the shapes that they are
 //! bent into ([`warp`]), tables of arbitrary density ([`distribution`]), directions
 //! in which media scatter ([`phase`]), which pixel gets which ([`pattern`]), and the
 //! picture's pixels ([`raster`]).
@@ -123,7 +123,7 @@ mod tests {
         assert_ne!(PathSampler::new(3, 5, 7, 11).next_4d(), PathSampler::new(3, 5, 7 + 65536, 11).next_4d());
     }
 
-    /// The numbers do not depend on what is kept of other samplers.
+    /// The numbers do not depend on scrambles kept from other samplers.
     #[test]
     fn kept_scrambles_are_those_of_their_set() {
         let mut kept = KeptScramble::default();

@@ -1,5 +1,6 @@
 //! The points of `sobol_burley`, bit for bit, in a third of its time: the sequence is linear in the bits of the index, so
-//! that a table for each byte of it stands for the loop over its bits; and what depends on the seed alone is kept for all points of a seed.
+//! that a table for each byte of it stands for the loop over its bits; and parts that depend on the seed alone are kept for all points of a
+//! seed.
 
 use sobol_burley::parts::{Int4, hash, hash_int4, owen_scramble_int4_rev, owen_scramble_rev, sobol_int4_rev};
 use std::sync::LazyLock;

@@ -1,4 +1,4 @@
-//! The pixels of a picture as places where samples fall: by what density, and to which pixel a place belongs.
+//! The pixels of a picture as places where samples fall: their density, and the pixel that a place belongs to.
 //!
 //! Pixel j's value is the mean of the light weighted by the pixel filter f about its centre. Where each pixel has one
 //! sample of density f, their places together have the density S = Σ f. Light that is known at any place is given to
@@ -61,7 +61,7 @@ impl Raster {
         Self { width, height, filter, is_box, columns, is_independent: false }
     }
 
-    /// The same, where the noise of neighbouring pixels is to be independent, as denoising needs: the light of one ray that arrives at
+    /// The raster for which the noise of neighbouring pixels is to be independent, as denoising needs: the light of one ray that arrives at
     /// one place goes to one pixel at all wavelengths. Else it is spread over the pixels whose filters reach the place: there
     /// is less noise in each, but neighbours share it.
     pub fn independent(self, is_independent: bool) -> Self {
@@ -235,7 +235,7 @@ impl Raster {
 const FEW: usize = 4;
 const _: () = assert!(size_of::<Vec4>() == FEW * size_of::<f32>());
 
-/// The sums of the filter over the pixels that it reaches, by how far the first of them is.
+/// The sums of the filter over the pixels that it reaches, by the distance of the first of them.
 struct Columns {
     /// The sums at equal steps of the distance from the beginning of the reach to the first pixel's centre, 0 to 1.
     sums: Vec<Vec4>,
@@ -376,7 +376,7 @@ mod tests {
         }
     }
 
-    /// Inside, the table says what the filter says.
+    /// Inside, the table has the filter's values.
     #[test]
     fn the_table_is_the_filter() {
         use Filter::{BlackmanHarris, Gaussian};

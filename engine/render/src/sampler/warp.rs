@@ -18,7 +18,7 @@ pub fn sample_disk(u: [f32; 2]) -> Vec2 {
     if wide { Vec2::new(along, across) } else { Vec2::new(across, along) }
 }
 
-/// Sine and cosine of an angle up to an eighth of a turn, by their series: what is left out is below 3e-8.
+/// Sine and cosine of an angle up to an eighth of a turn, by their series: the terms left out are below 3e-8.
 #[inline]
 fn sin_cos_to_eighth(a: f32) -> (f32, f32) {
     let q = a * a;

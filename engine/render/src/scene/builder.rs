@@ -80,7 +80,7 @@ impl SceneBuilder {
         Ok(self.add_texture(texture))
     }
 
-    /// Notes what could not be done as described.
+    /// Notes a part of the scene that could not be rendered as described.
     pub fn warn(&mut self, what: String) {
         if !self.warnings.contains(&what) {
             self.warnings.push(what);
@@ -190,7 +190,7 @@ impl SceneBuilder {
         self.instances[instance].visible = to;
     }
 
-    /// Sets the lights that light an instance, and those in which it throws shadows.
+    /// Sets the lights that light an instance, and those in which it casts shadows.
     pub fn set_links(&mut self, instance: usize, links: LightLinking) {
         self.instances[instance].links = links;
     }
@@ -215,7 +215,7 @@ impl SceneBuilder {
         self.instances[instance].holds_out = true;
     }
 
-    /// Sets the light group of what an instance emits; 0 is none.
+    /// Sets the light group of an instance's emission; 0 is none.
     pub fn set_light_group(&mut self, instance: usize, group: u16) {
         self.instances[instance].light_group = group;
     }

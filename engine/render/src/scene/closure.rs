@@ -357,7 +357,7 @@ impl<N> ThinFilm<N> {
 }
 
 impl<C, N> Closure<C, N> {
-    /// The colour that tells about how much of the light it scatters; `None` where none does.
+    /// The colour of the closure, about its albedo; `None` where it has none.
     pub fn tint(&self) -> Option<&C> {
         match self {
             Self::Principled(p) => Some(&p.base_color),

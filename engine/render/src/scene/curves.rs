@@ -16,7 +16,7 @@ pub enum CurveShape {
     },
     /// A round strand, open at its ends.
     Thick,
-    /// Round and straight from key to key: what a ball whose radius changes evenly sweeps, with round ends.
+    /// Round and straight from key to key: the body that a ball whose radius changes evenly sweeps, with round ends.
     ThickLinear,
 }
 

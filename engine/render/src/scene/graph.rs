@@ -172,7 +172,7 @@ impl Graph {
         self.displacement.bends() && self.program.displacement.is_some() && bends
     }
 
-    /// True if the graph's values depend on the footprint of the ray that meets the surface.
+    /// True if the graph's values depend on the footprint of the ray that hits the surface.
     pub fn needs_footprint(&self) -> bool {
         self.bends_normals() || self.program.needs_footprint()
     }

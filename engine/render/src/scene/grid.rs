@@ -19,7 +19,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Checks that the numbers are as many as the size says. What is not finite becomes 0.
+    /// Checks that the numbers are as many as the size says. Values that are not finite become 0.
     ///
     /// # Errors
     /// [`SceneError::BadMesh`], which names the mesh that the grid came with.

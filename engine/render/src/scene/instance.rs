@@ -49,7 +49,7 @@ pub struct Instance {
     pub pose: Pose,
     /// True if the instance stands for an object in the photograph that the picture is laid over: only its shadows are wanted.
     pub is_catcher: bool,
-    /// True if the instance's surface is what a bake shows.
+    /// True if the instance's surface is the one that a bake shows.
     pub is_baked: bool,
 }
 

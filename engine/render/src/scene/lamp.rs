@@ -56,7 +56,7 @@ pub struct Lamp {
     pub graph: Option<Arc<Graph>>,
     /// The kinds of ray that find it: of those that a surface scatters, the closures that it lights.
     pub reaches: Rays,
-    /// The objects that the lamp lights, and those that throw shadows in its light.
+    /// The objects that the lamp lights, and those that cast shadows in its light.
     pub sets: LightSets,
     /// The number of the lamp's light group; 0 is none.
     pub light_group: u16,

@@ -1,4 +1,4 @@
-//! Materials: a compiled shader graph, and what Blender says of a material beside its nodes.
+//! Materials: a compiled shader graph, and Blender's settings of a material beside its nodes.
 
 use super::closure::{Closure, Principled};
 use super::graph::Graph;
@@ -31,7 +31,7 @@ pub struct Material {
     pub emission_sampling: EmissionSampling,
     /// True if its surface may let light through unbent.
     pub is_clear: bool,
-    /// True if its surface lets no light through unbent to what is lit by light samples.
+    /// True if its surface lets no light through unbent to surfaces that are lit by light samples.
     pub shades_fully: bool,
     /// True if normals that are bent are corrected, so that a mirror does not send light into the surface, and light on a matte surface fades
     /// where it grazes it.
@@ -43,7 +43,7 @@ pub struct Material {
 /// The choice of light samples for a material's emission.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EmissionSampling {
-    /// Light samples of what is bright; all samples of closures find the rest.
+    /// Light samples of bright emission; samples of closures alone find the rest.
     #[default]
     Auto,
     /// No light samples.
@@ -179,7 +179,7 @@ impl Material {
         self.graph.emits_evenly()
     }
 
-    /// Finds out what a path has to ask the material for.
+    /// Finds the properties that a path has to ask the material for.
     pub(super) fn prepare(&mut self) {
         self.emits_or_holds_out = self.emits() || self.may_hold_out();
         self.scatters = !self.graph.scattering.is_empty();

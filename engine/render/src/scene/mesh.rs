@@ -27,9 +27,9 @@ pub struct Dicing {
 /// The length of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeLength {
-    /// In pixels of Blender's own camera.
+    /// A length in pixels of Blender's own camera.
     Pixels(f32),
-    /// In units of the mesh's space.
+    /// A length in units of the mesh's space.
     Units(f32),
 }
 
@@ -146,7 +146,7 @@ pub struct Mesh {
     pub points: Option<Box<Points>>,
     /// The mesh's shapes while the shutter is open.
     pub poses: Option<Box<Poses>>,
-    /// True if the mesh has curves, points or several shapes: one test for what most meshes do not have.
+    /// True if the mesh has curves, points or several shapes: one test for features that most meshes do not have.
     pub is_special: bool,
 }
 

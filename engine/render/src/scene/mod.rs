@@ -1,5 +1,5 @@
 //! The scene: a plain description comes in piece by piece ([`SceneBuilder`]), is checked, and becomes an immutable
-//! [`Scene`] in render space. Nothing here knows how light moves or what a camera is.
+//! [`Scene`] in render space. Nothing here knows of light transport or cameras.
 
 mod builder;
 pub mod closure;

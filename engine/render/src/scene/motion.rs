@@ -27,7 +27,7 @@ pub fn moment(part: f32) -> u16 {
     (part * 65536.0) as u16
 }
 
-/// An affine map taken apart, so that what is between two of them turns rather than shrinks (Shoemake and Duff 1992, "Matrix
+/// An affine map taken apart, so that a map between two of them turns rather than shrinks (Shoemake and Duff 1992, "Matrix
 /// Animation and Polar Decomposition").
 #[derive(Clone, Copy, Debug)]
 struct AffineParts {
@@ -84,7 +84,7 @@ impl AnimatedTransform {
     }
 }
 
-/// The key before a part of the time, and how far it is to the next, 0 to 1.
+/// The key before a part of the time, and the part of the way to the next, 0 to 1.
 fn key_at(count: usize, part: f64) -> (usize, f64) {
     let along = part.clamp(0.0, 1.0) * (count - 1) as f64;
     let key = (along as usize).min(count - 2);

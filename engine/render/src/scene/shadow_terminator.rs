@@ -15,7 +15,7 @@ impl ShadowTerminator {
         Self { lift_below: geometry_offset.max(0.0), dark: (0.5 * shading_offset).clamp(0.0, 0.5) }
     }
 
-    /// The same, with all shadow rays from the surface itself.
+    /// The settings with all shadow rays from the surface itself.
     #[must_use]
     pub fn without_lift(self) -> Self {
         Self { lift_below: 0.0, ..self }

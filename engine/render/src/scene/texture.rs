@@ -1,4 +1,4 @@
-//! Images and how they are looked up: interpolation, and what lies outside of the picture.
+//! Images and their lookup: interpolation, and extension outside of the picture.
 
 use super::SceneError;
 use crate::Rgb;
@@ -263,7 +263,7 @@ fn check(name: &str, width: usize, height: usize, values: usize) -> Result<(), S
     Err(SceneError::BadImage { image: name.into(), pixels: values, width, height })
 }
 
-/// Steps of [`SRGB`]: between two of them the function is met to a ten-thousandth, where a byte is one part in 255.
+/// Steps of [`SRGB`]: between two of them the function is right to a ten-thousandth, where a byte is one part in 255.
 const SRGB_STEPS: usize = 2040;
 
 /// [`srgb_to_linear`] from 0 to 1, eight steps for each of a byte's: of these every eighth is exact.

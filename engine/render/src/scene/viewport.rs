@@ -56,7 +56,7 @@ pub struct Viewport {
     /// A pixel's sides: at depth 1, of an orthographic camera everywhere.
     pixel: Vec2,
     projection: ViewportProjection,
-    /// From the camera's space to the camera's axes: right, up, backwards.
+    /// The map from the camera's space to the camera's axes: right, up, backwards.
     to_axes: Mat3A,
 }
 

@@ -82,7 +82,7 @@ impl Default for Rays {
 pub struct LightSets {
     /// The set of objects that it lights; below 64.
     pub receivers: u8,
-    /// The set of objects that throw shadows in its light; below 64.
+    /// The set of objects that cast shadows in its light; below 64.
     pub blockers: u8,
 }
 
@@ -114,7 +114,7 @@ impl LightLinking {
         self.receives >> emitter.receivers & 1 == 1
     }
 
-    /// True if the object throws shadows in the light of an emitter of these sets.
+    /// True if the object casts shadows in the light of an emitter of these sets.
     pub fn blocks_light_of(&self, emitter: LightSets) -> bool {
         self.blocks >> emitter.blockers & 1 == 1
     }

@@ -38,7 +38,7 @@ pub enum Phase {
 /// A closure of a volume. Coefficients are per Blender unit.
 #[derive(Clone, Debug)]
 pub enum VolumeClosure {
-    /// Absorbs what its colour lacks of white, times its density.
+    /// Absorbs by 1 less its colour, times its density.
     Absorption {
         /// The colour that is not absorbed.
         color: Source,

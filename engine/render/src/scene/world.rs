@@ -13,7 +13,7 @@ use wide::f32x4;
 /// The light around the scene: one colour or an equirectangular image.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// Radiance, or what the image is multiplied by.
+    /// Radiance, or the factor of the image.
     pub color: Rgb,
     /// Equirectangular image, index into the scene's textures.
     pub texture: Option<u32>,
@@ -23,13 +23,13 @@ pub struct World {
     pub visible: Rays,
     /// The number of the world's light group; 0 is none.
     pub light_group: u16,
-    /// The most scatterings of a path that takes light samples of the world; what its rays find counts however often they were scattered.
+    /// The most scatterings of a path that takes light samples of the world; hits of its rays count after any number of scatterings.
     pub max_bounces: u32,
-    /// True if objects throw shadows in light samples of the world.
+    /// True if objects cast shadows in light samples of the world.
     pub cast_shadow: bool,
     /// True if nodes look an image up; an image that is missing, and one colour, counts.
     pub has_image: bool,
-    /// The world as the camera sees it, where nodes compute it; the rest is then what surfaces see.
+    /// The world as the camera sees it, where nodes compute it; the rest is then the world as surfaces see it.
     pub graph: Option<Arc<Graph>>,
     /// Shader AOVs, where the world's nodes have AOV Output nodes that the view layer names.
     pub aovs: Option<Aovs>,

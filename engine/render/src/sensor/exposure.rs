@@ -1,4 +1,4 @@
-//! An exposure of a sensor: film speed, time, and what light a picture's value 1 stands for.
+//! An exposure of a sensor: film speed, time, and the light that a picture's value 1 stands for.
 
 use super::SensorError;
 use super::file::{SensorFile, within};
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 /// Saturation exposure of a digital camera, lux seconds times ISO: ISO 12232:2019, saturation-based speed.
 pub const SATURATION_LX_S: f64 = 78.0;
 
-/// An exposure as it is asked for. Of the ways to say what light is meant, one at most is given; else the picture's value 1 is where a
+/// The request of an exposure. Of the ways to give the amount of light, one at most is given; else the picture's value 1 is where a
 /// film of `picture_iso` saturates, as in pictures that Petzval exposes physically ([`crate::camera::exposure::PhysicalExposure`]).
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]

@@ -1,4 +1,4 @@
-//! Files of sensors: JSON with the sensitivities of the channels, and what makes electrons and numbers of photons.
+//! Files of sensors: JSON with the sensitivities of the channels, and the conversion of photons to electrons and digital numbers.
 
 use super::SensorError;
 use super::mosaic::Mosaic;

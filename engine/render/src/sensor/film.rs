@@ -1,4 +1,4 @@
-//! A sensor as the film of a spectral picture: what it sees of single wavelengths, where a lens parts them.
+//! A sensor as the film of a spectral picture: its response to single wavelengths, where a lens separates them.
 
 use super::exposure::SATURATION_LX_S;
 use super::file::SensorFile;
@@ -31,14 +31,14 @@ pub struct GreyNoise {
 const GREY: f64 = 0.18;
 
 impl FilmSensor {
-    /// The film of a sensor; `None`: it has no colours, and sees what the observer does.
+    /// The film of a sensor; `None`: it has no colours, and the response of the observer.
     pub fn new(response: Response) -> Option<Self> {
         let matrix = response.electrons_per_lx_s(response.sensor().pixel_pitch_um);
         let is_coloured = response.sensor().monochrome.is_empty() && matrix.determinant() != 0.0;
         is_coloured.then(|| Self { picture_from_channels: matrix.inverse(), response: Arc::new(response) })
     }
 
-    /// The noise of a grey of 18 %, where white is what saturates a film of a speed; none: the sensor's own.
+    /// The noise of a grey of 18 %, where white saturates a film of a speed; none: the sensor's own.
     pub fn grey_noise(&self, iso: Option<f64>) -> GreyNoise {
         let sensor = self.response.sensor();
         let iso = iso.unwrap_or(self.response.base_iso);

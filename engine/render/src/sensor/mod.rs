@@ -47,7 +47,7 @@ pub enum SensorError {
     File {
         /// The file, or the shipped sensor's name.
         file: String,
-        /// The value, and what it should be.
+        /// The value, and the expected one.
         what: String,
     },
     /// A setting of the exposure that is none.

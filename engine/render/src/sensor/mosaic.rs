@@ -8,7 +8,7 @@ const X_TRANS: [&str; 6] = ["GBGGRG", "RGRBGB", "GBGGRG", "GRGGBG", "BGBRGR", "G
 /// The most columns or rows of a pattern.
 const LARGEST: usize = 16;
 
-/// Which of a sensor's channels a photosite has.
+/// The channels of a sensor's photosites.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Mosaic {
     /// All three at each photosite: layers, three sensors behind a prism, or one sensor that is moved.

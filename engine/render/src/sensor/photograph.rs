@@ -37,7 +37,7 @@ impl RawFormat {
     }
 }
 
-/// Photographs an OpenEXR picture, scene-linear R, G and B, and writes what the sensor says.
+/// Photographs an OpenEXR picture, scene-linear R, G and B, and writes the sensor's raw file.
 ///
 /// # Errors
 /// The picture cannot be read, the exposure is none, or the file cannot be written; a file that was there is whole then.
@@ -59,7 +59,7 @@ pub fn photograph(
     Ok(exposed.summary)
 }
 
-/// Photographs a rendered picture, red, green, blue and alpha of each pixel, rows from below, and writes what the sensor says.
+/// Photographs a rendered picture, red, green, blue and alpha of each pixel, rows from below, and writes the sensor's raw file.
 ///
 /// # Errors
 /// The exposure is none, or the file cannot be written; a file that was there is whole then.

@@ -48,7 +48,7 @@ impl Stream {
         if mean < REJECTION_FROM { self.poisson_by_product(mean) } else { self.poisson_by_rejection(mean) }
     }
 
-    /// By the product of uniform numbers (Knuth, "The Art of Computer Programming", volume 2, 3.4.1 F).
+    /// A Poisson number by the product of uniform numbers (Knuth, "The Art of Computer Programming", volume 2, 3.4.1 F).
     fn poisson_by_product(&mut self, mean: f64) -> f64 {
         let limit = libm::exp(-mean);
         let (mut count, mut product) = (0.0, self.uniform());
@@ -59,8 +59,8 @@ impl Stream {
         count
     }
 
-    /// By transformed rejection with squeeze, PTRS (Hörmann 1993, "The transformed rejection method for generating Poisson random
-    /// variables").
+    /// A Poisson number by transformed rejection with squeeze, PTRS (Hörmann 1993, "The transformed rejection method for generating Poisson
+    /// random variables").
     fn poisson_by_rejection(&mut self, mean: f64) -> f64 {
         let root = mean.sqrt();
         let b = 0.931 + 2.53 * root;

@@ -61,7 +61,7 @@ pub struct SensorReport {
 /// Noise that shows: one in a hundred of the signal.
 const VISIBLE_NOISE: f64 = 0.01;
 
-/// What is known of a sensor at a film speed; none: its base speed.
+/// The properties of a sensor at a film speed; `None`: its base speed.
 ///
 /// # Errors
 /// [`SensorError::Exposure`](super::SensorError::Exposure) for a film speed that is none.

@@ -29,7 +29,7 @@ pub struct Response {
 }
 
 impl Response {
-    /// Finds what the sensor's file leaves open: quantum efficiency, or base speed.
+    /// Finds the numbers that the sensor's file leaves open: quantum efficiency, or base speed.
     pub fn new(sensor: SensorFile) -> Self {
         let mut made = Self { sensor, scale: 1.0, base_iso: 1.0, peak_quantum_efficiency: 1.0 };
         let peak = made.peak();

@@ -52,7 +52,8 @@ fn white_is_neutral() {
     }
 }
 
-/// An observer with the CIE's curves as sensitivities sees what the CIE's observer does: the matrix is that from XYZ, to a factor by row.
+/// An observer with the CIE's curves as sensitivities has the response of the CIE's observer: the matrix is that from XYZ, to a factor by
+/// row.
 #[test]
 fn the_observer_as_a_sensor_needs_no_matrix() {
     let column =

@@ -1,4 +1,4 @@
-//! Albedo of a rough boundary, by roughness and angle: tables that tell one layer what another leaves, and restore the
+//! Albedo of a rough boundary, by roughness and angle: tables for the light that one layer leaves to another, and to restore the
 //! energy that single scattering between facets loses.
 
 use super::fresnel;
@@ -8,7 +8,7 @@ use glam::Vec3A;
 
 /// Steps of roughness and of the cosine. Twice as many change the white furnace by less than 0.001.
 const STEPS: usize = 24;
-/// Points of the integral at each entry. What is lost below the horizon is a few percent of them: with a quarter
+/// Points of the integral at each entry. The points lost below the horizon are a few percent: with a quarter
 /// of these, a metal of roughness 0.4 comes out one percent too dark at each bounce.
 const POINTS: u32 = 1024;
 

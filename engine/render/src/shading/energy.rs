@@ -49,7 +49,7 @@ pub fn compute() -> impl Iterator<Item = AlbedoTable> {
     }))
 }
 
-/// The means of one of [`F82Tint::terms`] over what facets mirror.
+/// The means of one of [`F82Tint::terms`] over the light that facets mirror.
 fn metal_table(term: usize) -> AlbedoTable {
     AlbedoTable::reflecting(|cos| F82Tint::terms(cos)[term])
 }
@@ -98,7 +98,7 @@ impl Seen {
     }
 }
 
-/// The means of [`F82Tint::terms`] over what facets of that roughness mirror towards that cosine.
+/// The means of [`F82Tint::terms`] over the facets of that roughness that mirror towards that cosine.
 pub fn metal_terms(roughness: f32, cos: f32) -> [f32; 2] {
     let Tables { reflection, metal, .. } = &*TABLES;
     let single = reflection.at(roughness, cos).max(1e-3);
@@ -119,7 +119,7 @@ fn between(eta: f32, value: impl Fn(&Dielectric) -> f32) -> f32 {
     value(&dielectrics[step]) * (1.0 - part) + value(&dielectrics[step + 1]) * part
 }
 
-/// The step below an index, and how far it is to the next.
+/// The step below an index, and the part of the way to the next.
 fn place(eta: f32) -> (usize, f32) {
     let eta = if eta < 1.0 { 1.0 / eta.max(1e-5) } else { eta };
     // The fourth root of the reflectance: most indices lie near 1.
@@ -139,8 +139,8 @@ fn eta_of(step: usize) -> f32 {
 mod tests {
     use super::*;
 
-    /// The tables of the program are what their integrals say. Roundings of another processor put a point of the 1024 here and there on the
-    /// other side of a limit.
+    /// The tables of the program have the values of their integrals. Roundings of another processor put a point of the 1024 here and there
+    /// on the other side of a limit.
     #[test]
     fn tables_are_those_that_are_computed() {
         let stored = |of: &AlbedoTable, table: &AlbedoTable| {
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    /// Between steps the tables say what a table of that very index says.
+    /// Between steps the tables have the values of a table of that very index.
     #[test]
     fn any_index_is_as_its_own_table() {
         for eta in [1.2f32, 1.45, 2.1] {

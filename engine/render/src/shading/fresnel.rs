@@ -39,7 +39,7 @@ pub fn dielectric_rise(cos_i: f32, eta: f32) -> f32 {
 }
 
 /// Metal by the F82-tint model (Kutz, Hasan and Edmondson 2021, "Novel aspects of the Adobe Standard Material"):
-/// Schlick's curve from `f0`, dipping so that at about 82 degrees it is `tint` times what Schlick gives.
+/// Schlick's curve from `f0`, dipping so that at about 82 degrees it is `tint` times Schlick's value.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct F82Tint {
     f0: Rgb,

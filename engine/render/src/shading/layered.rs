@@ -1,5 +1,5 @@
 //! Principled with all its sockets, as lobes of a mixture: sheen over coat over metal, glass, and a dielectric over its
-//! diffuse base, each leaving to those below what it does not scatter, in the order and with the energy bookkeeping of
+//! diffuse base, each leaving to those below the light that it does not scatter, in the order and with the energy bookkeeping of
 //! Cycles.
 
 use super::Caustics;
@@ -17,7 +17,8 @@ use glam::Vec3A;
 const LEAST: f32 = 1e-5;
 
 impl Mixture {
-    /// Adds all of Principled about one normal, but for the coat, which has its own; what its alpha lets through is counted elsewhere.
+    /// Adds all of Principled about one normal, but for the coat, which has its own; light that its alpha lets through is counted
+    /// elsewhere.
     pub(super) fn add_principled(&mut self, weight: f32, p: &Principled<Rgb, f32>, normal: Vec3A) {
         let here = self.here;
         let mut left = Rgb::splat(weight * p.alpha.clamp(0.0, 1.0));

@@ -115,7 +115,7 @@ mod tests {
     use super::*;
     use crate::sampler::warp::sample_sphere;
 
-    /// The projected area of all facets is the surface's own, whatever the roughness; and what is visible from
+    /// The projected area of all facets is the surface's own, whatever the roughness; and the part that is visible from
     /// any direction is that direction's cosine.
     #[test]
     fn facet_areas_add_up() {

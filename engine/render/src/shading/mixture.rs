@@ -1,4 +1,4 @@
-//! The closures of a point of a surface together: one is chosen to go on by, in proportion to about what it scatters, and
+//! The closures of a point of a surface together: one is chosen to go on by, in proportion to about the light that it scatters, and
 //! all that could have chosen the same direction share the weight (the balance heuristic), as in Cycles.
 
 use super::albedo::give_back;
@@ -66,7 +66,7 @@ impl Mixture {
         Self { lobes: ArrayVec::new(), walks: false, is_blurred: false, here, strand: None }
     }
 
-    /// Begins a mixture without closures at a point; `wo` is the unit direction to where the path came from, stretched facets lie along
+    /// Begins a mixture without closures at a point; `wo` is the unit direction back along the path, stretched facets lie along
     /// `tangent`, and light `walks` through bodies or leaves them where it enters.
     pub fn begin(&mut self, point: &SurfacePoint, wo: Vec3A, tangent: Vec3A, walks: bool) {
         self.lobes.clear();
@@ -230,7 +230,7 @@ impl Mixture {
         })
     }
 
-    /// The lobe that the first of two uniform numbers chooses, and the numbers with what is left of the first.
+    /// The lobe that the first of two uniform numbers chooses, and the numbers with the rest of the first.
     fn chosen(&self, [u_lobe, u]: [f32; 2]) -> Option<(&Lobe, [f32; 2])> {
         let left = |lobe: &Lobe, below: f32| [((u_lobe - below) / lobe.chance).clamp(0.0, 1.0 - f32::EPSILON), u];
         let mut below = 0.0;
@@ -271,7 +271,7 @@ impl Mixture {
 }
 
 impl Here {
-    /// The tints of what is reflected and what is let through, as far as that is wanted.
+    /// The tints of reflection and transmission, black for a kind of caustic that is not wanted.
     pub(super) fn caustic(&self, [reflection, transmission]: [Rgb; 2]) -> [Rgb; 2] {
         let Caustics { reflective, refractive } = self.caustics;
         let of = |tint: Rgb, wanted: bool| if wanted { tint } else { Rgb::ZERO };

@@ -84,9 +84,9 @@ pub trait Scattering {
     /// [`Scattering::evaluate_some`] as if the triangle lay along its smooth normal: light on the side of that normal comes from above.
     fn evaluate_smooth(&self, wi: Vec3A, rays: Rays) -> (Rgb, f32);
 
-    /// A direction chosen roughly in proportion to what it scatters; `None` where the light ends here. The first number of `u` chooses the
-    /// lobe, and what is left of it a direction in the lobe, with the second: of two numbers of the sequence any part stays stratified,
-    /// of three it does not. `u_split` chooses between reflection and refraction.
+    /// A direction chosen roughly in proportion to the light that it scatters; `None` where the light ends here. The first number of `u`
+    /// chooses the lobe, and the rest of it a direction in the lobe, with the second: of two numbers of the sequence any part stays
+    /// stratified, of three it does not. `u_split` chooses between reflection and refraction.
     fn sample(&self, u_split: f32, u: [f32; 2]) -> Option<BsdfSample>;
 
     /// A way into the body, where the lobe that [`Scattering::sample`] would choose is one of light that comes out

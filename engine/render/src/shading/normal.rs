@@ -2,7 +2,7 @@
 
 use glam::Vec3A;
 
-/// A unit normal about which what comes from `wo` is mirrored to above the triangle: `normal` itself wherever that is
+/// A unit normal about which `wo` is mirrored to above the triangle: `normal` itself wherever that is
 /// so, else turned towards the triangle's own just as far as it must be. Without this the rims of coarse smooth surfaces
 /// mirror into themselves, and their light is lost.
 #[inline]
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
     use crate::sampler::warp::{sample_cosine_hemisphere, sample_sphere};
 
-    /// Whatever the normal, the mirrored ray leaves the triangle on the viewer's side, and a normal that does so stays.
+    /// With any normal, the mirrored ray leaves the triangle on the viewer's side, and a normal that does so stays.
     #[test]
     fn mirrors_send_light_upwards() {
         let (mut kept, mut bent) = (0, 0);

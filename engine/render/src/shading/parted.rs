@@ -22,7 +22,7 @@ impl LobeShares {
         Self { glossy, transmission, ..Self::default() }
     }
 
-    /// Adds what a lobe scatters. `rays`: the kinds that reach it; `is_above`: on the side of its normal.
+    /// Adds the light that a lobe scatters. `rays`: the kinds that reach it; `is_above`: on the side of its normal.
     pub(super) fn add(&mut self, value: Rgb, rays: Rays, is_above: bool) {
         let to = match (rays.any_of(Rays::DIFFUSE), rays.any_of(Rays::GLOSSY), rays.any_of(Rays::TRANSMISSION)) {
             (true, ..) => &mut self.diffuse,
@@ -50,7 +50,7 @@ pub struct Features {
     pub mirrored: Rgb,
     /// The mean of their normals.
     pub normal: Vec3A,
-    /// True if mirrors are most of the surface, by the probability of their choice: what is seen in them tells more.
+    /// True if mirrors are most of the surface, by the probability of their choice: the mirrored surface tells more.
     pub goes_on: bool,
 }
 

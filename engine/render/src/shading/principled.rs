@@ -97,7 +97,7 @@ struct FacetData {
 }
 
 impl Bsdf {
-    /// The BSDF at a point; `wo` is the unit direction to where the path came from. `values.weight` is not in it: [`Self::scale`].
+    /// The BSDF at a point; `wo` is the unit direction back along the path. `values.weight` is not in it: [`Self::scale`].
     #[inline]
     pub fn new(tables: &PrincipledTables, values: &PlainValues, point: &SurfacePoint, wo: Vec3A) -> Self {
         Self::with_caustics(tables, values, point, wo, Caustics::ALL)
@@ -138,7 +138,7 @@ impl Bsdf {
         bsdf
     }
 
-    /// Metal, glass and coat, and what they leave to the diffuse base.
+    /// Metal, glass and coat, and the light that they leave to the diffuse base.
     fn add_facets(
         &mut self,
         tables: &PrincipledTables,

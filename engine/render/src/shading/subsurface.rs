@@ -1,4 +1,4 @@
-//! Bodies that light goes into: how it enters, and what it hits there.
+//! Subsurface scattering: the entry of light into a body, and its free paths and scatterings there.
 
 use super::microfacet::{Ggx, refract};
 use crate::Rgb;
@@ -252,7 +252,7 @@ fn diffusion(albedo: Rgb, ior: f32) -> Rgb {
 mod tests {
     use super::*;
 
-    /// The brighter a body, the whiter what is in it; and black and white stay what they are.
+    /// The brighter a body, the whiter its medium; and black and white stay the same.
     #[test]
     fn single_albedos_rise_with_the_bodys() {
         type Fit = fn(f32, f32) -> f32;

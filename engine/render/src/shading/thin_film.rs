@@ -219,7 +219,7 @@ mod tests {
     use super::*;
     use crate::shading::fresnel;
 
-    /// A film of no thickness, or of the index of what is below, is not there; one of air neither.
+    /// A film of no thickness, or of the index of the medium below, is not there; one of air neither.
     #[test]
     fn some_films_change_nothing() {
         for cos in [0.1f32, 0.5, 1.0] {
@@ -239,7 +239,7 @@ mod tests {
     }
 
     /// The classic case: a quarter of a wave of magnesium fluoride on glass takes from the reflection of the green
-    /// what the product of the indices says, and more of it than of red and blue.
+    /// the value of the product of the indices, and more of it than of red and blue.
     #[test]
     fn a_quarter_of_a_wave_dims_the_reflection() {
         let (film, glass) = (1.38f32, 1.52f32);

@@ -7,7 +7,7 @@
 //!
 //! A pixel's light is taken to lie over about a pixel, by a weight W of the frequency whose copies around all multiples of the sampling
 //! rate sum to one and which is zero at all of these but 0. Frequencies above those of the picture fold as they must, no light is
-//! lost, tails are what they are, and where diffraction is finer than the pixels the picture stays as it is, exactly.
+//! lost, tails are not cut, and where diffraction is finer than the pixels the picture stays as it is, exactly.
 
 mod table;
 

@@ -24,7 +24,7 @@ use std::collections::HashMap;
 const CELL_PX: f64 = 24.0;
 const LEAST_CELLS: usize = 12;
 const MOST_CELLS: usize = 48;
-/// The same of ghosts that are simulated coarsely.
+/// The width of a cell, pixels, for ghosts that are simulated coarsely.
 const COARSE_PX: f64 = 48.0;
 const LEAST_COARSE_CELLS: usize = 8;
 /// Margin about the window at 550 nm, parts of its width, within which a ghost is traced coarsely at other wavelengths.
@@ -59,7 +59,7 @@ pub struct GhostReport {
     pub tolerance: f32,
 }
 
-/// The light of all ghosts of so many reflections, as it is added to the picture. What is left out stays below `tolerance`, in the
+/// The light of all ghosts of so many reflections, as it is added to the picture. The ghosts left out stay below `tolerance`, in the
 /// picture's units. `None` where `watch` stopped it.
 pub fn ghosts(
     lens: &StrayLens,
@@ -132,7 +132,7 @@ fn side(one: &Candidate) -> usize {
     (((one.bounds[1] - one.bounds[0]).max_element() / cell_px) as usize).clamp(least, MOST_CELLS)
 }
 
-/// Number of rays of a ghost, about: what its simulation costs.
+/// Number of rays of a ghost, about: the measure of its cost.
 fn work(one: &Candidate) -> f64 {
     bands(one) as f64 * (side(one) as f64).powi(2)
 }

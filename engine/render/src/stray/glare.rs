@@ -1,5 +1,5 @@
 //! Veiling glare: light that surfaces scatter because they are not quite smooth or not quite clean, and light that the barrel and the
-//! film throw back.
+//! film reflect back.
 //!
 //! The scattered light of each surface of the lens, to first order ([`petzval_optics::scatter`]):
 //!
@@ -7,9 +7,9 @@
 //!   Shack have it, (1 + (β / l)²)^(s / 2) of the sine β, with l = 0.01 at 550 nm and s = −1.5, as is usual of polished glass (Pfisterer,
 //!   "Approximated scatter models for stray light analysis", Optics and Photonics News 22 (10), 2011); l grows with the wavelength, as
 //!   gratings have it.
-//! - *Dust* by the cleanliness level of IEST-STD-CC1246: log₁₀ N = 0.926 (log₁₀² L − log₁₀² d) particles of d µm or more on 0.1 m². What a
-//!   particle covers is diffracted around it (an Airy pattern of its size), and as much light is caught by it, of which half is
-//!   thrown on evenly in all directions (van de Hulst, Light Scattering by Small Particles, 1957, chapter 8).
+//! - *Dust* by the cleanliness level of IEST-STD-CC1246: log₁₀ N = 0.926 (log₁₀² L − log₁₀² d) particles of d µm or more on 0.1 m². Light
+//!   on the area that a particle covers is diffracted around it (an Airy pattern of its size), and as much light is caught by it, of which half is
+//!   scattered evenly in all directions (van de Hulst, Light Scattering by Small Particles, 1957, chapter 8).
 //! - *Barrel and film*: the veiling glare index (ISO 9358, integral method), the part of the light in a world that is as bright
 //!   everywhere that comes from elsewhere, laid evenly over the picture, in the light that falls on the lens's front from inside
 //!   and outside of the picture. Reflections between surfaces of the glass are not in it: they are ghosts.
@@ -31,7 +31,7 @@ use std::time::Instant;
 const SHOULDER: f64 = 0.01;
 const SLOPE: f64 = -1.5;
 const AT_NM: f64 = 550.0;
-/// The part of the light that a particle catches which it throws on.
+/// The part of the light caught by a particle that it scatters.
 const THROWN_ON: f64 = 0.5;
 /// Sizes of particles to the double.
 const SIZES_PER_OCTAVE: u32 = 8;
@@ -136,7 +136,7 @@ impl Glare {
     }
 }
 
-/// The light of a world that is as bright all over as what falls on the front, in the picture's units and colours.
+/// The light of a world that is as bright all over as the light that falls on the front, in the picture's units and colours.
 fn veil(picture: &[Rgb], front_light: Option<f64>) -> Rgb {
     let finite = picture.iter().filter(|c| c.is_finite());
     let (count, sum) = finite.clone().fold((0.0, glam::DVec3::ZERO), |(n, sum), c| (n + 1.0, sum + c.as_dvec3()));

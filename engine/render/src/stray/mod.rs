@@ -1,8 +1,8 @@
-//! Light that strays: what reflections between surfaces, scattering and the wave nature of light add to a picture that rays alone have
+//! Stray light: the light that reflections between surfaces, scattering and the wave nature of light add to a picture that rays alone have
 //! made.
 //!
-//! Stray light is computed once, after the last sample, from the picture and the scene's sources, and kept apart from it: what is shown is
-//! the sum. Each part is a difference that may be weighed by itself.
+//! Stray light is computed once, after the last sample, from the picture and the scene's sources, and kept apart from it: the shown picture
+//! is the sum. Each part is a difference that may be weighed by itself.
 
 pub mod diffraction;
 pub mod ghosts;
@@ -19,7 +19,7 @@ use diffraction::Diffraction;
 use glare::Glare;
 use std::time::Instant;
 
-/// The outside of a long computation: who may stop it, and is told how far it is.
+/// The callbacks of a long computation: one stops it, the other takes its progress.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
     /// True once the computation is to end without a result.
@@ -63,7 +63,7 @@ pub struct Strays {
 }
 
 /// Number of reflections of a ghost's path at most. Paths of four are a hundred times as many as those of two, and each takes from its
-/// light twice what a surface reflects.
+/// light the reflectance of a surface twice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reflections {
     /// Two, as most visible ghosts have.
@@ -98,7 +98,7 @@ pub struct Ghosts {
     pub reflections: Reflections,
 }
 
-/// A part of the light that strays.
+/// A part of the stray light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrayPass {
     /// Ghosts: light reflected between surfaces of the lens.
@@ -160,7 +160,7 @@ impl StrayLight {
     }
 }
 
-/// A picture that is finished but for what strays, and how it came about.
+/// A picture without its stray light, with its scene and cameras.
 pub struct Straight<'a> {
     /// The prepared scene of the picture.
     pub stage: &'a PreparedScene,

@@ -6,7 +6,7 @@ use glam::Mat3;
 use petzval_fourier::{Complex, Direction, complex_f32, real_f32};
 use rayon::prelude::*;
 
-/// The transfer function of a kernel, less what it takes from the light that is not spread.
+/// The transfer function of a kernel, less the part that it takes from the light that is not spread.
 pub(super) struct Sampled {
     sides: [usize; 2],
     /// Values by column of the spectrum, then by row.
@@ -15,8 +15,8 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
-    /// `kernel` says what part of a pixel's light arrives so many pixels to the right and up, or to the left and down; `taken` is all that
-    /// it takes, also what arrives beyond the picture.
+    /// `kernel` gives the part of a pixel's light that arrives so many pixels to the right and up, or to the left and down; `taken` is all
+    /// that it takes, also the light that arrives beyond the picture.
     pub(super) fn new(size: [usize; 2], taken: Rgb, kernel: impl Fn(usize, usize) -> Rgb + Sync) -> Self {
         let sides = spread::padded(size);
         let [width, height] = sides;

@@ -1,4 +1,4 @@
-//! Sources of light that is bright enough to stray: those that the picture shows brightly (lamps, sky, surfaces that emit or reflect), and
+//! Sources bright enough for stray light: those that the picture shows brightly (lamps, sky, surfaces that emit or reflect), and
 //! those that it does not show, beside it or because Blender hides lamps from cameras.
 
 use super::Straight;
@@ -23,12 +23,12 @@ const MOST: usize = 64;
 const MOST_PIXELS: usize = 40_000;
 /// Pixels within this part of the picture's diagonal are one source.
 const TOGETHER: f32 = 0.006;
-/// Rays that tell what a place of the picture sees.
+/// Rays of a place of the picture that find its hits.
 const RAYS: u32 = 16;
 /// A source that is hidden from the camera is in the picture's own light for less than this part of its irradiance.
 const HIDDEN: f32 = 0.5;
 
-/// A source of light that strays.
+/// A source of stray light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
     /// The place of the source, lens space.
@@ -188,7 +188,7 @@ fn in_picture(straight: &Straight<'_>, lens: &StrayLens, least: f32) -> Vec<Sour
 struct BrightSpot {
     /// The brightest's place, pixels.
     first: Vec2,
-    /// Sums by luminance of where the others lie from there, and of these distances squared.
+    /// Sums by luminance of the offsets of the others from there, and of these distances squared.
     places: Vec2,
     squares: f32,
     /// Sums of luminance, and of light.
@@ -218,7 +218,7 @@ fn view(camera: &Camera, size: Vec2, pixel: Vec2) -> Option<PixelView> {
     (middle.1 > 0.0).then_some(PixelView { ray: middle.0, solid_angle_sr, white: middle.1 })
 }
 
-/// The mean of the rays that come to a place of the picture, and what a white world gives it.
+/// The mean of the rays that come to a place of the picture, and its exposure by a white world.
 fn mean_ray(camera: &Camera, size: Vec2, pixel: Vec2) -> Option<(Ray, f32)> {
     let points = Evenly::<3>::default();
     let (mut origin, mut direction, mut white, mut weight) = (Vec3A::ZERO, Vec3A::ZERO, 0.0, 0.0);

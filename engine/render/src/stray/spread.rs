@@ -1,8 +1,8 @@
 //! Light of every pixel spread over the picture, by a kernel that is given as a transfer function: a convolution by FFT.
 //!
 //! The result is the *change* of the picture, so that the bits of a pixel which gives and gets nothing stay as they are, and a compositor
-//! can weigh it. The transform has zeros beyond the picture, as wide and high as it: what is thrown out on one side does not come in on the
-//! other. What is beyond the picture's edge is not known; for each pixel it counts as what the pixel itself is, so that an even picture
+//! can weigh it. The transform has zeros beyond the picture, as wide and high as it: light that leaves on one side does not come in on the
+//! other. Light beyond the picture's edge is not known; for each pixel it counts as equal to the pixel itself, so that an even picture
 //! stays even up to its edges.
 //!
 //! Rows and columns are shared out among threads, each is summed in one order: the bits do not depend on how many there are.

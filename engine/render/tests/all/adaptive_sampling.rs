@@ -52,7 +52,7 @@ fn glow(r: f32, g: f32, b: f32) -> Material {
     Material::diffuse("glow", Rgb::ZERO, Rgb::new(r, g, b))
 }
 
-/// Triangles of one material: place, and how large.
+/// Triangles of one material: place and size.
 fn stage(groups: &[(Material, Vec<(DVec3, f64)>)], world: f32) -> Arc<PreparedScene> {
     let mut builder = SceneBuilder::new();
     let triangle = MeshDescription {
@@ -255,7 +255,8 @@ fn all_pipelines_are_true_in_the_mean() {
     }
 }
 
-/// The bits do not depend on the number of threads, also where light lands beyond what a block keeps, and in the pictures on the way.
+/// The bits do not depend on the number of threads, also where light lands beyond the pixels that a block keeps, and in the pictures on the
+/// way.
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
     let stage = bodies();

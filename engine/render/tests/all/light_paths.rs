@@ -212,7 +212,7 @@ fn light_alone_makes_the_same_picture_of_matte_things() {
     check("light alone", &compare(&a, &b));
 }
 
-/// A small square off the axis: where light paths put it, and how bright.
+/// A small square off the axis: its place and brightness by light paths.
 #[test]
 fn a_point_is_where_the_camera_sees_it() {
     let stage = scenes::small_square();
@@ -273,7 +273,7 @@ fn lamps_of_all_kinds() {
     agree("lamps", &scenes::many_lamps(), &description(FIGURE_3), 12, 5);
 }
 
-/// The near and the far part of a scene are left out in the same way; the parts left out still emit, and throw shadows.
+/// The near and the far part of a scene are left out in the same way; the parts left out still emit, and cast shadows.
 #[test]
 fn what_is_clipped() {
     let stage = scenes::box_under_a_lamp();

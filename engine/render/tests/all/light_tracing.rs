@@ -263,7 +263,7 @@ fn what_the_camera_does_not_see_is_not_traced() {
     agree("emission", &with[1], &without[1]);
 }
 
-/// Where a part of the picture is rendered, it has the light that it has in the whole.
+/// A render of a part of the picture has the light that this part has in the whole.
 #[test]
 fn a_part_of_the_picture_has_its_light() {
     let stage = lights(0.006);

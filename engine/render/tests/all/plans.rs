@@ -1,4 +1,4 @@
-//! Plans of effects: each effect's trigger from both sides, what users say, and that a picture is the same whatever was left out.
+//! Plans of effects: each effect's trigger from both sides, the users' wishes, and that a picture is the same whatever was left out.
 
 use crate::cameras::camera;
 use crate::scenes;
@@ -73,7 +73,7 @@ fn at_quality(quality: f64) -> PlanOptions {
     wishes
 }
 
-/// Lenses colour what they let through by more than pictures of some tens of pixels show of anything else.
+/// Lenses colour the light that they let through by more than pictures of some tens of pixels show of anything else.
 fn no_colour_at_quality(quality: f64) -> PlanOptions {
     let mut wishes = at_quality(quality);
     wishes.say(Effect::Transmission, EffectMode::Off);
@@ -334,7 +334,7 @@ fn a_pinhole_stands_for_a_lens_of_which_nothing_is_seen() {
     }
 }
 
-/// A pinhole shows width and height alike: what squeezes one of them, or a film that leans, needs its lens.
+/// A pinhole shows width and height alike: a lens that squeezes one of them, or a film that leans, needs its lens.
 #[test]
 fn no_pinhole_stands_for_a_lens_that_squeezes() {
     let small = |d: CameraDescription| Shot {

@@ -165,7 +165,7 @@ impl Local {
         self.hessian.map(|row| dot(row, v))
     }
 
-    /// The sum over the surface's numbers of what `change` says that a change by 1 does, for changes as large as they.
+    /// The sum over the surface's numbers of the effects of a change by 1, by `change`, for changes as large as they.
     pub(super) fn sum(&self, change: impl Fn(&Derivative) -> f64) -> f64 {
         self.numbers.iter().map(|number| (number.number * change(number)).abs()).sum()
     }

@@ -4,7 +4,7 @@ use super::big::{Big, PRECISION_BITS, Vector, dot, norm, plus_times};
 use super::inputs::{BigConic, Inputs, Surface};
 use super::trace::{Crossing, meet_conic};
 
-/// A step as a part of the size of what is looked at: shorter takes longer, longer may step over two crossings.
+/// A step as a part of the length that is searched: shorter takes longer, longer may step over two crossings.
 const LONGEST_STEP: f64 = 1.0 / 32.0;
 /// Each step that finds nothing may be this much longer than the one before.
 const GROWTH: f64 = 1.3;

@@ -23,8 +23,8 @@ pub struct Sensitivity {
 ///
 /// Not by tracing again: the surface is taken as a quadric about the hit, and the new crossing, normal, cosine and
 /// radicand are solved for with the change in place, which holds at tangents and at the critical angle, where
-/// derivatives are infinite. Tracing again gives the same to two digits, as long as changes are small against what
-/// terms beyond the square do to the surface. For a miss only `status_flips` says something, from the margins. 2 to 5 µs.
+/// derivatives are infinite. Tracing again gives the same to two digits, as long as changes are small against the
+/// terms of the surface beyond the square. For a miss only `status_flips` says something, from the margins. 2 to 5 µs.
 pub fn sensitivity(case: &Case, truth: &Truth, precision: Precision) -> Sensitivity {
     let last_place = match precision {
         Precision::F32 => f64::from(f32::EPSILON),

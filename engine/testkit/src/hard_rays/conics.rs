@@ -29,7 +29,7 @@ fn usual_conic(dice: &mut Dice) -> f64 {
     }
 }
 
-/// A conic of the size `radius_mm`, in either orientation, and a place within `part` of where it is steep.
+/// A conic of the size `radius_mm`, in either orientation, and a place within `part` of the radius where it is steep.
 fn usual_place(dice: &mut Dice, radius_mm: f64, part: f64) -> Place {
     let (c, k) = (dice.sign() / radius_mm, usual_conic(dice));
     let widest = reach(c, k).min(radius_mm) * part;

@@ -16,7 +16,7 @@ use crate::vector::{MappingKind, RotationKind};
 use crate::voronoi::{CellHash, Feature, Metric};
 use glam::{Affine3A, Mat3A, Vec2, Vec3Swizzles, Vec4};
 
-/// A number of a sort that operations meet: mostly small, at times 0, 1, large, or none.
+/// A number of a kind that operations get: mostly small, at times 0, 1, large, or none.
 fn number(seed: [u32; 2]) -> f32 {
     let unit = random_of_pair(seed) * 2.0 - 1.0;
     match (random_of_pair([seed[1], seed[0]]) * 40.0) as u32 {

@@ -47,7 +47,7 @@ fn a_model_is_found_again() {
     }
 }
 
-/// A camera without symmetry: each focal length, the principal point and what decentres are found.
+/// A camera without symmetry: each focal length, the principal point and the decentring coefficients are found.
 #[test]
 fn a_decentred_camera_is_found_again() {
     let mut parameters = vec![420.0, 423.0, 243.7, 156.2, -0.3, 0.15, 0.006, -0.005, 0.0];
@@ -59,7 +59,7 @@ fn a_decentred_camera_is_found_again() {
     assert_eq!(found.free, ["fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"]);
 }
 
-/// Directions of a fisheye of 140 degrees, to which a polynomial of the tangent is fitted: what is found does not fold in the picture.
+/// Directions of a fisheye of 140 degrees, to which a polynomial of the tangent is fitted: the fitted model does not fold in the picture.
 #[test]
 fn what_is_found_does_not_fold() {
     let camera =

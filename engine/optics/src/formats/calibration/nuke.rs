@@ -8,7 +8,7 @@ use crate::calibration::Model;
 use crate::formats::text::tokens;
 use crate::prescription::Place;
 
-/// What every node of 3DEqualizer's begins with.
+/// The prefix of all names of 3DEqualizer's nodes.
 const ANY: &str = "LD_3DE";
 const RADIAL: &str = "LD_3DE4_Radial_Standard_Degree_4";
 const ANAMORPHIC: &str = "LD_3DE4_Anamorphic_Standard_Degree_4";

@@ -8,7 +8,7 @@ use super::tree::Node;
 use super::{CalibratedCamera, made};
 use crate::calibration::Model;
 
-/// From the middle of the first pixel to its corner.
+/// The distance from the middle of the first pixel to its corner, pixels.
 pub(super) const HALF_PIXEL: f64 = 0.5;
 
 const MATRIX: &[&str] =
@@ -99,14 +99,14 @@ fn left_out(root: &Node) -> Vec<String> {
     unknown.take(20).map(|(key, node)| format!("line {}: {key:?} is left out", node.place.line)).collect()
 }
 
-/// What is said of cameras whose distortion does not stand in the file: nothing tells a pinhole from a file that is broken off there.
+/// The remark on a camera whose distortion does not stand in the file: nothing tells a pinhole from a file that is broken off there.
 fn without_distortion(node: &Node, root: &Node, suffix: &str, name: &str) -> Option<String> {
     let has = |node: &Node, suffix: &str| DISTORTION.iter().any(|key| node.get(&format!("{key}{suffix}")).is_some());
     let is_there = has(node, suffix) || has(node, "") || has(root, "");
     (!is_there).then(|| format!("camera '{name}' has no distortion coefficients: it is taken for a pinhole"))
 }
 
-/// A camera of the keys of `node` with a suffix; what is said of all cameras stands in `root`.
+/// A camera of the keys of `node` with a suffix; keys of all cameras stand in `root`.
 fn camera(node: &Node, root: &Node, suffix: &str, name: &str) -> Result<CalibratedCamera, Placed> {
     let any = |keys: &[&str]| {
         let own = keys.iter().find_map(|key| node.get(&format!("{key}{suffix}")));

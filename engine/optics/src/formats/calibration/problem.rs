@@ -18,7 +18,7 @@ pub enum CalibrationProblem {
     /// The file is no YAML or JSON.
     #[error("{0}; the file is broken off, or not YAML or JSON")]
     Syntax(String),
-    /// Nothing says which cameras there are.
+    /// The file has no camera.
     #[error(
         "there is no camera in it; known are OpenCV's and ROS's YAML and JSON, COLMAP's cameras.txt, Kalibr's camchain, Basalt's JSON, NVIDIA's rig and 3DEqualizer's nodes for Nuke"
     )]
@@ -28,7 +28,7 @@ pub enum CalibrationProblem {
     Missing {
         /// The camera, or the file.
         camera: String,
-        /// What is missing.
+        /// The missing part.
         what: &'static str,
     },
     /// A text stands where something else belongs.
@@ -36,15 +36,15 @@ pub enum CalibrationProblem {
     Malformed {
         /// The text that the file has there.
         found: String,
-        /// What was expected.
+        /// The expected content.
         expected: String,
     },
     /// A list has too few or too many numbers.
     #[error("{found} numbers where {expected} belong")]
     Count {
-        /// How many there are.
+        /// The count in the file.
         found: usize,
-        /// How many there should be.
+        /// The expected count.
         expected: String,
     },
     /// Something that the engine has no means for, without which the camera would be another.
@@ -55,7 +55,7 @@ pub enum CalibrationProblem {
     Calibration {
         /// The camera.
         camera: String,
-        /// What is wrong with it.
+        /// The fault of its numbers.
         problem: CalibrationError,
     },
     /// The camera that was asked for is not there.
@@ -63,20 +63,20 @@ pub enum CalibrationProblem {
     NoSuchCamera {
         /// The camera that was asked for.
         asked: String,
-        /// Those that there are.
+        /// The names of the cameras in the file.
         there: String,
     },
     /// There are several cameras, and none is named.
     #[error("there are {count} cameras; choose one of {there}")]
     Several {
-        /// How many there are.
+        /// The number of cameras.
         count: usize,
         /// Their names.
         there: String,
     },
 }
 
-/// A problem, and where it is: one line, `FILE:LINE:COLUMN: what is wrong; what to do`.
+/// A problem, and its place: one line, `FILE:LINE:COLUMN: fault; remedy`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationFileError {
     /// The file, as it was named.

@@ -7,7 +7,7 @@ use saphyr_parser::{Event, Marker, Parser};
 /// Deeper files are no calibrations.
 const DEEPEST: usize = 64;
 
-/// A value, and where it begins.
+/// A value, and its beginning in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub(super) place: Place,
@@ -115,7 +115,7 @@ impl Node {
         }
     }
 
-    /// What stands here, for a message.
+    /// The node's content, for a message.
     pub(super) fn shown(&self) -> &str {
         match &self.value {
             Value::Scalar(text) => text,
@@ -135,7 +135,7 @@ impl Node {
         if is_count { Ok(value as u32) } else { Err(malformed(self.place, self.shown(), "a number of pixels")) }
     }
 
-    /// The numbers of a list, of a list of lists row by row, of a text, or of what OpenCV and ROS write for a matrix.
+    /// The numbers of a list, of a list of lists row by row, of a text, or of the mapping that OpenCV and ROS write for a matrix.
     pub(super) fn numbers(&self) -> Result<Vec<f64>, Placed> {
         match &self.value {
             Value::Map(_) => match self.get("data") {
@@ -172,7 +172,7 @@ impl Node {
         }
     }
 
-    /// So many numbers.
+    /// The numbers of the node; an error if their count is none of `counts`.
     pub(super) fn counted(&self, counts: &[usize]) -> Result<Vec<f64>, Placed> {
         let all = self.numbers()?;
         if counts.contains(&all.len()) {

@@ -24,12 +24,12 @@ pub enum CalibrationWriteError {
     Several {
         /// The format by name.
         format: &'static str,
-        /// How many there are.
+        /// The number of cameras.
         count: usize,
         /// Their names.
         there: String,
     },
-    /// Nothing writes this format.
+    /// The format is only read.
     #[error("{0} is only read; write OpenCV's YAML or JSON, ROS's YAML or COLMAP's cameras.txt")]
     ReadOnly(&'static str),
 }
@@ -77,7 +77,7 @@ fn no_model(camera: &CalibratedCamera, format: Format) -> CalibrationWriteError 
     CalibrationWriteError::Model { camera: camera.name.clone(), format: format.name(), model }
 }
 
-/// What OpenCV and ROS keep of a camera.
+/// The parameters of a camera as OpenCV and ROS keep them.
 struct Matrices {
     size: [u32; 2],
     matrix: [f64; 9],

@@ -1,4 +1,4 @@
-//! Lens files from prescriptions: what is written reads back as the same lens, to the last bit.
+//! Lens files from prescriptions: a written file reads back as the same lens, to the last bit.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use crate::surface::{Section, Shape};
 use super::super::columns::{COATING, Misalignment, NO_COATING_SAID, OBSTRUCTION, POSE, RADIUS_X};
 use super::super::header::{OF_THE_LENS, glass_lines};
 
-/// The text of a lens file, and what of the lens cannot stand in one.
+/// The text of a lens file, and the parts of the lens that cannot stand in one.
 pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>) {
     let mut text = String::new();
     let mut lost = Vec::new();

@@ -1,4 +1,4 @@
-//! `.zmx` files from prescriptions. What reads them here gets the same lens back, to the last bit; OpticStudio gets surfaces,
+//! `.zmx` files from prescriptions. The reader of this crate gets the same lens back, to the last bit; OpticStudio gets surfaces,
 //! glasses, apertures, fields and wavelengths.
 
 use std::fmt::Write;
@@ -22,7 +22,7 @@ const CATALOGUES: [(&str, &str); 8] = [
     ("other", "MISC"),
 ];
 
-/// The text of a file, and what of the lens cannot stand in one.
+/// The text of a file, and the parts of the lens that cannot stand in one.
 pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>) {
     let mut text = String::new();
     let mut lost = Vec::new();
@@ -72,7 +72,7 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
     (text, lost)
 }
 
-/// The gaps in each position by zoom and focus, as configurations. What else moves stands in the notes only.
+/// The gaps in each position by zoom and focus, as configurations. Other moving parts stand in the notes only.
 fn configurations(text: &mut String, moving: &MovingParts, lost: &mut Vec<String>) {
     let positions = moving.positions();
     if positions.len() < 2 {
@@ -169,7 +169,7 @@ struct Glass {
     words: Option<String>,
     /// The catalogue that must be listed.
     listed: Option<&'static str>,
-    /// The name that stands in the file and what it means here, where the name alone would be several glasses.
+    /// The name that stands in the file and its meaning here, where the name alone would be several glasses.
     alias: Option<(String, String)>,
 }
 

@@ -78,7 +78,7 @@ fn ray(dice: &mut Dice, semi: f64, towards: f64, vertex: f64) -> Ray {
     Ray { origin, direction: direction.unwrap_or(DVec3::Z) }
 }
 
-/// Traces `rays`; returns how many passed, or the first that is wrong.
+/// Traces `rays`; returns the number that passed, or the first that is wrong.
 fn trace<R: Traced>(tracer: &Tracer<R>, bundle: &mut Bundle<R>, rays: impl Fn(u64) -> Ray) -> Result<u64, String> {
     bundle.clear();
     (0..BUNDLE).for_each(|i| bundle.push(rays(i)));

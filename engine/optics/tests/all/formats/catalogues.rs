@@ -1,4 +1,4 @@
-//! Glass catalogues: every formula, catalogues beside a lens file, and what media are known for.
+//! Glass catalogues: every formula, catalogues beside a lens file, and the data of media.
 
 use petzval_optics::formats::{self, agf, lens, rii};
 use petzval_optics::glass::{Catalogue, Dispersion, Medium, line_nm};
@@ -139,7 +139,7 @@ fn catalogues_beside_the_file() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// A medium is asked for what is not known of it: named, once.
+/// A medium is asked for data that are not known: named, once.
 #[test]
 fn media_say_what_they_are_known_for() {
     let lens = parse("a.lens", "60 6 robb1983:BAF5 30 0 1\n-60 5 robb1983:BAF5 30 0 0\n60 50 1.5/60 30 0 0\n")

@@ -16,14 +16,14 @@ fn own(header: &str) -> Prescription {
     lens::parse(&text, "own.lens", Catalogue::shipped()).unwrap()
 }
 
-/// The same as CODE V has it; `first` and `second` are commands after the surfaces of the singlet, `end` before the film.
+/// The lens as a file of CODE V; `first` and `second` are commands after the surfaces of the singlet, `end` before the film.
 fn code_v(first: &str, second: &str, end: &str) -> String {
     format!(
         "RDM;LEN\nDIM M\nEPD 10;WL 587.6\nYAN 0\nSO 0 1e13\nS 0 5\nSTO\nS 50 4 NBK7_SCHOTT\nCIR 10\n{first}\nS -60 40\nCIR 10\n{second}\n{end}SI 0 0\nGO\n"
     )
 }
 
-/// The same as Zemax has it; `before` and `behind` are the parameters of coordinate breaks about the singlet.
+/// The lens as a file of Zemax; `before` and `behind` are the parameters of coordinate breaks about the singlet.
 fn zemax(before: &str, behind: &str) -> String {
     let parameters = |text: &str| -> String {
         text.split_whitespace().enumerate().map(|(i, value)| format!("  PARM {} {value}\n", i + 1)).collect()
@@ -39,7 +39,7 @@ fn zemax(before: &str, behind: &str) -> String {
     )
 }
 
-/// Where some rays leave the lens, and in which directions.
+/// Origin and direction of some rays behind the lens.
 fn rays(lens: &Prescription) -> Vec<[DVec3; 2]> {
     let tracer = system(lens).at_wavelength(587.5618);
     let rays = [(0.0, 0.0), (3.0, 0.0), (0.0, 4.0), (-2.0, -3.0)];

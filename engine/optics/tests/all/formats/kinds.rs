@@ -1,4 +1,4 @@
-//! Each kind of file: its numbers are where they belong, and what cannot be read is refused or noted by line.
+//! Each kind of file: its numbers are where they belong, and content that cannot be read is refused or noted by line.
 
 use std::path::Path;
 
@@ -29,7 +29,7 @@ fn zemax_files_in_every_encoding() {
     }
 }
 
-/// Thorlabs's asphere ASL5040-UV (numbers of its public file) is made for 405 nm: all rays meet where the file has the film.
+/// Thorlabs's asphere ASL5040-UV (numbers of its public file) is made for 405 nm: all rays converge where the file has the film.
 #[test]
 fn a_q_type_asphere_focuses_as_its_maker_says() {
     let coefficients = [-0.8148370167576, -0.32311, 0.10591, -0.05058, 0.00987, -0.0022];
@@ -240,8 +240,8 @@ fn tables_of_renderers() {
     }
 }
 
-/// A stop without a width, of a file that states no beam either, lets through what the other rims do: between two plates, of light from a point
-/// 100 mm before the first, whose rim has 10 mm, it is passed at 15 mm.
+/// A stop without a width, of a file that states no beam either, lets through all light that the other rims do: between two plates, of
+/// light from a point 100 mm before the first, whose rim has 10 mm, it is passed at 15 mm.
 #[test]
 fn a_stop_without_a_width_is_as_wide_as_the_other_rims_let_light_through() {
     let text = |object: &str, last_mm: f64| {

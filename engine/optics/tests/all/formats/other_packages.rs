@@ -21,7 +21,7 @@ fn vector(value: &Value) -> DVec3 {
 }
 
 /// Focal lengths and rays of rayoptics and optiland. Their catalogues print indices to six or seven digits, some of another
-/// edition: that is what is allowed.
+/// edition: that difference is allowed.
 #[test]
 fn other_packages_see_the_same_lens() {
     let figures = reference_json("foreign/figures.json");

@@ -36,11 +36,11 @@ impl By {
     }
 }
 
-/// Errors of vectors: in units in the last place of their length, and in those of what the data allow.
+/// Errors of vectors: in units in the last place of their length, and in those of the error that the data allow.
 #[derive(Clone, Debug, Default)]
 pub struct Errors {
     ulps: Vec<f32>,
-    /// The largest, over what a change of one input by one unit in its last place does to it (and no less than one
+    /// The largest, over the effect on it of a change of one input by one unit in its last place (and no less than one
     /// unit of its own).
     pub worst_over_data: f64,
 }

@@ -8,7 +8,7 @@ import importlib
 
 from ..job import Job
 
-#: Scheduler: what its files are.
+#: The kinds of files of each scheduler.
 ENGINES = {
     "shell": "a shell script that renders all parts, one by one or several at a time",
     "slurm": "an array job for sbatch, the merge after it",

@@ -1,4 +1,4 @@
-//! Strands against what they are by definition, in double precision; and that nothing passes between their pieces.
+//! Strands against their definition, in double precision; and that nothing passes between their pieces.
 
 use super::*;
 use crate::scene::curves::{Controls, CurveShape, CurvesDescription};
@@ -187,7 +187,7 @@ proptest! {
         is_round(seed, far)?;
     }
 
-    /// Straight thick strands are what a ball sweeps, ends and corners included.
+    /// Straight thick strands are the body that a ball sweeps, ends and corners included.
     #[test]
     fn straight_strands_are_swept_by_balls(seed in 0u32..60000, far in 3f32..30.0) {
         let keys = bent(seed, 4, 0.4);
@@ -258,7 +258,7 @@ proptest! {
         }
     }
 
-    /// Whatever comes, answers are numbers.
+    /// Any keys give answers that are numbers.
     #[test]
     fn anything_goes(
         values in prop::collection::vec(prop::array::uniform4(prop::num::f32::ANY), 2..7), seed in 0u32..60000,
@@ -322,7 +322,7 @@ fn a_straight_strand_is_a_cylinder() {
     }
 }
 
-/// Instances of one strand are what strands of their own would be, larger ones too.
+/// Instances of one strand are as strands of their own would be, larger ones too.
 #[test]
 fn instances_of_hair_are_hair() {
     let keys = bent(5, 5, 0.1);

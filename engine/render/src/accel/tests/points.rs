@@ -1,4 +1,4 @@
-//! Balls against what they are by definition, in double precision.
+//! Balls against their definition, in double precision.
 
 use super::*;
 use crate::scene::points::PointsDescription;
@@ -94,7 +94,7 @@ proptest! {
         }
     }
 
-    /// Balls far away, and rays that graze them: what is hit lies on the ball.
+    /// Balls far away, and rays that graze them: hits lie on the ball.
     #[test]
     fn far_balls_are_met_where_they_are(seed in 0u32..60000, far in 1f32..4.0) {
         let far = 10f32.powf(far);

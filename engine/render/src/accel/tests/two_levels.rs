@@ -68,7 +68,7 @@ fn add_points(builder: &mut SceneBuilder, dice: &mut Dice, deforms: bool) -> usi
     builder.add_points(PointsDescription { name: "points".into(), points, poses, ..Default::default() }).unwrap()
 }
 
-/// A random placement; a stretched one changes the form of what it places.
+/// A random placement; a stretched one changes the form of its mesh.
 fn placement(dice: &mut Dice, is_stretched: bool) -> DMat4 {
     let turn = DQuat::from_axis_angle(dice.vector().normalize(), 3.0 * dice.roll());
     let mirror = [1.0, -1.0][dice.pick(2)];

@@ -1,4 +1,4 @@
-//! The rays of a film point through all of the clear pupil, spread evenly: their mean is what the point looks along.
+//! The rays of a film point through all of the clear pupil, spread evenly: their mean is the direction in which the point looks.
 
 use glam::DVec3;
 use petzval_optics::pupil_map::PupilMap;

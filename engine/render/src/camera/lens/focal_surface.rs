@@ -1,9 +1,9 @@
 //! The surface of the scene that is sharp, as a map from the picture: where rays are aimed at that start in the scene.
 //!
-//! The surface serves to choose rays, so it need not be where the lens is sharpest; it must cover what the picture sees, no place twice,
-//! and its density must be known exactly. A film point is projected through the exit pupil onto an upright film; the chief rays say at what
-//! angle from the axis the lens sees a point there, by its distance from the axis; and in that direction the surface lies at the distance
-//! that is focused on: a plane, far off the axis a ball.
+//! The surface serves to choose rays, so it need not be where the lens is sharpest; it must cover the field of view, no place twice,
+//! and its density must be known exactly. A film point is projected through the exit pupil onto an upright film; the chief rays give the
+//! angle from the axis at which the lens sees a point there, by its distance from the axis; and in that direction the surface lies at the
+//! distance that is focused on: a plane, far off the axis a ball.
 
 use super::beam;
 use super::mount::Mount;
@@ -117,7 +117,7 @@ impl FocalSurface {
         }
     }
 
-    /// A film point on the upright film, and how much larger an area is there.
+    /// A film point on the upright film, and the magnification of areas there.
     fn flat(&self, film_point: DVec3) -> Option<(DVec2, f64)> {
         let squeezed = |p: DVec3| DVec2::new(p.x * self.squeeze, p.y);
         let Some(exit) = self.exit.filter(|exit| (exit.z - self.film_z).abs() > 1e-6) else {
@@ -172,7 +172,7 @@ impl FocalSurface {
 mod tests {
     use crate::camera::{Camera, CameraDescription, tests};
 
-    /// The element of the surface is what neighbouring points span, on upright and turned films.
+    /// The element of the surface is the area that neighbouring points span, on upright and turned films.
     #[test]
     fn elements_are_what_neighbours_span() {
         for (file, width_mm, tilt) in [

@@ -1,4 +1,4 @@
-//! The lens seen from the scene: where a light path aims at it, and what arrives at the film.
+//! The lens seen from the scene: the points that light paths aim at, and the light that arrives at the film.
 //!
 //! Rays are counted per unit of etendue in render space: Blender units squared times steradians at right angles to the
 //! ray. One sample of the camera and one light path belong to each pixel; their densities are those of a single one,

@@ -8,7 +8,7 @@ use petzval_optics::focus::{FilmFrame, FilmPlane, FilmPoint};
 use petzval_optics::system::System;
 use petzval_optics::trace::Ray as LensRay;
 
-/// A film behind a lens, and where both stand.
+/// A film behind a lens, and the places of both.
 pub(in crate::camera) struct Mount {
     pub(in crate::camera) info: LensInfo,
     pub(in crate::camera) film: FilmPlane,

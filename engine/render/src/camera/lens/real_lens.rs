@@ -1,7 +1,7 @@
 //! The real lens: from a point of the film, every ray is traced exactly through every surface.
 //!
 //! Radiance is conserved along a ray, so a film point's exposure is the integral of radiance over the clear pupil
-//! with the weight cos(film) cos(pupil) / distance^2; it is divided by what the middle of the film gets from a
+//! with the weight cos(film) cos(pupil) / distance^2; it is divided by the exposure of the middle of the film by a
 //! uniform world of radiance one.
 
 pub(in crate::camera) mod arrive;
@@ -74,7 +74,7 @@ pub(in crate::camera) struct FilmLine {
     pub(in crate::camera) tracer: Tracer,
     /// The picture's value for the irradiance that radiance one makes: by default one over that of the film's middle.
     pub(in crate::camera) gain: f64,
-    /// The index of the medium before the film, squared: what etendue is counted in.
+    /// The index of the medium before the film, squared: a factor of etendue.
     pub(in crate::camera) index_squared: f64,
 }
 
@@ -172,7 +172,7 @@ impl RealLens {
         &self.precision
     }
 
-    /// The largest error of what the lens is taken to let through along a ray, stops; `None` where nothing is lost.
+    /// The largest error of the approximated transmittance along a ray, stops; `None` where nothing is lost.
     pub fn transmission_error_stops(&self) -> Option<f64> {
         self.transmission.as_ref().map(Transmission::error_stops)
     }

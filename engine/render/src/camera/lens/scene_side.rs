@@ -7,7 +7,7 @@ use crate::sampler::raster::Raster;
 use glam::Vec2;
 use petzval_optics::trace::Ray as LensRay;
 
-/// Part of the samples that is spread over more than the picture, for light that the lens throws into it from beyond.
+/// Part of the samples that is spread over more than the picture, for light that the lens brings into it from beyond.
 const DEFENSIVE_SHARE: f32 = 0.05;
 /// The margin of that area about the picture, as a part of each side.
 const BEYOND: f32 = 0.15;
@@ -23,7 +23,7 @@ impl RealLens {
         self.focal_surface();
     }
 
-    /// A ray for a pixel that is chosen in the scene, with what all wavelengths of a set make of it; `None` where it is lost
+    /// A ray for a pixel that is chosen in the scene, with the contributions of all wavelengths of a set; `None` where it is lost
     /// at all of them.
     pub fn lead_from_scene(&self, request: &Request, raster: &Raster) -> Option<HeroSample> {
         let place =

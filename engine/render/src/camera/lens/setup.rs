@@ -1,4 +1,4 @@
-//! A lens set, focused and put before its film: what a panel says of it, and what a camera is made of.
+//! A lens set, focused and put before its film: the facts for a panel, and the parts of a camera.
 
 use crate::camera::{CameraDescription, CameraError, t_number};
 use glam::DVec3;
@@ -59,8 +59,8 @@ pub struct LensInfo {
     pub fov_vertical_rad: Option<f64>,
     /// Whole diagonal angle that the picture sees, by exact rays; `None` where they are lost.
     pub fov_diagonal_rad: Option<f64>,
-    /// The largest angle between the axis and what a corner of the picture sees, with the film shifted and turned as it is; `None` where a
-    /// corner sees nothing.
+    /// The largest angle between the axis and the direction in which a corner of the picture looks, with the film shifted and turned as it
+    /// is; `None` where a corner sees nothing.
     pub widest_angle_rad: Option<f64>,
     /// Width of the part of the film that the picture takes, mm.
     pub picture_width_mm: f64,
@@ -208,8 +208,8 @@ fn check_retina(
 }
 
 impl Setup {
-    /// The angle between what two film points see at the camera's wavelength, as [`LensInfo::fov_horizontal_rad`] but of the lens
-    /// without its rims and its stop: there is one, too, where all light is cut off.
+    /// The angle between the directions in which two film points look at the camera's wavelength, as [`LensInfo::fov_horizontal_rad`] but
+    /// of the lens without its rims and its stop: there is one, too, where all light is cut off.
     pub(in crate::camera) fn angle_without_rims(&self, d: &CameraDescription, a: [f64; 2], b: [f64; 2]) -> Option<f64> {
         let line = d.wavelength_nm.unwrap_or(D_LINE_NM);
         let exit_z_mm = Paraxial::new(&self.system, line).exit_pupil.z_mm;
@@ -218,7 +218,7 @@ impl Setup {
     }
 }
 
-/// The lens, and where the film's middle is to stand, lens space. Groups that focus move instead of the film, but where
+/// The lens, and the place of the film's middle, lens space. Groups that focus move instead of the film, but where
 /// its place was asked for.
 fn focused(d: &CameraDescription, prescription: &Prescription, line_nm: f64) -> Result<(System, f64), CameraError> {
     let system_error = |source| CameraError::System { lens: prescription.name.clone(), source };

@@ -3,8 +3,8 @@
 //!
 //! Light that passes depends smoothly on the ray: on where it crosses the plane at the last vertex and on its direction there, whatever
 //! the film's place, turn and curvature. A lens that is symmetric about its axis knows only three numbers of both. A polynomial
-//! of them over what the lens passes in its middle is fitted at some wavelengths, and stands straight between them; the middle itself is
-//! exact at each.
+//! of them over the transmittance of the lens in its middle is fitted at some wavelengths, and stands straight between them; the middle
+//! itself is exact at each.
 
 mod fit;
 

@@ -1,8 +1,8 @@
-//! A real lens of which something is taken out of the picture: its distortion, its aberrations, the blur of what is out of
+//! A real lens of which something is taken out of the picture: its distortion, its aberrations, the blur of points out of
 //! focus, or one of the two ways in which it parts colours.
 //!
-//! Something makes the rays: the lens itself, the middle of its pupil alone, or its Gaussian optics. What each place
-//! of the picture is to see is known from the lens: the direction of its chief ray, at the line of the focus or at each
+//! Something makes the rays: the lens itself, the middle of its pupil alone, or its Gaussian optics. The direction of each place
+//! of the picture is known from the lens: that of its chief ray, at the line of the focus or at each
 //! wavelength; without distortion that of Gaussian optics. Between the two stands a map, made once: at which place of its own
 //! picture the maker of the rays sees the same. So distortion can be had without blur, and blur without distortion.
 //!
@@ -50,7 +50,7 @@ pub struct Adapted {
     spectrum: FilmSpectrum,
     /// True if the maker has one wavelength for all of the film's.
     is_grey: bool,
-    /// True if everything is seen through the middle of the pupil.
+    /// True if all rays go through the middle of the pupil.
     is_sharp: bool,
     /// The part of the maker's picture that this one is, in width and height.
     part: f32,

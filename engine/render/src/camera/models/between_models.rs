@@ -1,4 +1,4 @@
-//! The models of one lens against each other: what parts them is of third order in aperture and field.
+//! The models of one lens against each other: their difference is of third order in aperture and field.
 
 use crate::camera::{Camera, CameraDescription, Model, lens_info};
 use glam::Vec2;
@@ -76,7 +76,7 @@ fn description(model: Model, file: &LensFile, focal_length_mm: f64, f_number: f6
     })
 }
 
-/// The largest angle between what two models see at the same place of the picture, rad. The rays of a film point are
+/// The largest angle between the directions of two models at the same place of the picture, rad. The rays of a film point are
 /// parallel in front of a lens of first order that is focused at infinity, so it does not matter which go together.
 fn apart(a: &Camera, b: &Camera) -> f32 {
     let mut largest = 0.0f32;

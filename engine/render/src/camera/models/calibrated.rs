@@ -152,8 +152,8 @@ impl Calibrated {
         Some((to_camera_space(seen.ok()?), Mat3::from_diagonal(channel * (3.0 * illumination))))
     }
 
-    /// The measures of what the lens does beside its rays, each the largest over the picture: vignetting in stops, lateral colour in pixels.
-    /// `None`: it was not measured.
+    /// The measures of the lens's effects beside its rays, each the largest over the picture: vignetting in stops, lateral colour in
+    /// pixels. `None`: it was not measured.
     pub fn beside_rays(&self) -> [Option<f64>; 2] {
         let Some(lens) = &self.lens else { return [None; 2] };
         let steps = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -197,7 +197,7 @@ impl Calibrated {
     }
 }
 
-/// From OpenCV's axes, which are right, down and ahead, to the camera's, or back.
+/// The map from OpenCV's axes, which are right, down and ahead, to the camera's, or back.
 fn to_camera_space(d: DVec3) -> DVec3 {
     DVec3::new(d.x, -d.y, -d.z)
 }
@@ -245,7 +245,8 @@ impl Opening {
 }
 
 impl CameraDescription {
-    /// Sentences on a calibrated camera: what of its picture shows nothing and why, and what of its lens was not measured.
+    /// Sentences on a calibrated camera: the part of its picture that shows nothing and why, and the effects of its lens that were not
+    /// measured.
     ///
     /// # Errors
     /// As [`calibration_of`].

@@ -2,8 +2,8 @@
 //! each (paraxial), so that colours have their own focus and size.
 //!
 //! The film is exposed through the opening of the diaphragm, sampled evenly: with slopes u before the film,
-//! cos(film) cos³ du² is the projected solid angle. As for a real lens, it is divided by what the middle of the film gets
-//! from a uniform world of radiance one through that opening.
+//! cos(film) cos³ du² is the projected solid angle. As for a real lens, it is divided by the exposure of the middle of the film
+//! by a uniform world of radiance one through that opening.
 
 use crate::camera::lens::mount::Mount;
 use crate::camera::lens::real_lens::{dark, film_spectrum};

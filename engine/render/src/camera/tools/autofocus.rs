@@ -1,4 +1,4 @@
-//! Focus found instead of set: on what a point of the picture sees, or on three points of the world at once.
+//! Focus found instead of set: on the hit of a point of the picture, or on three points of the world at once.
 
 use crate::accel::Ray;
 use crate::camera::lens::beam;
@@ -13,7 +13,7 @@ use petzval_optics::system::System;
 use petzval_optics::trace::{Ray as LensRay, Tracer};
 use serde::Serialize;
 
-/// Rays whose mean is what a picture point looks along.
+/// Rays whose mean is the direction in which a picture point looks.
 const RAYS: u32 = 256;
 /// Number of times that the subject is looked up again from the film that was found. Then it stays, lest it jump between two things at an
 /// edge.
@@ -47,7 +47,7 @@ pub struct SharpFilm {
     pub subject_world: Option<DVec3>,
 }
 
-/// Focuses on what the picture point `p` sees: `distance_to` says how far along a ray (render space) there is something,
+/// Focuses on the hit of the picture point `p`: `distance_to` says how far along a ray (render space) there is something,
 /// `None` if nothing is. The camera's own focus does not count; its tilt, swing, diaphragm and wavelengths do.
 ///
 /// # Errors
@@ -123,7 +123,7 @@ pub fn on_three_points(
 enum SubjectHit {
     /// A point, render space.
     Point(DVec3),
-    /// Nothing, in this direction of lens space.
+    /// No hit, in this direction of lens space.
     Sky(DVec3),
 }
 
@@ -236,8 +236,8 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// The focus at which the groups of the lens make what is seen sharpest on the film, where that stands: a secant over
-    /// the nearness, from infinity and from what is seen itself.
+    /// The focus at which the groups of the lens make the target sharpest on the film, where that stands: a secant over
+    /// the nearness, from infinity and from the target itself.
     fn by_groups(&self, seen: SubjectHit, [width, height]: [u32; 2]) -> Result<SharpFilm, CameraError> {
         let per_unit = self.d.scale_mm_per_unit.z;
         let at = |nearness_per_mm: f64| -> Result<(Finder<'a>, f64, f64), CameraError> {

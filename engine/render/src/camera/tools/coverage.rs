@@ -32,7 +32,7 @@ pub struct Coverage {
     pub dark_part: f64,
     /// Diameter of the circle on an upright film that the lens lights, mm; no more than the picture's diagonal.
     pub lit_diameter_mm: f64,
-    /// What is dark, why, and what helps; `None` if the lens lights the picture.
+    /// The dark part of the picture, its cause, and the remedy; `None` if the lens lights the picture.
     pub complaint: Option<String>,
 }
 
@@ -152,7 +152,7 @@ fn lit_within_mm(tracer: &Tracer, system: &System, film: &FilmPlane, half_mm: [f
     farthest.map_or(0.0, |i| 2.0 * places[i][0].hypot(places[i][1]))
 }
 
-/// Whether any of some rays arrives at each of these places of the film.
+/// For each of these places of the film, true if any of some rays arrives there.
 fn lit(tracer: &Tracer, map: &PupilMap, film: &FilmPlane, places: &[[f64; 2]]) -> Vec<bool> {
     let points = Evenly::<2>::default();
     let mut bundle = tracer.bundle(Travel::FromFilm);

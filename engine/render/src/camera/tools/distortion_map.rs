@@ -1,4 +1,4 @@
-//! The lens's picture over that of a pinhole which frames the same, point by point: what a compositor needs to take the lens's
+//! The lens's picture over that of a pinhole which frames the same, point by point, for a compositor to take the lens's
 //! distortion out of a picture, or to put it in.
 //!
 //! A picture point of the lens stands for the mean of the rays from its film point through all of the clear pupil, at one
@@ -39,8 +39,8 @@ pub enum Direction {
     Undistort,
 }
 
-/// The map, over the lens's picture, from each point to the point at which the pinhole shows what the lens shows there. Picture points as
-/// everywhere: from the middle, -1/2 to 1/2.
+/// The map, over the lens's picture, from each point to the point at which the pinhole shows the direction that the lens shows there.
+/// Picture points as everywhere: from the middle, -1/2 to 1/2.
 pub struct DistortionMap {
     mount: Mount,
     pinhole: Pinhole,
@@ -99,7 +99,8 @@ impl DistortionMap {
         DVec2::new(at(column, self.cells[0]), at(row, self.cells[1]))
     }
 
-    /// The place in the pinhole's picture of what the lens shows at a picture point, by rays; `None` where no light comes, or from behind.
+    /// The place in the pinhole's picture of the direction that the lens shows at a picture point, by rays; `None` where no light comes, or
+    /// from behind.
     pub fn look(&self, place: DVec2) -> Option<DVec2> {
         let film = &self.mount.film;
         let (u, v) = (-place.x * self.mount.info.picture_width_mm, -place.y * self.mount.info.picture_height_mm);
@@ -120,8 +121,8 @@ impl DistortionMap {
         self.pinhole.place(seen).filter(|p| p.is_finite())
     }
 
-    /// The place in the pinhole's picture of what the lens shows at a picture point, by cubics between the rays of the nodes; where some of
-    /// these are lost, by [`Self::look`]. `None` where no light comes, or from behind.
+    /// The place in the pinhole's picture of the direction that the lens shows at a picture point, by cubics between the rays of the nodes;
+    /// where some of these are lost, by [`Self::look`]. `None` where no light comes, or from behind.
     pub fn at(&self, place: DVec2) -> Option<DVec2> {
         let within = |p: f64, cells: usize| {
             let at = (p + 0.5) * cells as f64 + BEYOND as f64;
@@ -146,8 +147,8 @@ impl DistortionMap {
         Some(sum)
     }
 
-    /// The place in the lens's picture of what the pinhole shows at a picture point; `None` where the lens does not show it, or far outside
-    /// of its picture.
+    /// The place in the lens's picture of the direction that the pinhole shows at a picture point; `None` where the lens does not show it,
+    /// or far outside of its picture.
     pub fn back(&self, wanted: DVec2) -> Option<DVec2> {
         // From the middle outwards: the far side of a fold would be found else.
         let mut place = DVec2::ZERO;

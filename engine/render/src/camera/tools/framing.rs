@@ -1,4 +1,4 @@
-//! A lens set so that it frames what Blender's own camera frames: the angle between the chief rays of the picture's edges, along
+//! A lens set to the frame of Blender's own camera: the angle between the chief rays of the picture's edges, along
 //! its larger side, is the same.
 
 use crate::camera::lens::setup::Setup;
@@ -35,7 +35,7 @@ pub struct Framing {
     pub reaches_edges: bool,
 }
 
-/// Steps by which a bracket is widened, and how far.
+/// The factor by which a step widens a bracket, and the limit of widening.
 const WIDER: f64 = 1.25;
 const FARTHEST: f64 = 1e3;
 /// Steps by which the bracket is narrowed, at most: halvings to rounding.
@@ -46,11 +46,10 @@ const ROUNDING_RAD: f64 = 1e-11;
 const SAME: f64 = 1e-6;
 
 impl CameraDescription {
-    /// The settings with which this lens, focused as it is, frames what the pinhole of Blender's own focal length, sensor and shift
-    /// frames.
+    /// The settings with which this lens, focused as it is, has the frame of the pinhole of Blender's own focal length, sensor and shift.
     ///
     /// # Errors
-    /// [`CameraError`]; it names what the lens can frame where that is not reachable.
+    /// [`CameraError`]; it names the frames that the lens can reach.
     pub fn framed_like_blender(&self, size: [u32; 2], by: Framed) -> Result<Framing, CameraError> {
         if !self.model.is_of_lens() {
             return Err(self.error("it has no lens to set; choose a camera model that is made from a lens file"));

@@ -77,7 +77,7 @@ struct LensEye {
     entrance: Option<EntranceMap>,
 }
 
-/// The entrance pupil as something sees it: a fisheye's turns and comes to meet it.
+/// The entrance pupil as a point sees it: a fisheye's turns and moves towards the point.
 struct SeenPupil {
     middle: DVec3,
     /// Direction to the point that sees it.

@@ -22,7 +22,7 @@ const TEMPLATE: &str = include_str!("osl/lens_camera.osl");
 /// fewer lose rays.
 const RADII: usize = 25;
 const LEVELS: usize = 5;
-/// Part of a box's size added on each side, for what lies between the known ones.
+/// Part of a box's size added on each side, for points between the known ones.
 const MARGIN: f64 = 0.02;
 /// Distances of the exit pupil from the film, in that of the rear vertex, at which the boxes lie there.
 const PUPIL_PLANES: std::ops::Range<f64> = 0.2..1e3;
@@ -60,7 +60,7 @@ impl CameraDescription {
         script.written()
     }
 
-    /// Checks that the lens can be written; the error says what cannot.
+    /// Checks that the lens can be written; the error names the part that cannot.
     fn refuse(&self, setup: &Setup) -> Result<(), CameraError> {
         let system = &setup.system;
         for (i, s) in system.surfaces().iter().enumerate() {

@@ -123,7 +123,7 @@ impl PictureRays {
         self.system.is_rotationally_symmetric() && self.film.tilt_rad == 0.0 && self.film.swing_rad == 0.0
     }
 
-    /// The point of the picture where the axis of the lens meets the film, pixels.
+    /// The point of the picture where the axis of the lens intersects the film, pixels.
     pub fn axis_px(&self) -> DVec2 {
         let [u, v] = self.film.shift_mm.map(|shift| -shift);
         let parts = DVec2::new(0.5 - u / self.picture_mm[0], 0.5 + v / self.picture_mm[1]);

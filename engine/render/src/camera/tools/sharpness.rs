@@ -151,7 +151,7 @@ impl Look<'_> {
 }
 
 /// The distances along the mean ray at which the spread is least, and at which it begins and ends to be below the limit; a far end that is
-/// infinite is infinity, and what lies behind the camera is beyond infinity.
+/// infinite is infinity, and points behind the camera are beyond infinity.
 fn distances(spread: Parabola, limit: Parabola) -> [Option<f64>; 3] {
     let least = spread.least();
     let sharp = least.filter(|t| *t > 0.0);

@@ -1,5 +1,5 @@
-//! A lens before its film as light sees it that does not go the straight way: from the scene to lens space, from the film to
-//! pixels, and what it counts there.
+//! The lens and its film for stray light: from the scene to lens space, from the film to
+//! pixels, and the weight of the light there.
 
 use crate::camera::lens::mount::Mount;
 use crate::camera::lens::real_lens::{dark, film_spectrum};

@@ -1,10 +1,10 @@
 //! The effects of a lens in a picture, measured by exact rays: the pixels by which each moves light, the stops of light that each takes
 //! away.
 //!
-//! Fans of rays leave through the lens from places all over the picture. What one place sees of the scene, a ray of the fan sees somewhat
-//! aside: how far, in pixels of this picture, is found by how the same rays move over the scene when the place moves a little. By
+//! Fans of rays leave through the lens from places all over the picture. The point of the scene that one place sees, a ray of the fan sees
+//! somewhat aside: how far, in pixels of this picture, is found by how the same rays move over the scene when the place moves a little. By
 //! reciprocity a point of the scene is spread as far over the picture. Beside each exact fan goes that of Gaussian optics, which has
-//! defocus and nothing else: what is left between the two are the aberrations.
+//! defocus and nothing else: the difference of the two are the aberrations.
 
 use crate::Rgb;
 use crate::accel::Ray;
@@ -51,7 +51,7 @@ const BEYOND_FIELD: f64 = 1.25;
 /// The wavelength at which diffraction is measured, nm.
 const GREEN_NM: f64 = 550.0;
 
-/// The largest value over the picture, and where.
+/// The largest value over the picture, and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worst {
     /// The value, pixels or stops.
@@ -71,14 +71,14 @@ impl Worst {
 /// The effects of a lens in one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct LensMeasures {
-    /// Radius of the blur disc that Gaussian optics give what is farthest out of focus, px: the largest distance on the film
+    /// Radius of the blur disc that Gaussian optics give the point farthest out of focus, px: the largest distance on the film
     /// between a ray of a point and its chief ray.
     pub defocus: Worst,
-    /// The largest distance between where a ray lands and where Gaussian optics would have it land, both counted from their
+    /// The largest distance between a ray's hit on the film and that by Gaussian optics, both counted from their
     /// chief rays, px: spherical aberration, coma, astigmatism and field curvature together.
     pub aberration: Worst,
-    /// The largest distance between a point's image and where Gaussian optics (a flat picture without distortion) would have
-    /// it, px; infinite where these have no image.
+    /// The largest distance between a point's image and its place by Gaussian optics (a flat picture without distortion),
+    /// px; infinite where these have no image.
     pub distortion: Worst,
     /// The largest distance between the images of a point at two wavelengths, px.
     pub lateral_colour: Worst,
@@ -280,7 +280,7 @@ impl Survey {
     }
 }
 
-/// The fans of a lens, before it is known what is seen.
+/// The fans of a lens, before the scene is known.
 pub struct Fans<'a> {
     survey: &'a Survey,
     fans: Vec<Fan>,

@@ -1,4 +1,4 @@
-//! Paths that begin at the camera: what they hit, what they find by light samples, and what light paths bring to them.
+//! Paths that begin at the camera: their hits, their light samples, and the connections to light paths.
 
 use super::vertex::{Vertex, Walk, material, passed};
 use super::weights::{Partial, squared, weight};

@@ -1,4 +1,4 @@
-//! Paths that begin at the light, and what they send to the lens.
+//! Paths that begin at the light, and the light that they send to the lens.
 
 use super::vertex::{Vertex, Walk, passed};
 use super::weights::{Partial, squared, weight};

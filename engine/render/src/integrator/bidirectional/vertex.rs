@@ -29,9 +29,9 @@ pub(super) struct Vertex {
     kept: f32,
     /// BSDF, seen from the direction that the path came from.
     pub(super) bsdf: VertexSurface,
-    /// Unit direction to where the path came from.
+    /// Unit direction back along the path.
     pub(super) back: Vec3A,
-    /// On a path from the camera: weight of radiance that leaves towards it. From the light: the power that arrives.
+    /// The weight of radiance that leaves towards the camera, on a path from it; the power that arrives, on a path from the light.
     pub(super) carried: Rgb,
     pub(super) partial: Partial,
     /// The state in which a path from the camera comes to the vertex: on a path from the light, which cannot know it, after a diffuse
@@ -143,7 +143,7 @@ impl VertexSurface {
 }
 
 impl VertexSurface {
-    /// [`Scattering::evaluate`] of what rays of these kinds get.
+    /// [`Scattering::evaluate`] for rays of these kinds.
     pub(super) fn evaluate_kinds(&self, wi: Vec3A, kinds: Rays) -> (Rgb, f32) {
         if kinds.all_of(Rays::BOUNCE) { self.evaluate(wi) } else { self.evaluate_some(wi, kinds) }
     }
@@ -268,8 +268,8 @@ impl Walk<'_> {
         RayStretch { end: None, distance, through, kept: 1.0, u_light: [0.0; 3] }
     }
 
-    /// Transparency of a surface. A ray from a light is a shadow ray for what it passes, and a bounce of the camera's path for what it
-    /// comes to: where the surface tells these apart, chance decides which it is.
+    /// Transparency of a surface. A ray from a light is a shadow ray for surfaces that it passes, and a bounce of the camera's path for the
+    /// surface that it comes to: where the surface tells these apart, chance decides which it is.
     fn opening(&self, point: &SurfacePoint, view: &View) -> Transparency {
         let (scene, material) = (&self.stage.scene, material(self.stage, point));
         if !view.way.is_shadow() || !(material.asks_path || material.shades_fully) {

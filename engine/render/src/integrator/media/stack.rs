@@ -83,7 +83,7 @@ impl Stack {
         }
     }
 
-    /// The media that dim a shadow ray which starts here: it would never meet the borders of objects that are hidden from shadow rays.
+    /// The media that dim a shadow ray which starts here: it would never hit the borders of objects that are hidden from shadow rays.
     pub(crate) fn shadowing(&self, scene: &Scene) -> Self {
         let shades = |entry: &StackedMedium| {
             *entry == StackedMedium::WORLD || scene.instances[entry.instance as usize].visible.any_of(Rays::SHADOW)
@@ -125,7 +125,7 @@ impl Stack {
     }
 }
 
-/// The borders of media that a ray hits, nearest first, with how far they are.
+/// The borders of media that a ray hits, nearest first, with their distances.
 pub(crate) fn crossings(scene: &Scene, accel: &Accel, ray: &Ray, kind: Rays) -> Vec<(f32, SurfacePoint)> {
     let mut found: Vec<(f32, SurfacePoint)> = Vec::new();
     let mut note = |hit: &Hit| {

@@ -92,7 +92,7 @@ fn close(found: Rgb, expected: Rgb, tolerance: f32) {
     assert!((found - expected).abs().max_element() < tolerance, "{found}, not {expected}");
 }
 
-/// Beer and Lambert: what is left after a length of 2, by channel; half of it from the middle.
+/// Beer and Lambert: the transmittance of a length of 2, by channel; half of it from the middle.
 #[test]
 fn light_is_absorbed_by_the_length_of_its_way() {
     let rates = Rgb::new(0.8, 0.5, 0.1);

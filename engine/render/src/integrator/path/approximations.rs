@@ -10,8 +10,8 @@ pub struct Approximations {
     /// Filter Glossy of Cycles: surfaces are rougher where a path looks that was scattered with less than this density per
     /// steradian. 0 is off.
     pub filter_glossy: f32,
-    /// The growth of footprints after a diffuse scattering, in widths per length: what a bump is computed over is smoothed by it where a
-    /// path looks that was scattered. 0 leaves the pixel's own. Cycles from 5.2 on has Filter Glossy, at most 1.
+    /// The growth of footprints after a diffuse scattering, in widths per length: the footprint of a bump grows by it where a
+    /// scattered path looks. 0 leaves the pixel's own. Cycles from 5.2 on has Filter Glossy, at most 1.
     pub widening: f32,
     /// A replacement of indirect light, or an addition to it.
     pub fast_gi: FastGi,
@@ -24,7 +24,7 @@ pub enum FastGi {
     /// No approximation: indirect light is traced.
     #[default]
     Off,
-    /// The last rays of a path find what emits within `distance`, and where nothing is within it the world, times `factor`.
+    /// The last rays of a path find emitters within `distance`, and where nothing is within it the world, times `factor`.
     Replace {
         /// Number of the bounce with which a path ends; 0 is off. Bounces through a surface do not count, nor does the first that is
         /// glossy.
@@ -76,7 +76,7 @@ impl Approximations {
 mod tests {
     use super::*;
 
-    /// Nothing is rougher without the setting, nor what the camera sees.
+    /// Nothing is rougher without the setting, nor are surfaces that the camera sees.
     #[test]
     fn what_is_sharp_stays_so() {
         assert_eq!(Approximations::default().least_alpha(0.0), 0.0);

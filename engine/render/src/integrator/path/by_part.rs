@@ -1,9 +1,9 @@
-//! The shares of a path's light by lobe of the first surface, and the features of that surface: the values of [`super::parts`] (what counts
-//! as which lobe is `Lobe::rays`).
+//! The shares of a path's light by lobe of the first surface, and the features of that surface: the values of [`super::parts`] (which
+//! closures count as which lobe is `Lobe::rays`).
 //!
 //! Light that the camera sees itself is emission or environment. All other light is shared out by the first scattering: in a
-//! volume it is the volume's, at a surface each kind of lobe takes its share of what was scattered in that direction. It is
-//! direct if the first surface scattered it straight from an emitter. What was passed unbent before is no first surface.
+//! volume it is the volume's, at a surface each kind of lobe takes its share of the light that was scattered in that direction. It is
+//! direct if the first surface scattered it straight from an emitter. A surface that was passed unbent before is no first surface.
 
 use super::parts::{LightPass, LobeKind, Parts};
 use crate::Rgb;
@@ -22,9 +22,9 @@ enum First {
     Surface([Rgb; 2]),
     /// A volume, whose light has parts of its own.
     Volume,
-    /// Nothing that counts: the light is in no part.
+    /// No origin that counts: the light is in no part.
     Nowhere,
-    /// No light, but what ambient occlusion leaves.
+    /// No light, but the part that ambient occlusion leaves.
     Occlusion,
 }
 
@@ -214,7 +214,7 @@ impl ByPart {
         self.add_to(sums, LightPass::Evaluated, Rgb::ONE);
     }
 
-    /// A surface that scatters the path and what comes to it by `throughput`.
+    /// A surface that scatters the path, and the `throughput` up to it.
     pub(super) fn looks_at(
         &mut self,
         sums: &mut [Rgb],

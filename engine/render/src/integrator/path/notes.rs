@@ -34,7 +34,7 @@ pub trait AovSink {
     /// Light that counts for the picture and in no group or part.
     fn outside_of_passes(&self) -> Self::Of;
 
-    /// Length of the ambient occlusion ray that a path's surface sends, Blender units, and the origin of what it finds; `None`: it sends
+    /// Length of the ambient occlusion ray that a path's surface sends, Blender units, and the origin of its result; `None`: it sends
     /// none.
     fn occlusion(&self, way: PathState) -> Option<(f32, Self::Of)>;
 

@@ -1,5 +1,5 @@
 //! The parts of a path's light that are kept beside the whole, and features of the first surface: the passes of light and colour, as Cycles
-//! parts them (its manual, "Render Passes"). [`super::by_part`] says what goes where.
+//! parts them (its manual, "Render Passes"). [`super::by_part`] puts light into the parts.
 
 use crate::camera::unit_axes;
 use glam::{DMat4, Mat3A, Vec3A};
@@ -19,11 +19,11 @@ pub enum LightPass {
     Colour(LobeKind),
     /// 1 for every path: the divisor of colours.
     White,
-    /// For a denoiser: albedo of the first surface that is no mirror.
+    /// A denoiser's guide: albedo of the first surface that is no mirror.
     DenoisingAlbedo,
-    /// For a denoiser: normal of the first surface that is no mirror; right, up and away from the camera.
+    /// A denoiser's guide: normal of the first surface that is no mirror; right, up and away from the camera.
     DenoisingNormal,
-    /// For a denoiser: length of the way to the first surface that is no mirror, along the rays, Blender units; in all three numbers.
+    /// A denoiser's guide: path length to the first surface that is no mirror, Blender units; in all three numbers.
     DenoisingDepth,
     /// Output number so many of the shaders.
     Aov(u16),
@@ -35,9 +35,9 @@ pub enum LightPass {
     Catches,
     /// Texture coordinates and 1, of the first surface.
     Uv,
-    /// 1 less what mist leaves, three times.
+    /// Mist: 1 less its transmittance, three times.
     Mist,
-    /// 1 for every path that counts as data: what these are relative to.
+    /// 1 for every path that counts as data: the base of data.
     Ray,
     /// Ambient occlusion: the part of rays, spread by the cosine about the first surface's diffuse normal, that nothing near stops.
     Occlusion,
@@ -110,7 +110,7 @@ impl LightPass {
     }
 }
 
-/// Axes and place of the camera, render space, for what is counted from it.
+/// Axes and place of the camera, render space, for values that are counted from it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seen {
     to_camera: Mat3A,
@@ -141,7 +141,7 @@ impl Seen {
         self.to_camera * direction * Vec3A::new(1.0, 1.0, -1.0)
     }
 
-    /// 1 less what mist leaves of a place.
+    /// The transmittance of the mist from the camera to a place.
     pub fn clear(&self, position: Vec3A) -> f32 {
         let from = self.to_camera * (position - self.place);
         let distance = if self.is_flat { -from.z } else { from.length() };

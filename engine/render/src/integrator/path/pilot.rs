@@ -45,8 +45,8 @@ pub fn openness(stage: &PreparedScene, rays: &[Ray]) -> f32 {
 /// The best probability to go on is in proportion to the light of the rest of a path, over the noise that the pixel has anyhow, for its
 /// cost (Rath et al. 2022, "EARS", equation 8). Where the rest is as bright and as costly as a whole path, that is its throughput, over
 /// that of the first scattering, times sqrt(1 + 1 / v), where v is the relative variance of a path: the less noise a picture has, the less
-/// it may be added to. 1.4 times as much measured best over scenes by others: what is left out is what a whole path finds by its own light
-/// samples.
+/// it may be added to. 1.4 times as much measured best over scenes by others: the light left out is the light that a whole path finds by
+/// its own light samples.
 pub fn roulette(stage: &PreparedScene, limits: &Limits, rays: &[Ray]) -> f32 {
     let twice = rays.iter().enumerate().flat_map(|(i, ray)| {
         (0..2).map(move |index| {

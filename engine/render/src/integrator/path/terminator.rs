@@ -1,7 +1,7 @@
 //! The shadow terminator of coarse smooth meshes: shadow rays start a little above the faces.
 //!
 //! A smooth normal sees light that the flat triangles of the mesh hide. As in Cycles, a ray to a light that grazes starts on a
-//! curved surface over the triangle (Hanika 2021, "Hacking the shadow terminator", Ray Tracing Gems II), and what is lit at a
+//! curved surface over the triangle (Hanika 2021, "Hacking the shadow terminator", Ray Tracing Gems II), and a surface that is lit at a
 //! grazing angle may be dimmed.
 
 use crate::accel::{Ray, offset_origin};
@@ -74,7 +74,7 @@ impl Grazing {
         point.leaving(start + lift, d)
     }
 
-    /// A start just off the triangle, and the vector from there to where rays start.
+    /// A start just off the triangle, and the vector from there to the start of rays.
     fn start(self, scene: &Scene, point: &SurfacePoint) -> (Vec3A, Vec3A) {
         let start = offset_origin(point.position, point.geometric_normal * self.side, point.position_error);
         (start, height(scene, point, self.side) * self.amount)

@@ -174,7 +174,7 @@ fn alpha_lets_light_through() {
     assert!((found / expected - 1.0).abs() < 5e-4, "{found} {expected}");
 }
 
-/// Light that is seen or scattered once is clamped by one limit, what is scattered more often by the other.
+/// Light that is seen or scattered once is clamped by one limit, light that is scattered more often by the other.
 #[test]
 fn clamping_tells_direct_light_from_indirect() {
     let stage = stage(plain(0.5, 100.0), Rgb::ZERO, 1.0);

@@ -1,6 +1,6 @@
 //! Paths that advance together, step by step: all rays are traced, then all that hit a surface are looked at in the
 //! order of their materials, then all shadow rays are traced. Each step does one kind of work on memory that stays in
-//! the cache. What a path finds does not depend on which others go with it.
+//! the cache. The light of a path does not depend on which others go with it.
 
 mod found;
 mod place;
@@ -32,8 +32,8 @@ use place::{ScatterPlace, Shadow};
 use std::sync::Arc;
 use through::{MediumEvent, MediumState, ShadowMedia, is_only_volume};
 
-/// Memory for paths, used again and again. `VOLUMES`: what fills space counts; where there is nothing, none of it is in the
-/// code.
+/// Memory for paths, used again and again. `VOLUMES`: media fill space; without them none of their code is in the
+/// kernel.
 pub struct Wavefront<N: AovSink = NoAovs, const VOLUMES: bool = false> {
     paths: Vec<Path>,
     results: Vec<PathResult>,
@@ -191,7 +191,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         }
     }
 
-    /// The lights that send rays to the lens: what is started by [`Self::start_led`] is weighted against these.
+    /// The lights that send rays to the lens: paths of [`Self::start_led`] are weighted against these.
     #[must_use]
     pub fn beside(self, aimed: Option<Arc<AimedLights>>) -> Self {
         Self { aimed, ..self }
@@ -295,7 +295,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
         }
     }
 
-    /// Finds what the rays hit.
+    /// Finds the hits of the rays.
     fn trace(&mut self, stage: &PreparedScene) {
         self.hits.clear();
         for &i in &self.live {

@@ -1,4 +1,4 @@
-//! The plan; what comes of it in pictures is tested in `tests/all/adaptive_sampling.rs`.
+//! The plan; its effect on pictures is tested in `tests/all/adaptive_sampling.rs`.
 
 use super::*;
 

@@ -56,7 +56,7 @@ fn finish(job: &Job) -> Kept {
     statistics.kept.unwrap_or_default()
 }
 
-/// Everything that a render gives, and how many rays it took.
+/// Everything that a render gives, and its number of rays.
 fn bits(job: &Job) -> (Vec<Vec<f32>>, u64) {
     let data = [DataPass::Depth, DataPass::Position, DataPass::Normal, DataPass::Samples].map(|pass| job.data(pass));
     let pictures = [job.film().picture(), job.film().groups()[0].picture()].map(Vec::into_flattened);
@@ -111,7 +111,7 @@ fn a_render_broken_off_again_and_again_comes_to_the_same_bits() {
     }
 }
 
-/// Stopping keeps what is there; the next render begins with it, and says so.
+/// Stopping keeps the samples so far; the next render begins with it, and says so.
 #[test]
 fn a_stopped_render_is_kept() {
     let folder = Folder::new("stopped");
@@ -214,7 +214,7 @@ fn a_file_that_is_no_checkpoint_is_left_as_it_is() {
     kept_render(&folder, &settings(48, 2));
 }
 
-/// Two renders with one file: each removes only what it has written itself.
+/// Two renders with one file: each removes only the file that it has written itself.
 #[test]
 fn a_checkpoint_of_another_render_is_not_deleted() {
     let folder = Folder::new("shared");

@@ -1,4 +1,4 @@
-//! Shares of a picture, joined, are the whole to its bits; what is no share of it is refused and changes nothing.
+//! Shares of a picture, joined, are the whole to its bits; a file that is no share of it is refused and changes nothing.
 
 use super::super::share::Share;
 use super::super::tests::{camera, settings, stage};

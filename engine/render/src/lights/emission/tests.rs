@@ -72,7 +72,7 @@ fn with_world(image: bool) -> Lit {
     lit(builder)
 }
 
-/// Those of [`all_kinds`] that no ray can hit.
+/// The lights of [`all_kinds`] that no ray can hit.
 const POINT_LIKE: &[&str] = &["point", "spot", "sun"];
 
 fn all_kinds() -> Vec<(&'static str, Lit)> {
@@ -110,7 +110,7 @@ fn at_sphere(ray: &Ray, radius: f32) -> Option<(f32, Vec3A)> {
     (t > 0.0).then(|| (t, ray.origin + ray.direction * t))
 }
 
-/// Irradiance of a sphere about the lights, as a mean over its surface by light samples there, against what
+/// Irradiance of a sphere about the lights, as a mean over its surface by light samples there, against the light that
 /// light paths bring to it. Inside out for lights within, outside in for the sky.
 #[test]
 fn light_paths_bring_what_light_samples_find() {

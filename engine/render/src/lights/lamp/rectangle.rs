@@ -1,7 +1,7 @@
 //! A rectangle as it is seen from a place, sampled evenly by solid angle.
 //!
 //! Ureña, Fajardo and King 2013, "An area-preserving parametrization for spherical rectangles"; the letters are those of the paper.
-//! Evenly by area, points near the place would come too seldom: light of a large lamp, on what is near it, would be noisy.
+//! Evenly by area, points near the place would come too seldom: light of a large lamp, on surfaces near it, would be noisy.
 
 use glam::Vec3A;
 use std::f32::consts::TAU;
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
     use crate::sampler::PathSampler;
 
-    /// The solid angle by adding up the rectangle, and what comes of a function of the direction, by both ways.
+    /// The solid angle by adding up the rectangle, and the integral of a function of the direction, both ways.
     #[test]
     fn the_solid_angle_is_sampled_evenly() {
         for (center, size) in [

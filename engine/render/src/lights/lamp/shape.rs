@@ -1,4 +1,4 @@
-//! The shape of a lamp: the operations by which kinds of lamp differ, and what they share.
+//! The shape of a lamp: the operations by which kinds of lamp differ, and their shared code.
 
 use super::super::bounds::LightBounds;
 use super::super::sample::LightSample;
@@ -49,7 +49,7 @@ pub(super) trait LampShape {
     /// Light of the lamp at `from`, before the lamp's nodes.
     fn sample(&self, frame: &LampFrame, from: Vec3A, u: [f32; 2]) -> Option<LightSample>;
 
-    /// Radiance along a ray that hits the lamp before `t_max`, the density of [`Self::sample`], and how far it is.
+    /// Radiance along a ray that hits the lamp before `t_max`, the density of [`Self::sample`], and its distance.
     fn hit(&self, _frame: &LampFrame, _origin: Vec3A, _d: Vec3A, _t_max: f32) -> Option<(Rgb, f32, f32)> {
         None
     }
@@ -76,12 +76,12 @@ pub(super) trait LampShape {
 pub(in crate::lights) enum LampExtent {
     /// A ball of a radius, or a disk in its place.
     Ball {
-        /// Its radius.
+        /// The radius.
         radius: f32,
     },
     /// A flat lamp that shines to one side.
     Flat {
-        /// Its area.
+        /// The area.
         area: f32,
     },
 }
@@ -102,7 +102,7 @@ pub(super) struct LampFrame {
     pub(super) reaches: Rays,
     pub(super) sets: LightSets,
     pub(super) cast_shadow: bool,
-    /// As [`LampShape::strength`]. The factor of the lamp's nodes is not included.
+    /// The lamp's [`LampShape::strength`]. The factor of the lamp's nodes is not included.
     pub(super) strength: Rgb,
     /// Bound of the rounding error of a surface beside the lamp that stands in the lamp's plane, Blender units.
     pub(super) rounding: f32,

@@ -1,4 +1,4 @@
-//! Light samples of the world's image: their densities, and what MIS compensation changes.
+//! Light samples of the world's image: their densities, and the changes by MIS compensation.
 
 use super::super::Lights;
 use super::*;
@@ -80,7 +80,8 @@ fn compensation_takes_noise_away_and_keeps_the_light() {
     assert!(less < 0.8 * noise, "{noise} {less}");
 }
 
-/// No compensation where shadow rays pass what rays of closures do not: the weights of both show in the picture, and are those of the whole image.
+/// No compensation where shadow rays pass surfaces that rays of closures do not: the weights of both show in the picture, and are those of
+/// the whole image.
 #[test]
 fn panes_that_throw_no_shadow_leave_the_whole_image() {
     for (visible, is_compensated) in [

@@ -29,7 +29,7 @@ pub(super) fn along_map<V: Vector>(
     )
 }
 
-/// The place on an equirectangular map of a sphere about the origin: what Cycles takes for the UV of a mesh without maps.
+/// The place on an equirectangular map of a sphere about the origin: Cycles' UV of a mesh without maps.
 pub(super) fn around_the_origin(p: Vec3) -> Vec2 {
     let turn = if p.x == 0.0 && p.y == 0.0 { 0.0 } else { 0.5 - p.x.atan2(p.y) / TAU };
     Vec2::new(turn, 1.0 - p.normalize_or_zero().z.clamp(-1.0, 1.0).acos() / PI)

@@ -1,4 +1,4 @@
-//! Blur of what is out of focus.
+//! Blur of points out of focus.
 
 use super::LensEffect;
 use crate::camera::Model;

@@ -104,7 +104,7 @@ impl Effect {
         self.home().unit()
     }
 
-    /// True if the effect needs a lens that is traced: it is a matter of the rays that make the picture, not of what strays from them.
+    /// True if the effect needs a lens that is traced: it is a matter of the rays that make the picture, not of stray light.
     pub(super) fn is_of_rays(self) -> bool {
         self.home().is_of_rays()
     }

@@ -1,4 +1,4 @@
-//! Blur of what moves, and of a lens that changes, while the shutter is open.
+//! Blur of moving objects, and of a lens that changes, while the shutter is open.
 
 use super::LensEffect;
 use crate::plan::choice::CameraChoice;

@@ -56,7 +56,7 @@ fn a_radius_that_is_too_long_defocuses() {
     assert!((plus["compensation"].as_f64().unwrap() + 1.0).abs() < 1e-3, "{plus}");
 }
 
-/// What is drawn at random lies within the tolerances and is the same for the same seed.
+/// Random draws lie within the tolerances and are the same for the same seed.
 #[test]
 fn lenses_drawn_at_random_are_within_their_tolerances() {
     for distribution in [Distribution::Normal, Distribution::Uniform] {
@@ -84,7 +84,7 @@ fn lenses_drawn_at_random_are_within_their_tolerances() {
     assert!(rms.is_sorted() && rms[1] > first["nominal"]["rms_mm"].as_f64().unwrap(), "{rms:?}");
 }
 
-/// Where nothing may deviate every lens is the nominal one.
+/// Without deviations every lens is the nominal one.
 #[test]
 fn a_lens_without_tolerances_is_the_nominal_one() {
     let found = found(TRIPLET, &[0.0, 10.0], json!({ "compensator": "none" }));

@@ -169,8 +169,8 @@ impl Facets {
         self.look_from(wo);
     }
 
-    /// Albedos of reflection and transmission, seen from `wo`. The weight of those that give back what goes on from facet to facet holds
-    /// that, which here is in the table, too.
+    /// Albedos of reflection and transmission, seen from `wo`. The weight of those that restore the multiple scattering between facets
+    /// holds that, which here is in the table, too.
     pub(super) fn albedos(&self, wo: Vec3A) -> [Rgb; 2] {
         let (cos, roughness) = (wo.z, self.slopes.roughness());
         let (reflected, through) = match self.fresnel {

@@ -350,7 +350,7 @@ mod tests {
         assert!((0..64).all(|i| fibre.sample(numbers(i)[2], [numbers(i)[0], numbers(i)[1]]).1));
     }
 
-    /// The Hair shader's density is what its directions have.
+    /// The Hair shader's density is that of its directions.
     #[test]
     fn hair_goes_where_its_density_says() {
         for (through, wo, roughness) in [false, true]

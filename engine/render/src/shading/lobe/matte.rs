@@ -7,7 +7,7 @@ use crate::sampler::warp;
 use glam::Vec3A;
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
-/// Oren and Nayar's surface by Fujii's form ("A tiny improvement of Oren-Nayar reflectance model"), with what goes on
+/// Oren and Nayar's surface by Fujii's form ("A tiny improvement of Oren-Nayar reflectance model"), with the light that goes on
 /// between its grooves (OpenPBR 1.1, section 3.2).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OrenNayar {

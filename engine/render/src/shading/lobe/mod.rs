@@ -1,4 +1,4 @@
-//! One lobe of a mixture: where it looks, and what it scatters.
+//! One lobe of a mixture: its sampled directions, and the light that it scatters.
 
 mod facets;
 mod hair;
@@ -40,7 +40,7 @@ pub(super) struct LobeDirection {
     pub(super) wi: Vec3A,
     /// True if the direction is meant to go through the surface; a mirrored one that does is lost.
     pub(super) transmitted: bool,
-    /// For a mirror: the value in that direction, and the probability of that choice within the lobe.
+    /// The value of a mirror in that direction, and the probability of that choice within the lobe.
     pub(super) single: Option<(Rgb, f32)>,
 }
 
@@ -197,7 +197,7 @@ impl Lobe {
         }
     }
 
-    /// The kinds of ray of which a light must reach one to be scattered here. Velvet and what comes through evenly count
+    /// The kinds of ray of which a light must reach one to be scattered here. Velvet and even transmission count
     /// otherwise than their paths do.
     pub(super) fn rays(&self) -> Rays {
         match &self.kind {
@@ -319,7 +319,7 @@ impl Lobe {
         }
     }
 
-    /// A direction that the lobe samples; what is mirrored or refracted is chosen by `u_choice`.
+    /// A direction that the lobe samples; `u_choice` chooses between reflection and refraction.
     pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<LobeDirection> {
         let (wo, broad) = (self.wo, |wi| Some(LobeDirection { wi, transmitted: false, single: None }));
         match &self.kind {
@@ -361,9 +361,9 @@ impl Lobe {
     }
 }
 
-/// The part of light along `wi` that is left where a bump bends the smooth normal to `bent`: the shadows that facets of such slopes throw
+/// The part of light along `wi` that is left where a bump bends the smooth normal to `bent`: the shadows that facets of such slopes cast
 /// on each other, without which those of the bumps would end at a hard edge (Conty Estevez, Lecocq and Stein 2019, "A microfacet-based
-/// shadowing function to solve the bump terminator problem"). Without `dims` nothing but what comes from the other side is left out.
+/// shadowing function to solve the bump terminator problem"). Without `dims` only light from the other side is left out.
 fn terminator(smooth: Vec3A, bent: Vec3A, wi: Vec3A, dims: bool) -> f32 {
     let (across, cos) = (smooth.dot(bent), smooth.dot(wi));
     if cos * across * bent.dot(wi) <= 0.0 {

@@ -1,4 +1,4 @@
-//! Every closure: samples follow their density, energy is conserved, and what is symmetric is; and a Principled of the
+//! Every closure: samples follow their density, energy is conserved, and symmetric closures are so; and a Principled of the
 //! common kind is the same as a mixture and by its own shorter way.
 
 use super::*;
@@ -226,7 +226,7 @@ fn metals_know_their_albedo() {
     }
 }
 
-/// Nothing gives back more light than it gets; what is white and lets light go on between its facets gives back all.
+/// Nothing gives back more light than it gets; a white closure with multiple scattering between facets gives back all.
 #[test]
 fn no_closure_makes_light() {
     for case in cases() {

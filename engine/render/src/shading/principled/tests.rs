@@ -89,7 +89,7 @@ fn sampled_and_uniform_albedos_agree() {
     }
 }
 
-/// The density integrates to one over the sphere, less what is chosen below the horizon.
+/// The density integrates to one over the sphere, less the samples below the horizon.
 #[test]
 fn densities_do_not_exceed_one() {
     for (k, c) in CASES.iter().enumerate() {
@@ -143,7 +143,7 @@ fn uncoated(wo: Vec3A) -> Bsdf {
     Bsdf::new(&tables, &values, &point, wo)
 }
 
-/// A plain Lambert surface is that, and its samples are what it says of them.
+/// A plain Lambert surface is that, and its samples follow its density.
 #[test]
 fn without_coat_it_is_lambert() {
     let (n, wi) = (Vec3A::new(0.2, -0.1, 1.0).normalize(), Vec3A::new(0.6, 0.0, 0.8));

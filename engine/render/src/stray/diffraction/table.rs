@@ -10,7 +10,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Frequencies to the double; between them the table is linear.
 const PER_OCTAVE: f64 = 32.0;
-/// Shifts of the pupil are so many times as dense: wavelengths average over what is finer than the table.
+/// Shifts of the pupil are so many times as dense: wavelengths average over details finer than the table.
 const FINER: usize = 4;
 /// Directions over half a turn: so many for each pixel of the picture's larger side, at least and at most so many. Spikes are
 /// sharp as far out as the inverse of the step, in pixels.
@@ -49,7 +49,7 @@ impl Extent {
 }
 
 impl TransferTable {
-    /// Number of values of a table: what it costs.
+    /// Number of values of a table, the measure of its cost.
     pub(super) fn work(pixel_mm: [f64; 2], size: [usize; 2]) -> f64 {
         let Extent { directions, count, .. } = Extent::new(pixel_mm, size);
         directions as f64 * count as f64

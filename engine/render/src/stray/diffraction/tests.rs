@@ -14,7 +14,7 @@ fn one(polygon: Vec<glam::DVec2>) -> Outline {
     Outline { polygons: vec![polygon] }
 }
 
-/// Pixels an eighth of λ N wide see Airy's pattern, but for what a pixel blurs.
+/// Pixels an eighth of λ N wide see Airy's pattern, but for the blur by a pixel.
 #[test]
 fn fine_pixels_see_airys_pattern() {
     let (n, nm) = (16.0, 550.0);

@@ -33,13 +33,14 @@ pub(super) struct Candidate {
     pub(super) is_coarse: bool,
 }
 
-/// The ends of what is seen, and the middle.
+/// The ends of the visible range, and the middle.
 pub(super) const LINES_NM: [f64; 3] = [440.0, 550.0, 640.0];
 /// Bounds hold a ghost's light unevenly; the brightest parts of most ghosts are no more than so many times as bright. Those of different
 /// ghosts lie at different places: beyond their means, ghosts add up as squares do.
 const PEAK: f32 = 4.0;
-/// A ghost is simulated coarsely as long as what all such could add stays within so many tolerances: few colours and a coarse grid leave a
-/// twentieth of its light in the wrong place: on a street at night none of the picture's error came of it, up to 16 tolerances.
+/// A ghost is simulated coarsely as long as the light that all such could add stays within so many tolerances: few colours and a coarse
+/// grid leave a twentieth of its light in the wrong place: on a street at night none of the picture's error came of it, up to 16
+/// tolerances.
 const COARSE: f32 = 16.0;
 /// Number of cells along each side of the picture in which the light that is left out is summed.
 const CELLS: usize = 24;
@@ -82,7 +83,7 @@ pub(super) fn candidates(
     (!watch.is_stopped()).then(|| found.concat())
 }
 
-/// Measures how far the images of these ghosts lie apart by wavelength and by place of the source.
+/// Measures the separation of the images of these ghosts by wavelength and by place of the source.
 pub(super) fn measure_spread(
     lens: &StrayLens,
     paths: &[Vec<usize>],
@@ -176,8 +177,8 @@ impl Overlaps {
     }
 }
 
-/// The ghosts that are simulated, and the most that the others could add to a pixel: the weakest go as long as what all of them could add
-/// stays within the tolerance, wherever they lie over each other. Each stands for `count` ghosts.
+/// The ghosts that are simulated, and the most that the others could add to a pixel: the weakest go as long as the light that all of them
+/// could add stays within the tolerance, wherever they lie over each other. Each stands for `count` ghosts.
 pub(super) fn keep(mut found: Vec<Candidate>, count: f32, size_px: DVec2, tolerance: f32) -> (Vec<Candidate>, f32) {
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
     let (mut left_out, mut coarse) = (Overlaps::new(), Overlaps::new());

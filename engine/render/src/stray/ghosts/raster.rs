@@ -1,11 +1,11 @@
-//! Triangles of light on a picture: each spreads its light evenly over what it covers.
+//! Triangles of light on a picture: each spreads its light evenly over the pixels that it covers.
 
 use super::super::Picture;
 use crate::Rgb;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// A triangle in pixels from the picture's lower left corner, with its light: what it would be on one pixel.
+/// A triangle in pixels from the picture's lower left corner, with its light, as it would be on one pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangle {
     pub(super) corners: [Vec2; 3],

@@ -14,7 +14,7 @@ fn glare(scattering: Scattering) -> Glare {
     Glare::of_surfaces(&surfaces(), scattering, [0.1875; 2], SIZE)
 }
 
-/// The shapes hold what they say: all of Harvey's is one, an Airy pattern's is what its particle covers.
+/// The integrals of the shapes: Harvey's is one, an Airy pattern's is the area that its particle covers.
 #[test]
 fn shapes_hold_their_light() {
     for l in [0.003, 0.01, 0.02] {
@@ -48,7 +48,8 @@ fn dust_grows_with_its_level() {
     assert!(part(1000.0) < 1.0 && part(1e5) <= 1.0);
 }
 
-/// An even picture stays as it is; a point gives what it loses, and black gets the index's part of an even world with a small black hole.
+/// An even picture stays as it is; a point spreads the light that it loses, and black gets the index's part of an even world with a small
+/// black hole.
 #[test]
 fn light_is_kept_and_the_index_is_that_of_iso_9358() {
     let scattering = Scattering::default();

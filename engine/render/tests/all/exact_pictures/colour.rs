@@ -29,7 +29,7 @@ fn vector(value: &Value) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-/// A ray's slopes dx/dz and dy/dz, and where it crosses the plane z = 0.
+/// A ray's slopes dx/dz and dy/dz, and its point in the plane z = 0.
 fn slope_and_place(origin: DVec3, direction: DVec3) -> [DVec2; 2] {
     let slope = direction.truncate() / direction.z;
     [slope, origin.truncate() - slope * origin.z]
@@ -48,8 +48,8 @@ fn slope_at(pencil: &[[DVec2; 2]], place: DVec2) -> DVec2 {
     slope + both * places.inverse() * (place - middle)
 }
 
-/// The film point that a chief ray of the reference data hits sees along that ray, at F, d and C alike: what the lens
-/// does to colours is in the camera to a fiftieth of a pixel.
+/// The film point that a chief ray of the reference data hits sees along that ray, at F, d and C alike: the camera has the lens's
+/// colour errors to a fiftieth of a pixel.
 #[test]
 #[expect(clippy::too_many_lines, reason = "a picture, and all that is read from it")]
 fn image_heights_are_those_of_the_reference() {

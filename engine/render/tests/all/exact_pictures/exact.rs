@@ -3,7 +3,7 @@
 //! pipeline.
 //!
 //! Light is flux: a ray stands for its part of the lamp's area, times the cosine there, times its solid angle. A
-//! pixel's value is its flux over its area, over what the middle of the film gets from a world of radiance one.
+//! pixel's value is its flux over its area, over the exposure of the middle of the film by a world of radiance one.
 
 use super::studio::{D_LINE_NM, Lamp};
 use glam::{DVec2, DVec3};
@@ -49,7 +49,7 @@ struct Line {
 pub(crate) struct Truth {
     /// Colours, rows from below.
     pub(crate) pixels: Vec<[f64; 3]>,
-    /// Sums of the squares of what each ray added.
+    /// Sums of the squares of each ray's light.
     pub(crate) squares: Vec<[f64; 3]>,
     /// Rays that arrived, by pixel and channel.
     pub(crate) counts: Vec<[u32; 3]>,
@@ -126,7 +126,7 @@ impl Exact {
         Some((DVec2::splat(0.5) - at / self.picture_mm) * self.pixels_f64())
     }
 
-    /// The bounds of what gets through from a point in lens space.
+    /// The bounds of the rays that get through from a point in lens space.
     fn beam(&self, source: DVec3) -> Beam {
         let to_pupil = DVec3::new(0.0, 0.0, self.pupil_z_mm) - source;
         let (distance, towards) = (to_pupil.length(), to_pupil.normalize());

@@ -1,6 +1,6 @@
 //! A uniform world shows neither ripples, nor tiles, nor the grid of the pixels, wherever light is splatted.
 //!
-//! Pictures of many seeds are folded: what repeats with the tiles, or with a part of them, stands out of
+//! Pictures of many seeds are folded: errors that repeat with the tiles, or with a part of them, stands out of
 //! the noise. The fold's power is tested with a ripple laid over the picture.
 
 use super::studio::{lens, white_world};

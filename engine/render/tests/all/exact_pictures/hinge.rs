@@ -14,7 +14,7 @@ const PIXELS: [u32; 2] = [96, 64];
 
 /// The plane of sharp focus, camera space in Blender units: a point and a normal.
 ///
-/// The plane goes through the hinge, the line in which the object focal plane meets the plane parallel to the film
+/// The plane goes through the hinge, the line in which the object focal plane intersects the plane parallel to the film
 /// through the object principal point (Merklinger 1992), and through the point of the axis that is focused on.
 fn hinge_plane(exact: &Exact, d: &CameraDescription) -> [DVec3; 2] {
     let info = Paraxial::new(&exact.system, d.wavelength_nm.unwrap());
@@ -32,7 +32,7 @@ fn hinge_plane(exact: &Exact, d: &CameraDescription) -> [DVec3; 2] {
     [to_camera(axis), along.cross(axis - hinge).normalize()]
 }
 
-/// The root of the mean squared distance from the centroid, pixels, of what lies within `reach` of `middle`.
+/// The root of the mean squared distance from the centroid, pixels, of the light within `reach` of `middle`.
 fn spread(pixels: &[[[f64; 2]; 3]], middle: DVec2, reach: f64) -> f64 {
     let (mut light, mut at, mut squares) = (0.0, DVec2::ZERO, 0.0);
     for (i, pixel) in pixels.iter().enumerate() {

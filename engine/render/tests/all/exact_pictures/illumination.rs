@@ -46,7 +46,7 @@ impl Counter {
         }
     }
 
-    /// ∫ cos θ cos θ′ / d² over what of the rear vertex's plane lets light through, seen from a picture point.
+    /// ∫ cos θ cos θ′ / d² over the part of the rear vertex's plane that lets light through, seen from a picture point.
     fn exposure(&self, p: DVec2) -> f64 {
         let film = self.film.frame().at(-p.x * self.picture_mm.x, -p.y * self.picture_mm.y);
         let seen = |at: DVec2| {

@@ -12,7 +12,7 @@ use petzval_render::sampler::warp::Filter;
 const BLOCK: usize = 16;
 const PART: usize = 4;
 
-/// The paper's wide angle, a double Gauss wide open, a fisheye to the edge of what it sees, a mirror lens whose points
+/// The paper's wide angle, a double Gauss wide open, a fisheye to the edge of its field, a mirror lens whose points
 /// out of focus are rings, an eye with its retina, an anamorphic, and the wide angle before a film swung by 20 degrees.
 fn lenses() -> [(&'static str, CameraDescription); 7] {
     let lens = |name: &str, focal_length_mm: Option<f64>, film_mm: f64| {

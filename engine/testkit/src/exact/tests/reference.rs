@@ -43,7 +43,7 @@ fn case_of(entry: &Value) -> (Case, Inputs) {
     (case, inputs)
 }
 
-/// Below this the reference's 50 digits are noise about 0, in mm.
+/// The value below which the reference's 50 digits are noise about 0, mm.
 const REFERENCE_NOISE: f64 = 1e-40;
 
 /// Number of decimal digits in which two vectors agree.

@@ -1,4 +1,4 @@
-//! Shapes that coincide, and what holds for every ray that passes.
+//! Shapes that coincide, and the invariants of every ray that passes.
 
 use super::super::big::{dot, times};
 use super::super::inputs::Inputs;

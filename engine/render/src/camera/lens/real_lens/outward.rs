@@ -206,7 +206,7 @@ impl<R: Traced> Outward<R> {
         self.tracer.trace(rays);
     }
 
-    /// Appends what the traced rays are in the scene, and what their light counts.
+    /// Appends the traced rays in the scene, and the weights of their light.
     pub(in crate::camera) fn finish(
         &self,
         lens: &RealLens,

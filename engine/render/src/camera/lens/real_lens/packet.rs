@@ -1,4 +1,4 @@
-//! One ray of the scene, carried to the film at several wavelengths: where each arrives, and what light counts there.
+//! One ray of the scene, carried to the film at several wavelengths: the place where each arrives, and its weight there.
 //!
 //! Etendue, n² dA cos θ dω, is the same on both sides of the lens and at every wavelength: densities and importances are
 //! counted in it, divided by the area of a pixel, so that a ray which one wavelength chose can be used by all
@@ -80,7 +80,7 @@ impl Splats {
         self.count += 1;
     }
 
-    /// The same, all weights times `factor`.
+    /// The splats with all weights times `factor`.
     pub fn scaled(mut self, factor: f32) -> Self {
         self.list.iter_mut().for_each(|splat| splat.weight *= factor);
         self
@@ -105,7 +105,7 @@ impl RealLens {
         self.spectrum.wavelengths()[wavelength as usize].response
     }
 
-    /// Gives `add` what radiance along a ray adds to the pixels where it arrives, neighbours in the list together if they
+    /// Calls `add` with the light that radiance along a ray adds to the pixels where it arrives, neighbours in the list together if they
     /// fall into one pixel. The fourth numbers are 0.
     #[inline]
     pub fn expose(&self, splats: &Splats, radiance: Rgb, mut add: impl FnMut(u32, u32, Vec4)) {
@@ -183,7 +183,7 @@ impl RealLens {
     }
 }
 
-/// A ray that one wavelength led to, and what its radiance adds to which pixels.
+/// A ray that one wavelength led to, and the light that its radiance adds, by pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct HeroSample {
     /// The ray, render space.
@@ -211,7 +211,7 @@ pub struct Request {
     pub u_pixels: [f32; 2],
     /// The numbers that chose the place in the pixel.
     pub u_place: [f32; 2],
-    /// For rays that start in the scene: the number that chooses whether to look beyond the picture.
+    /// The number that chooses whether a ray that starts in the scene looks beyond the picture.
     pub u_beyond: f32,
 }
 
@@ -224,7 +224,7 @@ impl Request {
 }
 
 impl RealLens {
-    /// A ray as [`Self::sample`] has it, with what all wavelengths of its set make of it.
+    /// A ray as [`Self::sample`] has it, with the contributions of all wavelengths of its set.
     pub fn lead_all(&self, request: &Request, raster: &Raster) -> Option<HeroSample> {
         let (set, _) = self.leader(request.u_wavelength);
         let lead = self.lead(request)?;

@@ -47,11 +47,11 @@ pub struct Chosen {
     /// True for f32, false for f64.
     pub is_single: bool,
     /// Largest displacement of a ray by single precision, pixels; infinite where it loses rays that double precision has, finds some that
-    /// it has not, or cannot hold what they count.
+    /// it has not, or cannot hold their weights.
     pub error_px: f64,
 }
 
-/// A tenth of what can be told apart in the sharpest picture.
+/// A tenth of the displacement that can be told apart in the sharpest picture.
 pub const TOLERANCE_PX: f64 = 0.01;
 /// The worst of the rays that are tried is counted so many times: between them lie worse ones.
 const MARGIN: f64 = 2.0;

@@ -13,7 +13,7 @@ use crate::sampler::{
 use petzval_optics::coating::Coating;
 
 const SIZE: [u32; 2] = [300, 200];
-/// A quarter of what a plan leaves out.
+/// A quarter of the error that a plan leaves out.
 const TOLERANCE_STOPS: f64 = 0.02 / 4.0;
 
 fn taken(lens: &str, coating: Option<&str>) -> CameraDescription {
@@ -35,7 +35,7 @@ fn white(camera: &Camera, place: Vec2) -> Rgb {
     rays.iter().flatten().map(|ray| ray.white()).sum::<Rgb>() / RAYS as f32
 }
 
-/// The fit's error over every third lens (all by `make test-all`), on their own film, is within what it is allowed; those that are not are
+/// The fit's error over every third lens (all by `make test-all`), on their own film, is within the limit; those that are not are
 /// known.
 #[test]
 fn every_lens_is_fitted() {
@@ -58,7 +58,7 @@ fn every_lens_is_fitted() {
     assert!(count > if petzval_testkit::is_thorough() { 50 } else { 15 }, "{count}");
 }
 
-/// Uncoated flint is yellowish by the product of what its surfaces pass, and the middle is as bright as ever; by the f-number it is
+/// Uncoated flint is yellowish by the product of its surfaces' transmittances, and the middle is as bright as ever; by the f-number it is
 /// darker by that product.
 #[test]
 fn the_middle_has_the_lens_s_colour() {

@@ -1,4 +1,4 @@
-//! Each effect alone: what is taken out is gone, and what is left is the lens's.
+//! Each effect alone: an effect that is taken out is gone, and the others are the lens's.
 
 use super::*;
 use crate::camera::Camera;

@@ -1,4 +1,4 @@
-//! A map of the picture on itself: at which place another sight sees what each place is to see.
+//! A map of the picture on itself: for each place, the one that looks in the same direction in another mapping.
 
 use crate::camera::lens::steps::Steps;
 use glam::{DVec3, Vec2};
@@ -15,12 +15,12 @@ const MARGIN: f32 = 0.02;
 /// A map of places by an even grid of nodes; linear between them.
 pub(super) struct Warp {
     nodes: usize,
-    /// The displacement of each node's place; NaN where no place sees what the node is to see.
+    /// The displacement of each node's place; NaN where no place looks in the node's wanted direction.
     moved: Vec<Vec2>,
 }
 
 impl Warp {
-    /// `wanted` says what places are to see, unit vectors; `made` what they see in the other sight, which knows places up to
+    /// `wanted` gives the wanted directions of places, unit vectors; `made` their directions in the other mapping, which knows places up to
     /// `most` from the middle.
     pub(super) fn new(
         nodes: usize,
@@ -71,7 +71,7 @@ impl Warp {
         Self { nodes, moved }
     }
 
-    /// The place that sees what `p` is to see.
+    /// The place that looks in the wanted direction of `p`.
     pub(super) fn at(&self, p: Vec2) -> Option<Vec2> {
         let cells = (self.nodes - 1) as f32;
         let at = ((p + 0.5 + MARGIN) / (1.0 + 2.0 * MARGIN) * cells).clamp(Vec2::ZERO, Vec2::splat(cells));

@@ -39,7 +39,7 @@ fn an_undistorted_calibration_is_a_pinhole() {
     }
 }
 
-/// For passes and motion: what a ray sees is found again at its place of the picture, by a camera anywhere.
+/// For passes and motion: the hit of a ray is found again at its place of the picture, by a camera anywhere.
 #[test]
 fn a_ray_comes_from_the_place_at_which_its_subject_is_found() {
     for name in ["1", "2", "3"] {
@@ -62,7 +62,7 @@ fn a_ray_comes_from_the_place_at_which_its_subject_is_found() {
     }
 }
 
-/// Rays through all of the opening meet at the focus distance: on a plane, or at a distance for a fisheye; and nowhere else.
+/// Rays through all of the opening converge at the focus distance: on a plane, or at a distance for a fisheye; and nowhere else.
 #[test]
 fn the_blur_is_that_of_a_thin_lens() {
     for (name, is_flat) in [("2", true), ("3", false)] {

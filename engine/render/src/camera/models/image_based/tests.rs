@@ -45,7 +45,7 @@ struct Difference {
     worst_mm: f64,
     /// Part of the rays that only one of the two lets through.
     at_odds: f64,
-    /// Largest difference in what rays count.
+    /// Largest difference in the weights of rays.
     worst_weight: f64,
 }
 
@@ -113,7 +113,7 @@ fn directions_are_the_lenss() {
     }
 }
 
-/// Whatever else there is to set: focus, blades, shift and swing, another wavelength, lenses that are not round.
+/// All other settings: focus, blades, shift and swing, another wavelength, lenses that are not round.
 #[test]
 fn every_setting_is_the_lenss() {
     let base = description("double-gauss-f2-tronnier.lens", [60.0, 40.0]);

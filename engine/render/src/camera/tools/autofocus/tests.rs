@@ -81,7 +81,7 @@ fn what_a_picture_point_sees_is_sharpest() {
     }
 }
 
-/// The scale says what the film does.
+/// The scale agrees with the film.
 #[test]
 fn the_film_and_the_scale_say_the_same() {
     for anchor in ANCHORS {

@@ -1,4 +1,4 @@
-//! Tests of the text that is written, and of what is refused. The script itself is run by Cycles in
+//! Tests of the text that is written, and of refused lenses. The script itself is run by Cycles in
 //! `tests/cli/test_osl_camera.py`.
 
 use super::*;

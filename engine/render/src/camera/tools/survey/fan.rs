@@ -1,4 +1,4 @@
-//! The rays of one place of the picture, and how far aside of what the place sees each of them looks.
+//! The rays of one place of the picture, and the angle of each from the direction in which the place looks.
 
 use super::Survey;
 use crate::camera::lens::beam;
@@ -18,9 +18,9 @@ const INNER: usize = 4;
 const AREAS: [f64; 2] = [0.25, 0.96];
 /// Numbers below this choose any place of the rear glass rather than one of the pupil.
 const AFTER_DEFENSIVE: f64 = 0.05;
-/// Distance of a place's neighbours, which give the derivatives of what it sees, as parts of the picture.
+/// Distance of a place's neighbours, which give the derivatives of its direction, as parts of the picture.
 const BESIDE: f32 = 1e-3;
-/// Gaussian optics know planes alone: what lies at a larger angle from the axis than of this cosine counts as far as that.
+/// Gaussian optics know planes alone: points at a larger angle from the axis than of this cosine count as far as that.
 const LEAST_COSINE: f64 = 0.3;
 
 /// The subject that a place sees, lens space.
@@ -121,7 +121,8 @@ impl Fan {
         self
     }
 
-    /// The derivatives of what the place sees by the place, through the same points of the pupil; `None` where no light arrives.
+    /// The derivatives of the direction in which the place looks by the place, through the same points of the pupil; `None` where no light
+    /// arrives.
     pub(super) fn steps(&self, subject: Subject) -> Option<Steps> {
         let mean = self.mean?;
         let slope = |neighbour: &Neighbour| {

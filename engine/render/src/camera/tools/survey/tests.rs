@@ -132,7 +132,7 @@ fn distortion_is_the_way_from_f_tan_theta() {
     assert!((found.value / expected - 1.0).abs() < 0.02, "{} {expected}", found.value);
 }
 
-/// A fisheye has what no flat picture can show.
+/// A fisheye has directions that no flat picture can show.
 #[test]
 fn a_fisheye_is_without_bound() {
     let found = measured(&with_lens("laikin-fisheye-170.lens", 24.0, 16.0, 0.0), SIZE, None);

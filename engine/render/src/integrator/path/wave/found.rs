@@ -69,7 +69,7 @@ impl Path {
         }
     }
 
-    /// Adds the light of lamps that the ray hits within `t_max` of where it was scattered: from there a light sample
+    /// Adds the light of lamps that the ray hits within `t_max` of its last scattering: from there a light sample
     /// would have been taken, whatever surfaces it passed since.
     #[inline(always)]
     pub(super) fn lamps_before<N: AovSink>(
@@ -98,7 +98,7 @@ impl Path {
         });
     }
 
-    /// Adds the light of the world and of suns; notes how much of the film is seen through glass.
+    /// Adds the light of the world and of suns; adds the part of a transparent film that is seen through glass.
     #[inline(always)]
     pub(super) fn sky<N: AovSink>(&self, stage: &PreparedScene, limits: &Limits, found: &mut Found<'_, N>) {
         let to = self.chosen.receiver();
@@ -135,7 +135,7 @@ impl Path {
         );
     }
 
-    /// Notes how much of what the camera sees there is a hole; true if all of it is.
+    /// Adds the part of a surface seen by the camera that is a hole (holdout); true if all of it is.
     #[cold]
     #[inline(never)]
     fn falls_into(

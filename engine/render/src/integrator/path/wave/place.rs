@@ -41,7 +41,7 @@ pub(super) struct ScatterPlace<'a> {
     pub(super) distance: f32,
 }
 
-/// Cosine between a normal and that of the triangle from which on light samples leave what is even of the sky to samples of the closures.
+/// Cosine between a normal and that of the triangle from which on light samples leave the even part of the sky to samples of the closures.
 /// Where normals lean farther the two find different light, and the picture depends on the weights of both: as in Cycles, the sky's are
 /// those of the whole image.
 const LEAST_UPRIGHT: f32 = 0.9;
@@ -153,7 +153,7 @@ impl ScatterPlace<'_> {
         true
     }
 
-    /// True if a transparent film is seen through what was just refracted.
+    /// True if a transparent film is seen through the refraction just sampled.
     fn is_film_glass(&self, bsdf: &impl LobeDecomposition, next: &BsdfSample) -> bool {
         let is_smooth = |most: f32| next.mirror || bsdf.mean_alpha_squared(next.wi) <= most;
         self.limits.film_glass.is_some_and(|most| !next.matte && is_smooth(most))

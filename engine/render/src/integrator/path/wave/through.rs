@@ -63,7 +63,7 @@ impl MediumState {
         self.bounces <= limits.kinds.volume
     }
 
-    /// Follows a path to what its ray hits, and adds the light of lamps on the way.
+    /// Follows a path to its next hit, and adds the light of lamps on the way.
     #[expect(clippy::too_many_lines, clippy::too_many_arguments, reason = "a kernel")]
     pub(super) fn bring<N: AovSink>(
         &mut self,
@@ -145,7 +145,7 @@ impl MediumState {
         }
     }
 
-    /// A light sample at a place on the ray that is chosen apart from where the path is scattered: most paths go through thin media,
+    /// A light sample at a place on the ray that is chosen apart from the path's scattering: most paths go through thin media,
     /// and yet each sees the light that media scatter. The place is chosen by the angle under which a light sees it
     /// (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"), or, for light from
     /// infinity, as if the path were scattered for certain. `None` where the medium varies, so that the density along the ray is
@@ -324,7 +324,7 @@ impl MediumState {
         });
     }
 
-    /// Notes what the shadow ray goes through that was just added at a surface, if one was.
+    /// Keeps the media of the shadow ray that was just added at a surface, if one was.
     pub(super) fn veil<Of>(
         &self,
         scene: &Scene,

@@ -54,7 +54,7 @@ fn worst_of_others(lens: &RealLens, size: [u32; 2], times: u32) -> f64 {
     (0..times).map(|k| worst_px(lens, &single, &double, size, |i| random(i + k * RAYS))).fold(0.0, f64::max)
 }
 
-/// Four times as many rays as were tried stay within what they said, whichever numbers were then chosen.
+/// Four times as many rays as were tried stay within the error of those, whichever numbers were then chosen.
 #[test]
 fn the_error_holds_for_other_rays() {
     let (mut singles, mut all) = (0, 0);
@@ -107,7 +107,7 @@ fn a_lens_of_a_thousand_light_years_has_double_precision() {
     assert!(!chosen.is_single && chosen.error_px == f64::INFINITY, "{}", chosen.error_px);
 }
 
-/// The measure sees what it is for: rays that go elsewhere, and rays that are lost.
+/// The measure finds rays that go elsewhere, and rays that are lost.
 #[test]
 fn another_lens_is_told_apart() {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../lenses/tessar-brendel.lens");
