@@ -44,37 +44,31 @@ class Pixels:
 
     def sent(self) -> np.ndarray:
         """RGBA for the engine: bytes, or floats where Blender holds floats. Uses the values up: large images are large."""
-        if self.values.dtype == np.uint8:
-            self._associate_bytes()
-            return self.values
-        channels = self.values.shape[2]
-        pixels = _four_channels(self.values)
-        if channels not in (1, 3):
-            self._associate(pixels)
-        return pixels if self.is_float else _bytes(pixels)
+        is_transparent = (
+            self.values.shape[2] not in (1, 3) and not self.is_data and self.alpha_mode in TRANSPARENT_MODES
+        )
+        if self.values.dtype != np.uint8:
+            pixels = _four_channels(self.values)
+            self.values = pixels if self.is_float else _bytes(pixels)
+        if is_transparent and not self._is_associated():
+            _associate(self.values)
+        return self.values
 
-    def _associate(self, pixels: np.ndarray) -> None:
-        """Multiplies colours by alpha, where it is transparency and they are not yet."""
-        if self.is_data or self.alpha_mode not in TRANSPARENT_MODES:
-            return
-        # Bytes are kept apart from alpha; floats together with it, but from 5.0 on as the image says.
-        held = self.is_float and (self.alpha_mode == "PREMUL" or bpy.app.version < (5, 0, 0))
-        alpha = pixels[..., 3]
-        if held or (alpha == 1.0).all():
-            return
-        # One channel at a time: twice as fast as all three at once.
-        for channel in range(3):
-            pixels[..., channel] *= alpha
+    def _is_associated(self) -> bool:
+        """True if Blender holds the colours multiplied by alpha: never bytes, floats always, but from 5.0 on as the image says."""
+        return self.is_float and (self.alpha_mode == "PREMUL" or bpy.app.version < (5, 0, 0))
 
-    def _associate_bytes(self) -> None:
-        """Multiplies a file's bytes by alpha, as `_associate`; rounded, as `_bytes` does."""
-        if self.is_data or self.alpha_mode == "CHANNEL_PACKED":
-            return
-        alpha = self.values[..., 3].astype(np.uint16)
-        if (alpha == 255).all():
-            return
-        for channel in range(3):
-            self.values[..., channel] = (self.values[..., channel] * alpha + np.uint16(127)) // np.uint16(255)
+
+def _associate(pixels: np.ndarray) -> None:
+    """Multiplies colours by alpha; bytes are rounded down, as in Cycles (`util_image_multiply_native`)."""
+    is_bytes = pixels.dtype == np.uint8
+    alpha = pixels[..., 3].astype(np.uint16) if is_bytes else pixels[..., 3]
+    if (alpha == (255 if is_bytes else 1.0)).all():
+        return
+    # One channel at a time: twice as fast as all three at once.
+    for channel in range(3):
+        product = pixels[..., channel] * alpha
+        pixels[..., channel] = product // np.uint16(255) if is_bytes else product
 
 
 def is_transparency(image: bpy.types.Image) -> bool:

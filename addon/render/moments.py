@@ -71,11 +71,11 @@ class Moments:
 
         moving: list[CameraDescription] = []
         try:
-            shutters.sweep(shutter, count, self._frame_set, look)
+            shutters.sweep(shutter, count, self.frame_set, look)
             if any(dataclasses.replace(key, matrix_world=camera.matrix_world) != camera for key in keys):
                 half = 0.5 * shutter.length / _SHUTTER_STEPS
                 between = shutters.Shutter(shutter.begin + half, shutter.length - 2.0 * half)
-                shutters.sweep(between, _SHUTTER_STEPS, self._frame_set, look_at_lens)
+                shutters.sweep(between, _SHUTTER_STEPS, self.frame_set, look_at_lens)
         finally:
             self.frame_set(*shutters.split(shutter.middle))
         return blur, self._opened(keys), moving
