@@ -23,7 +23,7 @@ from support.places import ROOT, TESTS
 
 pytestmark = pytest.mark.once
 
-CRATES = ("files", "optics", "nodes", "pictures", "render", "gpu")
+CRATES = ("files", "optics", "nodes", "pictures", "proof", "render", "gpu")
 
 # A longer file is asked whether it is one subject.
 LONG_FILE_LINES = 450
@@ -119,6 +119,7 @@ def test_a_module_uses_only_those_above_it(crate):
             "pictures",
             {"petzval-optics", "petzval-nodes", "petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"},
         ),
+        ("proof", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("render", {"petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("gpu", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("testkit", {"petzval-python", "pyo3", "numpy"}),

@@ -93,6 +93,8 @@ type CertificateColumn = (usize, [f64; 3], [f64; 3], Vec<Cut>, Vec<CertificateCe
 pub struct Certificate {
     format: &'static str,
     name: String,
+    /// Factor from the file's millimetres to these.
+    scale: f64,
     f_number: Option<f64>,
     focal_length_mm: Option<f64>,
     film_radius_mm: f64,
@@ -218,6 +220,7 @@ fn written(system: &System, proof: &Proof) -> Certificate {
     Certificate {
         format: FORMAT,
         name: system.name().to_owned(),
+        scale: system.scale(),
         f_number: Some(system.f_number()).filter(|n| n.is_finite()),
         focal_length_mm: paraxial.efl_mm,
         film_radius_mm,

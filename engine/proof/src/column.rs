@@ -44,6 +44,9 @@ const DEEPEST: usize = 14;
 /// The same of a layer.
 const DEEPEST_LAYER: usize = 3;
 
+/// Thinnest pieces of a floor over which the fate changes unevenly, as part of the way.
+const COARSE: f64 = 1.0 / 24.0;
+
 /// Cuts in a row that decide nothing, at most.
 const STRIKES: usize = 2;
 
@@ -200,6 +203,8 @@ struct Prover<'a> {
     floor: Floor,
     cuts: Vec<Cut>,
     cells: Vec<Cell>,
+    /// Pieces thinner than this part of the way are not cut again.
+    thinnest: f64,
     /// Sizes of the highest terms of what was left undecided though it is thick, by dimension.
     blurred: [f64; 3],
 }
@@ -208,12 +213,26 @@ impl Column {
     /// Proves what it can of the rays over `floor`.
     pub(super) fn prove(view: &View<'_>, slab: usize, centre: Centre, floor: Floor) -> Self {
         let nodes = Nodes::new(view, centre, &floor);
-        let mut prover = Prover { view, centre, floor, cuts: vec![flat(0.0)], cells: Vec::new(), blurred: [0.0; 3] };
+        let mut prover = Prover {
+            view,
+            centre,
+            floor,
+            cuts: vec![flat(0.0)],
+            cells: Vec::new(),
+            thinnest: COARSE,
+            blurred: [0.0; 3],
+        };
         let mut layers: Vec<bool> = Vec::new();
         let mut is_open = false;
-        for k in 0..nodes.count().unwrap_or(0) {
-            let (fit, miss) = nodes.fit(k);
-            let half = LAYER * miss + LEAST_LAYER;
+        let fits: Vec<(Cut, f64)> = (0..nodes.count().unwrap_or(0)).map(|k| nodes.fit(k)).collect();
+        let half_layer = |miss: f64| LAYER * miss + LEAST_LAYER;
+        if nodes.count().is_some() {
+            // Pieces much thinner than the layer that is left anyway are not worth their time.
+            let widest = fits.iter().map(|(_, miss)| half_layer(*miss)).fold(0.0, f64::max);
+            prover.thinnest = (0.5 * widest).max(view.thinnest).min(COARSE);
+        }
+        for (fit, miss) in fits {
+            let half = half_layer(miss);
             for (offset, is_layer) in [(-half, false), (half, true)] {
                 let mut cut = fit;
                 cut[0] += offset;
@@ -310,9 +329,9 @@ impl Prover<'_> {
     fn piece(&mut self, (zone, [from, to]): (usize, [f64; 2]), near: Near, deeper: usize, strikes: usize) -> bool {
         let (fate, reached) = self.fate(zone, [from, to]);
         let thickness = (self.cuts[zone + 1][0] - self.cuts[zone][0]) * (to - from);
-        if fate != Fate::Undecided || thickness < self.view.thinnest || deeper == 0 || strikes == STRIKES {
+        if fate != Fate::Undecided || thickness < self.thinnest || deeper == 0 || strikes == STRIKES {
             self.cells.push(Cell { zone, from, to, fate });
-            if fate == Fate::Undecided && thickness > 4.0 * self.view.thinnest {
+            if fate == Fate::Undecided && thickness > 4.0 * self.thinnest {
                 self.note_blur(&reached, thickness);
             }
             return fate != Fate::Undecided;

@@ -1,7 +1,7 @@
 //! Where rays land: an enclosure of the exact hit on the last surface of their way, and of the direction behind it.
 
 use glam::DVec3;
-use petzval_optics::system::{Element, System};
+use petzval_optics::system::System;
 use petzval_optics::trace::{Action, Ray, Step, Tracer, Travel};
 
 use super::passage::{Beam, Fate, Indices, pass};
@@ -29,21 +29,25 @@ impl LandingFinder {
     /// For rays through `system` that go `travel`, with the indices of the media at `wavelength_nm` as f64 has them; `None` where the lens
     /// has something that proofs do not cover: gradients, poses, toroids, blades.
     pub fn new(system: &System, wavelength_nm: f64, travel: Travel) -> Option<Self> {
-        let tracer = system.at_wavelength(wavelength_nm);
+        let after: Vec<f64> =
+            system.surfaces().iter().map(|surface| surface.element.behind().base_index(wavelength_nm)).collect();
+        Self::with_indices(system, wavelength_nm, &after, travel)
+    }
+
+    /// [`Self::new`] with the index after each surface given, as [`System::with_indices`] takes it.
+    pub fn with_indices(system: &System, wavelength_nm: f64, after: &[f64], travel: Travel) -> Option<Self> {
+        let tracer = system.with_indices(wavelength_nm, after);
         let steps = tracer.steps(travel).to_vec();
         let is_covered = system.is_rotationally_symmetric() && !system.has_gradients();
         if !is_covered || system.diaphragm().blades() > 0 || system.diaphragm().is_masked() {
             return None;
         }
-        let surface = |i: usize| if travel == Travel::FromScene { i } else { steps.len() - 1 - i };
+        let at = |i: usize| Taylor::constant(after.get(i).copied().unwrap_or(1.0));
         let index = |(i, step): (usize, &Step)| {
-            let (Action::Refract(_), Element::Refract { from, to }) =
-                (step.action, &system.surfaces()[surface(i)].element)
-            else {
-                return None;
-            };
-            let [from, to] = [from, to].map(|medium| Taylor::constant(medium.base_index(wavelength_nm)));
-            Some(if travel == Travel::FromScene { Indices::between(from, to) } else { Indices::between(to, from) })
+            let surface = if travel == Travel::FromScene { i } else { steps.len() - 1 - i };
+            let before = if surface == 0 { Taylor::constant(1.0) } else { at(surface - 1) };
+            let [from, to] = if travel == Travel::FromScene { [before, at(surface)] } else { [at(surface), before] };
+            matches!(step.action, Action::Refract(_)).then(|| Indices::between(from, to))
         };
         let indices = steps.iter().enumerate().map(index).collect();
         Some(Self { indices, opening_mm: system.diaphragm().radius_mm(), steps, tracer, travel })

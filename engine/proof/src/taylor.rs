@@ -98,6 +98,11 @@ impl<const N: usize> Taylor<N> {
         self.coefficients[0]
     }
 
+    /// The polynomial's terms: powers of the variables and coefficient.
+    pub fn terms(&self) -> impl Iterator<Item = ([u8; VARIABLES], f64)> {
+        self.coefficients.iter().zip(&MONOMIALS.powers).map(|(c, powers)| (*powers, *c))
+    }
+
     /// The coefficients, by rising degree.
     pub(super) fn coefficients(&self) -> &[f64; N] {
         &self.coefficients
@@ -145,7 +150,8 @@ impl<const N: usize> Taylor<N> {
         sums
     }
 
-    /// Bounds of f: of each monomial alone, in 0 to 1 if all of its powers are even. The sums are rounded away by 512 u of their terms.
+    /// Bounds of f: of each monomial alone, in 0 to 1 if all of its powers are even. The sums of one sign are rounded by 512 u of themselves,
+    /// the two that lead to a bound by u of theirs.
     #[inline(never)]
     pub fn bounds(&self) -> Bounds {
         let (mut low, mut high) = (0.0, 0.0);
@@ -158,7 +164,10 @@ impl<const N: usize> Taylor<N> {
                 high += c.abs();
             }
         }
-        let slack = (self.coefficients[0].abs() + high - low) * (UPWARDS - 1.0) + self.rest * UPWARDS + UNDERFLOW;
+        let slack = self.coefficients[0].abs() * 4.0 * ROUNDING
+            + (high - low) * (UPWARDS - 1.0)
+            + self.rest * UPWARDS
+            + UNDERFLOW;
         Bounds { low: self.coefficients[0] + low - slack, high: self.coefficients[0] + high + slack }
     }
 
