@@ -329,12 +329,19 @@ impl Prover<'_> {
     fn piece(&mut self, (zone, [from, to]): (usize, [f64; 2]), near: Near, deeper: usize, strikes: usize) -> bool {
         let (fate, reached) = self.fate(zone, [from, to]);
         let thickness = (self.cuts[zone + 1][0] - self.cuts[zone][0]) * (to - from);
-        if fate != Fate::Undecided || thickness < self.thinnest || deeper == 0 || strikes == STRIKES {
+        if fate != Fate::Undecided {
             self.cells.push(Cell { zone, from, to, fate });
-            if fate == Fate::Undecided && thickness > 4.0 * self.thinnest {
-                self.note_blur(&reached, thickness);
+            return true;
+        }
+        let weights = blur(&reached);
+        // A piece that is blurred most by its own thickness is cut whatever the cuts before it did.
+        let strikes = if weights[..3].iter().all(|weight| *weight < weights[VARIABLES - 1]) { 0 } else { strikes };
+        if thickness < self.thinnest || deeper == 0 || strikes == STRIKES {
+            self.cells.push(Cell { zone, from, to, fate });
+            if thickness > 4.0 * self.thinnest {
+                self.note_blur(weights, thickness);
             }
-            return fate != Fate::Undecided;
+            return false;
         }
         // Near a border the pieces grow thinner towards it.
         let share = match near {
@@ -351,22 +358,26 @@ impl Prover<'_> {
         is_first || is_second
     }
 
-    /// Notes along which dimension the models of a thick cell have their largest terms of the highest degree, at the last surface that
-    /// they reach.
-    fn note_blur(&mut self, reached: &Beam<CELL>, thickness: f64) {
-        let mut weights = [0.0; 3];
-        for model in reached.point.iter().chain(&reached.direction) {
-            for (c, powers) in model.highest_terms() {
-                for (weight, power) in weights.iter_mut().zip(powers) {
-                    *weight += c.abs() * f64::from(power);
-                }
-            }
-        }
-        let sum: f64 = weights.iter().sum::<f64>() + f64::MIN_POSITIVE;
+    /// Notes along which dimension of the floor the models of a thick cell are blurred.
+    fn note_blur(&mut self, weights: [f64; VARIABLES], thickness: f64) {
+        let sum: f64 = weights[..3].iter().sum::<f64>() + f64::MIN_POSITIVE;
         for (blurred, weight) in self.blurred.iter_mut().zip(weights) {
             *blurred += thickness * weight / sum;
         }
     }
+}
+
+/// Sizes of the models' terms of the highest degree by variable, at the last surface that they reach: what a cut across it would mend.
+fn blur(reached: &Beam<CELL>) -> [f64; VARIABLES] {
+    let mut weights = [0.0; VARIABLES];
+    for model in reached.point.iter().chain(&reached.direction) {
+        for (c, powers) in model.highest_terms() {
+            for (weight, power) in weights.iter_mut().zip(powers) {
+                *weight += c.abs() * f64::from(power);
+            }
+        }
+    }
+    weights
 }
 
 impl<const N: usize> Taylor<N> {

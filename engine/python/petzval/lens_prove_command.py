@@ -24,7 +24,9 @@ def add_parser(actions: Any, kinds: str) -> None:
         "prove", help="prove of all rays where they pass and where they are stopped", allow_abbrev=False
     )
     prove.add_argument("lens", nargs="?", metavar="FILE", help=f"a lens file ({kinds}), or the name of a shipped lens")
-    prove.add_argument("--check", metavar="CERT.json", help="check this certificate instead; FILE, if given, must be its lens")
+    prove.add_argument(
+        "--check", metavar="CERT.json", help="check this certificate instead; FILE, if given, must be its lens"
+    )
     prove.add_argument(
         "--sample", type=natural, default=_SAMPLE, metavar="N",
         help=f"cells that --check follows itself, chosen by hash; 0: all; default: {_SAMPLE}",
@@ -33,11 +35,24 @@ def add_parser(actions: Any, kinds: str) -> None:
         "--undecided", type=part, default=0.001, metavar="PART",
         help="part of the volume (film x pupil x wavelength) that may be left undecided; default: 0.001",
     )  # fmt: skip
-    prove.add_argument("--seconds", type=positive, default=600.0, metavar="S", help="end after this time with what is proved; default: 600")
-    prove.add_argument("--threads", type=natural, default=0, metavar="N", help="default: one for each processor")
-    prove.add_argument("--film-radius", type=positive, metavar="MM", help="of the film's disc; default: half the film's diagonal")
     prove.add_argument(
-        "--wavelengths", nargs=2, type=number, default=(380.0, 780.0), metavar="NM", help="from and to; default: 380 780"
+        "--seconds",
+        type=positive,
+        default=600.0,
+        metavar="S",
+        help="end after this time with what is proved; default: 600",
+    )
+    prove.add_argument("--threads", type=natural, default=0, metavar="N", help="default: one for each processor")
+    prove.add_argument(
+        "--film-radius", type=positive, metavar="MM", help="of the film's disc; default: half the film's diagonal"
+    )
+    prove.add_argument(
+        "--wavelengths",
+        nargs=2,
+        type=number,
+        default=(380.0, 780.0),
+        metavar="NM",
+        help="from and to; default: 380 780",
     )
     add_setting(prove)
     add_focus(prove)

@@ -206,7 +206,9 @@ def _follow(certificate: dict[str, Any], places: list[tuple[int, int]]) -> int:
     r, u, nm = (Enclosure.between(low[i], high[i], i) for i in range(3))
     centres = np.array([certificate["centres"][column[0]] for column in columns]).T
     cuts = [np.array([column[3][cell[0] + i] for column, cell in zip(columns, cells, strict=True)]).T for i in (0, 1)]
-    below, above = (Enclosure.of_terms({(*p, 0): c for p, c in zip(_CUT, cut, strict=True)}, len(cells)) for cut in cuts)
+    below, above = (
+        Enclosure.of_terms({(*p, 0): c for p, c in zip(_CUT, cut, strict=True)}, len(cells)) for cut in cuts
+    )
     start, end = (np.array([cell[i] for cell in cells]) for i in (1, 2))
     s = below + (above - below) * Enclosure.between(start, end, 3)
     over = (u * u + 1.0).inverse()

@@ -108,10 +108,7 @@ class Enclosure:
             polynomial[places] += a[i] * b[partners]
         by_degree = [[np.abs(x[degree == _DEGREE]).sum(0) for degree in range(_ORDER + 1)] for x in (a, b)]
         cut = sum(
-            by_degree[0][i] * by_degree[1][j]
-            for i in range(_ORDER + 1)
-            for j in range(_ORDER + 1)
-            if i + j > _ORDER
+            by_degree[0][i] * by_degree[1][j] for i in range(_ORDER + 1) for j in range(_ORDER + 1) if i + j > _ORDER
         )
         a_size, b_size = np.abs(a).sum(0), np.abs(b).sum(0)
         rest = a_size * other.rest + b_size * self.rest + self.rest * other.rest + cut + _ROUNDING * a_size * b_size

@@ -50,9 +50,9 @@ def index_of(medium: dict[str, Any], nm: Enclosure) -> Enclosure:
     return (value.inverse() if medium["is_reciprocal"] else value) + medium["index_shift"]
 
 
-def _power(l: Enclosure, power: float) -> Enclosure:
-    base = l.inverse() if power < 0 else l
-    found = Enclosure.constant(np.ones(l.rest.size))
+def _power(um: Enclosure, power: float) -> Enclosure:
+    base = um.inverse() if power < 0 else um
+    found = Enclosure.constant(np.ones(um.rest.size))
     if abs(power) % 1 == 0.5:
         found = base.root()
     elif power % 1:
@@ -62,12 +62,12 @@ def _power(l: Enclosure, power: float) -> Enclosure:
     return found
 
 
-def _formula(word: str, n: list[float], l: Enclosure) -> Enclosure:
-    squared = l * l
-    zero = Enclosure.constant(np.zeros(l.rest.size))
+def _formula(word: str, n: list[float], um: Enclosure) -> Enclosure:
+    squared = um * um
+    zero = Enclosure.constant(np.zeros(um.rest.size))
 
     def powers(numbers: list[float]) -> Enclosure:
-        return sum((_power(l, p) * b for b, p in zip(numbers[::2], numbers[1::2], strict=True)), zero)
+        return sum((_power(um, p) * b for b, p in zip(numbers[::2], numbers[1::2], strict=True)), zero)
 
     if word == "constant":
         return zero + n[0]
@@ -79,14 +79,14 @@ def _formula(word: str, n: list[float], l: Enclosure) -> Enclosure:
     if word == "rational":
         last = 2 + 2 * int(n[1])
         poles = zip(n[last::3], n[last + 1 :: 3], n[last + 2 :: 3], strict=True)
-        return sum((_power(l, p) * b * (squared - c).inverse() for b, p, c in poles), powers(n[2:last]) + n[0]).root()
+        return sum((_power(um, p) * b * (squared - c).inverse() for b, p, c in poles), powers(n[2:last]) + n[0]).root()
     if word == "cauchy":
         return powers(n[1:]) + n[0]
     if word == "gas":
         inverse = squared.inverse()
         return sum(((c - inverse).inverse() * b for b, c in zip(n[1::2], n[2::2], strict=True)), zero + (1.0 + n[0]))
     if word == "buchdahl":
-        away = l - n[0]
+        away = um - n[0]
         w = away * (away * n[1] + 1.0).inverse()
         return w * (w * n[4] + n[3]) + n[2]
     if word == "herzberger":
@@ -115,7 +115,9 @@ def _profile(surface: dict[str, Any], u: Enclosure) -> tuple[Enclosure, Enclosur
             radius = u.root()
             crude = Enclosure.constant(0.5 * high).widened(0.5 * high)
             better = np.isfinite(radius.rest) & (radius.rest < crude.rest)
-            radius = Enclosure(np.where(better, radius.polynomial, crude.polynomial), np.where(better, radius.rest, crude.rest))
+            radius = Enclosure(
+                np.where(better, radius.polynomial, crude.polynomial), np.where(better, radius.rest, crude.rest)
+            )
         below = Enclosure.constant(np.ones(u.rest.size))
         for _ in range(power // 2 - 1):
             below = below * u
