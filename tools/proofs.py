@@ -64,6 +64,7 @@ def main() -> None:
         for lens in lenses:
             rows.append(row(lens, options, Path(folder)))
             print(rows[-1], flush=True)
+    rows = [f"At most {options.seconds:g} s a lens, to leave {100 * options.undecided:g} %:", "", *rows]
     if not options.only:
         PAGE.write_text(pages.filled(PAGE.read_text(), "lenses", rows))
         pages.stamp("docs/proofs.md", origin.took(time.monotonic() - began))

@@ -222,8 +222,9 @@ def test_plain_parts_of_the_addon_know_no_blender(name):
 def test_the_package_loads_no_blender_by_itself():
     for name, (path, base) in python_modules(ROOT / "engine/python/petzval", "petzval").items():
         # Plots without matplotlib are made in Blender alone, whose Python has numpy; data sets are arrays, and their command loads them
-        # when it is asked for.
-        allowed = {"numpy"} if name.startswith(("petzval.plotting", "petzval.dataset")) else set()
+        # when it is asked for. So does that of proofs their checker.
+        has_arrays = name.startswith(("petzval.plotting", "petzval.dataset", "petzval.proof_check"))
+        allowed = {"numpy"} if has_arrays else set()
         assert not ({"bpy", "numpy", "petzval_addon"} - allowed) & top_names(imports(path, base, everywhere=False)), (
             name
         )

@@ -9,10 +9,10 @@ use petzval_optics::trace::{Action, Travel};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::chart::Chart;
-use super::column::{Cell, Column, Cut};
-use super::partition::{Proof, ProofError, ProofOptions, prove};
-use super::passage::Fate;
+use crate::chart::Chart;
+use crate::column::{Cell, Column, Cut};
+use crate::partition::{Proof, ProofError, ProofOptions, prove};
+use crate::passage::Fate;
 
 /// The word by which a certificate and its version are known.
 pub const FORMAT: &str = "petzval lens proof 1";
@@ -169,6 +169,7 @@ fn medium(medium: &Medium) -> CertificateMedium {
     }
 }
 
+#[expect(clippy::too_many_lines, reason = "a field for each fact")]
 fn written(system: &System, proof: &Proof) -> Certificate {
     let Chart { film_radius_mm, film_z_mm, film_curvature_per_mm, disc_radius_mm, last_z_mm, wavelengths_nm } =
         proof.chart;

@@ -8,8 +8,8 @@
 
 use glam::DVec3;
 
-use super::passage::{Beam, aimed};
-use super::taylor::Taylor;
+use crate::passage::{Beam, aimed};
+use crate::taylor::Taylor;
 use petzval_optics::trace::Ray;
 
 /// The film and the disc.

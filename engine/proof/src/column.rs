@@ -3,10 +3,10 @@
 //! Rays found in f64 say where to cut; nothing rests on them. A cut is a polynomial of second degree over the floor, so that the thin
 //! layer between what passes and what is stopped is as thin as the third derivatives of its border, not as the floor is wide.
 
-use super::chart::{Centre, Chart, Floor};
-use super::passage::{Beam, Fate, Indices, pass};
-use super::table::{COUNTS, MONOMIALS, VARIABLES};
-use super::taylor::Taylor;
+use crate::chart::{Centre, Chart, Floor};
+use crate::passage::{Beam, Fate, Indices, pass};
+use crate::table::{COUNTS, MONOMIALS, VARIABLES};
+use crate::taylor::Taylor;
 use petzval_optics::trace::{Step, Tracer};
 
 /// Coefficients of the models of cells: of third order. Fewer make smaller floors, more take longer for each.

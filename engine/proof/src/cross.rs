@@ -1,6 +1,6 @@
 //! The crossing of a surface by all rays of a cell: where they hit it, and the normal there.
 
-use super::taylor::Taylor;
+use crate::taylor::Taylor;
 use petzval_optics::surface::{Asphere, Conic, Shape};
 
 /// Three models: a place in mm or a direction.

@@ -1,6 +1,6 @@
 //! The index of a medium over a cell of wavelengths.
 
-use super::taylor::Taylor;
+use crate::taylor::Taylor;
 use petzval_optics::glass::{Dispersion, HERZBERGER, Medium};
 
 /// The reason why the index of a medium cannot be enclosed.

@@ -4,8 +4,8 @@ use glam::DVec3;
 use petzval_optics::system::System;
 use petzval_optics::trace::{Action, Ray, Step, Tracer, Travel};
 
-use super::passage::{Beam, Fate, Indices, pass};
-use super::taylor::{Bounds, Taylor};
+use crate::passage::{Beam, Fate, Indices, pass};
+use crate::taylor::{Bounds, Taylor};
 
 /// An enclosure of one ray behind the lens.
 #[derive(Clone, Copy, Debug)]

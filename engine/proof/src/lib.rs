@@ -3,8 +3,8 @@
 //! [`Taylor`] models enclose functions of four variables; with them [`prove`] cuts all rays between film and lens into cells, of which
 //! each is proved to pass, proved to be stopped at a surface, or undecided. What is proved, and what is assumed, says docs/proofs.md.
 //!
-//! A module uses only those that stand before it here: `table`, `taylor`, `cross`, `passage`, `index`, `chart`, `column`, `partition`,
-//! `landing`, `certificate`.
+//! A module uses only those that stand before it here: [`table`] → [`taylor`] → [`cross`] → [`passage`] → [`index`] → [`chart`] →
+//! [`column`] → [`partition`] → [`landing`] → [`certificate`].
 
 // A comparison that NaN fails, written `!(x >= 0.0)`, is how a model that means nothing proves nothing.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

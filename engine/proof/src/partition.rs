@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use thiserror::Error;
 
-use super::chart::{Centre, Chart, Floor};
-use super::column::{CELL, Column, View};
-use super::index::{NoIndex, ends_nm, index};
-use super::passage::{Fate, Indices};
-use super::table::VARIABLES;
-use super::taylor::Taylor;
+use crate::chart::{Centre, Chart, Floor};
+use crate::column::{CELL, Column, View};
+use crate::index::{NoIndex, ends_nm, index};
+use crate::passage::{Fate, Indices};
+use crate::table::VARIABLES;
+use crate::taylor::Taylor;
 use petzval_optics::focus::FilmPlane;
 use petzval_optics::pupil_map::glass_radius;
 use petzval_optics::system::{Element, System};

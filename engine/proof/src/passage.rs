@@ -1,7 +1,7 @@
 //! The way of all rays of a cell through the surfaces.
 
-use super::cross::{Met, Triple, cross, dot};
-use super::taylor::Taylor;
+use crate::cross::{Met, Triple, cross, dot};
+use crate::taylor::Taylor;
 use petzval_optics::surface::{Failure, Shape};
 use petzval_optics::trace::{Action, Step};
 
@@ -72,6 +72,7 @@ const ROUNDED: f64 = 8.0 * f64::EPSILON;
 
 /// Takes `beam` through `steps`; `indices` hold what refracts. The fate, and the beam behind the last surface that it was followed
 /// through: all of them if every ray passes.
+#[expect(clippy::too_many_lines, reason = "one surface after the other, with all of its checks in their order")]
 pub(super) fn pass<const N: usize>(
     steps: &[Step],
     indices: &[Option<Indices<N>>],

@@ -9,7 +9,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::table::{COUNTS, MONOMIALS, VARIABLES, order};
+use crate::table::{COUNTS, MONOMIALS, VARIABLES, order};
 
 /// u = 2⁻⁵³, half of a unit in the last place of 1.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
@@ -317,9 +317,9 @@ impl<const N: usize> Mul for Taylor<N> {
         let coefficients = Self::cut_product(&self.coefficients, &other.coefficients);
         let (a, b) = (self.by_degree(), other.by_degree());
         let (mut cut, mut rounded) = (0.0, 0.0);
-        for i in 0..=Self::ORDER {
-            for j in 0..=Self::ORDER {
-                let size = a[i] * b[j];
+        for (i, x) in a.iter().enumerate().take(Self::ORDER + 1) {
+            for (j, y) in b.iter().enumerate().take(Self::ORDER + 1) {
+                let size = x * y;
                 if i + j > Self::ORDER { cut += size } else { rounded += size * f64::from(1u32 << (i + j)) }
             }
         }

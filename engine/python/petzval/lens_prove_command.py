@@ -15,7 +15,7 @@ from .lens_setting import add_focus, add_setting, setting_of
 from .places import find_lens
 
 #: Cells that --check follows by default: some seconds.
-_SAMPLE = 2000
+_SAMPLE = 300
 
 
 def add_parser(actions: Any, kinds: str) -> None:

@@ -126,7 +126,7 @@ def _least(cut: list[float]) -> float:
     """A lower bound of a cut over its floor."""
     square = (4, 7, 9)
     rest = sum(min(c, 0.0) if i in square else -abs(c) for i, c in enumerate(cut) if i)
-    return cut[0] + rest - 1e-14 * sum(map(abs, cut))
+    return float(cut[0] + rest - 1e-14 * sum(map(abs, cut)))
 
 
 def _check_column(place: int, column: list[Any]) -> None:
@@ -170,7 +170,7 @@ def _undecided(certificate: dict[str, Any]) -> float:
             total += float(np.sum(weight * density * (ends[1] ** 2 - ends[0] ** 2))) * float(np.prod(high - low))
     shortest, longest = certificate["wavelengths_nm"]
     whole = (math.pi * disc**2) * (math.pi * certificate["film_radius_mm"] ** 2) * (longest - shortest)
-    return total / whole
+    return float(total / whole)
 
 
 def _chosen(certificate: dict[str, Any], sample: int | None) -> list[tuple[int, int]]:
@@ -188,7 +188,7 @@ def _chosen(certificate: dict[str, Any], sample: int | None) -> list[tuple[int, 
     def is_coarse(place: tuple[int, int]) -> bool:
         _, _, _, cuts, cells = columns[place[0]]
         zone, start, end, *_ = cells[place[1]]
-        return (end - start) * (cuts[zone + 1][0] - cuts[zone][0]) > _COARSE
+        return bool((end - start) * (cuts[zone + 1][0] - cuts[zone][0]) > _COARSE)
 
     def lot(place: tuple[int, int]) -> bytes:
         return hashlib.sha256(f"{certificate['partition_sha256']} {place}".encode()).digest()

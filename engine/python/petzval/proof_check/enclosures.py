@@ -94,10 +94,10 @@ class Enclosure:
         return Enclosure(-self.polynomial, self.rest)
 
     def __sub__(self, other: Any) -> Enclosure:
-        return self + -other
+        return self.__add__(-other)
 
     def __rsub__(self, other: Any) -> Enclosure:
-        return -self + other
+        return (-self).__add__(other)
 
     def __mul__(self, other: Any) -> Enclosure:
         if not isinstance(other, Enclosure):

@@ -47,7 +47,9 @@ def index_of(medium: dict[str, Any], nm: Enclosure) -> Enclosure:
         nm.rest * keep,
     )
     value = _formula(medium["formula"], medium["numbers"], nm * 1e-3)
-    return (value.inverse() if medium["is_reciprocal"] else value) + medium["index_shift"]
+    if medium["is_reciprocal"]:
+        value = value.inverse()
+    return value.__add__(medium["index_shift"])
 
 
 def _power(um: Enclosure, power: float) -> Enclosure:
@@ -78,8 +80,10 @@ def _formula(word: str, n: list[float], um: Enclosure) -> Enclosure:
         return (powers(n[1:]) + n[0]).root()
     if word == "rational":
         last = 2 + 2 * int(n[1])
-        poles = zip(n[last::3], n[last + 1 :: 3], n[last + 2 :: 3], strict=True)
-        return sum((_power(um, p) * b * (squared - c).inverse() for b, p, c in poles), powers(n[2:last]) + n[0]).root()
+        triples = zip(n[last::3], n[last + 1 :: 3], n[last + 2 :: 3], strict=True)
+        return sum(
+            (_power(um, p) * b * (squared - c).inverse() for b, p, c in triples), powers(n[2:last]) + n[0]
+        ).root()
     if word == "cauchy":
         return powers(n[1:]) + n[0]
     if word == "gas":
