@@ -37,7 +37,7 @@ def row(lens: Path, options: argparse.Namespace, folder: Path) -> str:
         return f"| {lens.stem} | {why} | | | | | | | | |"
     found = json.loads(file.read_text())
     began = time.monotonic()
-    checked = petzval("lens", "prove", lens, "--check", file)
+    checked = petzval("lens", "prove", lens, "--check", file, "--sample", options.sample)
     if checked.returncode:
         raise SystemExit(f"{lens.stem}: {checked.stderr}")
     words = checked.stdout.split("; ")[-1].split()
@@ -55,6 +55,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these lenses, printed and not written")
     parser.add_argument("--seconds", type=float, default=600.0, help="for each lens; default: 600")
     parser.add_argument("--undecided", type=float, default=0.001, help="default: 0.001")
+    parser.add_argument("--sample", type=int, default=300, help="cells that the checker follows; default: 300")
     options = parser.parse_args()
     began, origin = time.monotonic(), pages.made("docs/proofs.md")
     lenses = sorted((ROOT / "lenses").glob("*.lens"))

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 from dataclasses import dataclass
@@ -22,6 +23,8 @@ _CUT = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (2, 0, 0), (1, 1, 0), (1, 0,
 _TOGETHER = 500
 #: Coarse cells, that fill so much of their column's way, are all checked.
 _COARSE = 0.5
+#: A cell that is not confirmed is halved in all of its four numbers so often.
+_HALVINGS = 1
 
 
 class CheckError(Exception):
@@ -68,8 +71,13 @@ def check(certificate: dict[str, Any], lens_file: Path | None, sample: int | Non
     if undecided > certificate["undecided"] * (1 + 1e-6) + 1e-12:
         raise CheckError(f"{undecided:.6f} of the volume is undecided, and not {certificate['undecided']:.6f}")
     chosen = _chosen(certificate, sample)
-    unconfirmed = sum(_follow(certificate, chosen[i : i + _TOGETHER]) for i in range(0, len(chosen), _TOGETHER))
-    return Checked(len(columns), sum(len(column[4]) for column in columns), len(chosen), unconfirmed, undecided)
+    pieces = [(place, (-1.0,) * 4, (1.0,) * 4) for place in chosen]
+    unconfirmed = _unconfirmed(certificate, pieces)
+    for _ in range(_HALVINGS):
+        pieces = [half for piece in unconfirmed for half in _halves(piece)]
+        unconfirmed = _unconfirmed(certificate, pieces)
+    left = {place for place, _, _ in unconfirmed}
+    return Checked(len(columns), sum(len(column[4]) for column in columns), len(chosen), len(left), undecided)
 
 
 def _check_table(certificate: dict[str, Any], lens_file: Path) -> None:
@@ -198,19 +206,53 @@ def _chosen(certificate: dict[str, Any], sample: int | None) -> list[tuple[int, 
     return coarse + rest
 
 
-def _follow(certificate: dict[str, Any], places: list[tuple[int, int]]) -> int:
-    """Follows cells together. Returns how many are not confirmed; raises where a cell is proved to be what it is not said to be."""
-    columns = [certificate["columns"][i] for i, _ in places]
-    cells = [column[4][j] for column, (_, j) in zip(columns, places, strict=True)]
+#: A cell of a column, or a piece of it: lower and upper bounds of the four variables, -1 to 1 for the whole cell.
+_Piece = tuple[tuple[int, int], tuple[float, ...], tuple[float, ...]]
+
+
+def _halves(piece: _Piece) -> list[_Piece]:
+    """The sixteen pieces of a piece."""
+    place, low, high = piece
+    middle = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
+    sides = itertools.product((False, True), repeat=4)
+    return [
+        (
+            place,
+            tuple(m if upper else a for a, m, upper in zip(low, middle, side, strict=True)),
+            tuple(b if upper else m for b, m, upper in zip(high, middle, side, strict=True)),
+        )
+        for side in sides
+    ]
+
+
+def _unconfirmed(certificate: dict[str, Any], pieces: list[_Piece]) -> list[_Piece]:
+    """The pieces of which it is not confirmed what is said of their cells."""
+    parts = (pieces[i : i + _TOGETHER] for i in range(0, len(pieces), _TOGETHER))
+    return [piece for part in parts for piece in _follow(certificate, part)]
+
+
+def _follow(certificate: dict[str, Any], pieces: list[_Piece]) -> list[_Piece]:
+    """Follows pieces together. Returns those that are not confirmed; raises where the contrary of what is said is proved."""
+    columns = [certificate["columns"][i] for (i, _), _, _ in pieces]
+    cells = [column[4][j] for column, ((_, j), _, _) in zip(columns, pieces, strict=True)]
+    least, most = (np.array([piece[i] for piece in pieces]).T for i in (1, 2))
+    e = [Enclosure.between(least[i], most[i], i) for i in range(4)]
     low, high = (np.array([column[i] for column in columns]).T for i in (1, 2))
-    r, u, nm = (Enclosure.between(low[i], high[i], i) for i in range(3))
+    r, u, nm = (e[i] * (0.5 * (high[i] - low[i])) + 0.5 * (low[i] + high[i]) for i in range(3))
     centres = np.array([certificate["centres"][column[0]] for column in columns]).T
     cuts = [np.array([column[3][cell[0] + i] for column, cell in zip(columns, cells, strict=True)]).T for i in (0, 1)]
     below, above = (
-        Enclosure.of_terms({(*p, 0): c for p, c in zip(_CUT, cut, strict=True)}, len(cells)) for cut in cuts
+        sum(
+            (
+                math.prod([e[i] for i in range(3) for _ in range(p[i])], start=1.0) * c
+                for p, c in zip(_CUT[1:], cut[1:], strict=True)
+            ),
+            Enclosure.constant(cut[0]),
+        )
+        for cut in cuts
     )
     start, end = (np.array([cell[i] for cell in cells]) for i in (1, 2))
-    s = below + (above - below) * Enclosure.between(start, end, 3)
+    s = below + (above - below) * (e[3] * (0.5 * (end - start)) + 0.5 * (start + end))
     over = (u * u + 1.0).inverse()
     disc = certificate["disc_radius_mm"]
     centre = r * centres[1] + centres[0]
@@ -228,15 +270,15 @@ def _follow(certificate: dict[str, Any], places: list[tuple[int, int]]) -> int:
             [x * length for x in along],
             nm,
         )
-    unconfirmed = 0
+    unconfirmed = []
     stopped_somewhere = np.any(verdict.stopped, axis=0)
-    for i, (cell, place) in enumerate(zip(cells, places, strict=True)):
+    for i, (cell, piece) in enumerate(zip(cells, pieces, strict=True)):
         says_passes = cell[3] == "passes"
         if (says_passes and stopped_somewhere[i]) or (not says_passes and verdict.passes[i]):
-            raise CheckError(f"column {place[0]}, cell {place[1]}: it says '{cell[3]}', and the contrary is proved")
-        if says_passes:
-            unconfirmed += not verdict.passes[i]
-        else:
-            # No ray gets past the surface: it was stopped there, or by one before, which lies nearer to the film.
-            unconfirmed += not any(verdict.stopped[k][i] for k in range(cell[4], len(verdict.stopped)))
+            column, place = piece[0]
+            raise CheckError(f"column {column}, cell {place}: it says '{cell[3]}', and the contrary is proved")
+        # Of a stopped one no ray gets past the surface: it ends there, or at one before, which lies nearer to the film.
+        stops = () if says_passes else verdict.stopped[cell[4] :]
+        if not (verdict.passes[i] if says_passes else any(surface[i] for surface in stops)):
+            unconfirmed.append(piece)
     return unconfirmed
