@@ -28,8 +28,9 @@ GHOSTS_OPTIONS =
 WHEELS_ALL_OPTIONS =
 TEST_PLATFORMS_OPTIONS =
 FIGURES_OPTIONS =
+PROOFS_OPTIONS =
 
-.PHONY: help demo test test-all test-platforms lint setup build wheels wheels-all extension extensions-all release speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index reality other-programs coatings diffraction ghosts figures gpu instructions numerics pages pages-again docs clean
+.PHONY: help demo test test-all test-platforms lint setup build wheels wheels-all extension extensions-all release speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index reality other-programs coatings diffraction ghosts figures gpu instructions numerics proofs pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -174,6 +175,9 @@ instructions: ## count the instructions of a sample, beside those kept; INSTRUCT
 numerics: ## hold the lens tracer against exact numbers, and write docs/numerics.md
 	@began=$$(date +%s) && cargo run --quiet --locked -p petzval-optics --example numerics && \
 	PYTHONPATH=tools python3 -m pages stamp docs/numerics.md --began $$began
+
+proofs: build ## prove of every shipped lens which rays pass, check the proofs, into docs/proofs.md; PROOFS_OPTIONS="--only NAME"
+	@$(dir $(PETZVAL))python tools/proofs.py $(PROOFS_OPTIONS)
 
 figures: $(ENGINE) ## the paper's figures and three more, measured, into docs/figures.md; FIGURES_OPTIONS="--only fig-10" to try
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m figures $(FIGURES_OPTIONS)

@@ -15,7 +15,7 @@ from support.places import ROOT
 
 pytestmark = pytest.mark.once
 
-CRATES = ("files", "fourier", "gpu", "nodes", "optics", "pictures", "python", "render")
+CRATES = ("files", "fourier", "gpu", "nodes", "optics", "pictures", "proof", "python", "render")
 
 Module = tuple[str, ...]
 

@@ -23,7 +23,7 @@ from support.places import ROOT, TESTS
 
 pytestmark = pytest.mark.once
 
-CRATES = ("files", "optics", "nodes", "pictures", "render", "gpu")
+CRATES = ("files", "optics", "nodes", "pictures", "proof", "render", "gpu")
 
 # A longer file is asked whether it is one subject.
 LONG_FILE_LINES = 450
@@ -119,6 +119,7 @@ def test_a_module_uses_only_those_above_it(crate):
             "pictures",
             {"petzval-optics", "petzval-nodes", "petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"},
         ),
+        ("proof", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("render", {"petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("gpu", {"petzval-render", "petzval-python", "pyo3", "numpy", "petzval-testkit"}),
         ("testkit", {"petzval-python", "pyo3", "numpy"}),
@@ -221,8 +222,9 @@ def test_plain_parts_of_the_addon_know_no_blender(name):
 def test_the_package_loads_no_blender_by_itself():
     for name, (path, base) in python_modules(ROOT / "engine/python/petzval", "petzval").items():
         # Plots without matplotlib are made in Blender alone, whose Python has numpy; data sets are arrays, and their command loads them
-        # when it is asked for.
-        allowed = {"numpy"} if name.startswith(("petzval.plotting", "petzval.dataset")) else set()
+        # when it is asked for. So does that of proofs their checker.
+        has_arrays = name.startswith(("petzval.plotting", "petzval.dataset", "petzval.proof_check"))
+        allowed = {"numpy"} if has_arrays else set()
         assert not ({"bpy", "numpy", "petzval_addon"} - allowed) & top_names(imports(path, base, everywhere=False)), (
             name
         )

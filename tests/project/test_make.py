@@ -52,6 +52,7 @@ RECIPES = {
     "panel-pictures": [],
     "parity": ["PARITY_OPTIONS=--only sun --samples 4 --size 32x24"],
     "price": ["PRICE_OPTIONS=--quick"],
+    "proofs": ["PROOFS_OPTIONS=--only biconvex-50mm --seconds 5"],
     "profile": ["SCENES=tests/scenes", "PROFILE_OPTIONS=--only demo"],
     "settings": ["SETTINGS_OPTIONS=--only scene.cycles.film_exposure world.color --samples 8 --looks 1"],
     "speed": ["SPEED_OPTIONS=--quick"],

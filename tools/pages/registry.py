@@ -123,6 +123,16 @@ _ALL = (
         part="Tables",
     ),
     _page(
+        "proofs",
+        "proofs",
+        "lenses",
+        "engine/optics/src",
+        "engine/proof/src",
+        "engine/python/petzval/proof_check",
+        "tools/proofs.py",
+        part="Every shipped lens",
+    ),
+    _page(
         "reality",
         "reality",
         "lenses",

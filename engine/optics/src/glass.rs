@@ -9,7 +9,7 @@ mod medium;
 mod transmittance;
 
 pub use catalogue::{Catalogue, GlassError};
-pub use dispersion::Dispersion;
+pub use dispersion::{Dispersion, HERZBERGER};
 pub use gradient::{Gradient, GradientTerm, LAST_GRADIENT_POWER};
 pub use medium::{AIR_NAME, Medium, VISIBLE_NM, line_nm};
 pub use transmittance::InternalTransmittance;

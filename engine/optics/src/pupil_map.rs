@@ -379,7 +379,7 @@ impl PupilMap {
 ///
 /// A film point at r, a distance d behind the plane, that looks at glass at radius a and sag z crosses the plane
 /// within g a + |1 − g| r of the axis, g = d / (d − z).
-fn glass_radius(system: &System, farthest_mm: f64, near_mm: f64, far_mm: f64) -> f64 {
+pub fn glass_radius(system: &System, farthest_mm: f64, near_mm: f64, far_mm: f64) -> f64 {
     // A film inside of a hollow rear surface would need an unbounded disc; larger discs than this are no use.
     const WIDEST: f64 = 20.0;
     let rear = &system.surfaces()[system.surface_count() - 1];

@@ -70,6 +70,7 @@ __all__ = [
     "lens_drawing_json",
     "lens_ghosts_json",
     "lens_groups",
+    "lens_proof_json",
     "lens_reality_json",
     "lens_report_json",
     "merge_pictures_json",
@@ -225,6 +226,10 @@ def lens_ghosts_json(
     light_mm2 (irradiance times area) that gets to the film's plane, and on_film_mm2 of it; on_film_mm2 of all; and of the setting name,
     wavelength_nm, f_number, focus_distance_mm, angle_deg, azimuth_deg, film_mm (by default the lens file's, or 36 by 24), reflections.
     brute_force (null unless asked for): rays, on_film_mm2 by the number of reflections, and its standard error_mm2."""
+
+def lens_proof_json(lens: Lens, settings: LensSettings, options: dict[str, Any]) -> str:
+    """What `petzval lens prove` proves of all rays between film and lens: the certificate of docs/proofs.md without its hashes. Options:
+    film_radius_mm (or null), focus_distance_mm (or null), wavelengths_nm (two), undecided (part of the volume), seconds, threads."""
 
 def lens_reality_json(
     lens: Lens,

@@ -16,6 +16,7 @@ from . import (
     lens_fit_command,
     lens_ghosts_command,
     lens_list,
+    lens_prove_command,
     lens_reality_command,
     lens_report_command,
 )
@@ -69,6 +70,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     lens_reality_command.add_parser(actions, KINDS)
     lens_calibrate_command.add_parser(actions, KINDS)
     lens_fit_command.add_parser(actions, KINDS)
+    lens_prove_command.add_parser(actions, KINDS)
 
     info = actions.add_parser("info", help="focal length, planes, pupils, aberrations", allow_abbrev=False)
     info.add_argument("lens", metavar="FILE", help=f"a lens file ({KINDS}), or the name of a shipped lens")

@@ -24,6 +24,7 @@ mod parts;
 mod pictures;
 mod plan;
 mod points;
+mod proofs;
 mod questions;
 mod reports;
 mod scene;
@@ -90,6 +91,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(framing::write_distortion_map, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_report_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_drawing_json, m)?)?;
+    m.add_function(wrap_pyfunction!(proofs::lens_proof_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_ghosts_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::lens_reality_json, m)?)?;
     m.add_function(wrap_pyfunction!(reports::fitted_lens_json, m)?)?;

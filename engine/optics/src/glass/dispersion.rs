@@ -57,7 +57,7 @@ pub enum Dispersion {
 }
 
 /// The constant in the denominator l² − 0.028 of Herzberger's formula, µm².
-const HERZBERGER: f64 = 0.028;
+pub const HERZBERGER: f64 = 0.028;
 
 impl Dispersion {
     /// The index at `l` µm.

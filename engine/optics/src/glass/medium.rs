@@ -131,6 +131,11 @@ impl Medium {
         &self.dispersion
     }
 
+    /// The number that [`Self::with_index_shift`] has added to the formula's index.
+    pub fn index_shift(&self) -> f64 {
+        self.shift
+    }
+
     /// The name as its catalogue writes it, or the token of the lens file.
     pub fn name(&self) -> &str {
         &self.name
