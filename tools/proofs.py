@@ -43,7 +43,7 @@ def row(lens: Path, options: argparse.Namespace, folder: Path) -> str:
     words = checked.stdout.split("; ")[-1].split()
     followed, confirmed = int(words[0]), int(words[3])
     cells = sum(len(column[4]) for column in found["columns"])
-    shares = " | ".join(f"{100 * found[key]:.3f} %" for key in ("passes", "stopped", "undecided"))
+    shares = " | ".join(f"{100 * found[key]:z.3f} %" for key in ("passes", "stopped", "undecided"))
     return (
         f"| {lens.stem} | {shares} | {len(found['columns'])} | {cells} | {found['seconds']:.0f} | "
         f"{time.monotonic() - began:.0f} | {followed} | {followed - confirmed} |"

@@ -107,10 +107,10 @@ def _summary(found: dict[str, Any]) -> str:
     lines = [
         f"{found['name']}: film of radius {found['film_radius_mm']:g} mm, disc of radius {found['disc_radius_mm']:g} mm, "
         f"{found['wavelengths_nm'][0]:g} to {found['wavelengths_nm'][1]:g} nm",
-        f"passes     {100 * found['passes']:8.3f} %",
-        f"stopped    {100 * found['stopped']:8.3f} %",
-        *(f"  surface {i:2d} {100 * share:6.3f} %" for i, share in enumerate(found["stopped_by_surface"]) if share),
-        f"undecided  {100 * found['undecided']:8.3f} %",
+        f"passes     {100 * found['passes']:z8.3f} %",
+        f"stopped    {100 * found['stopped']:z8.3f} %",
+        *(f"  surface {i:2d} {100 * share:z6.3f} %" for i, share in enumerate(found["stopped_by_surface"]) if share),
+        f"undecided  {100 * found['undecided']:z8.3f} %",
         f"{len(found['columns'])} columns, {cells} cells, {found['seconds']:.1f} s",
     ]
     return "\n".join(lines)
