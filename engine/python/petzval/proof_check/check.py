@@ -71,7 +71,7 @@ def check(certificate: dict[str, Any], lens_file: Path | None, sample: int | Non
     if undecided > certificate["undecided"] * (1 + 1e-6) + 1e-12:
         raise CheckError(f"{undecided:.6f} of the volume is undecided, and not {certificate['undecided']:.6f}")
     chosen = _chosen(certificate, sample)
-    pieces = [(place, (-1.0,) * 4, (1.0,) * 4) for place in chosen]
+    pieces: list[_Piece] = [(place, (-1.0,) * 4, (1.0,) * 4) for place in chosen]
     unconfirmed = _unconfirmed(certificate, pieces)
     for _ in range(_HALVINGS):
         pieces = [half for piece in unconfirmed for half in _halves(piece)]
