@@ -29,7 +29,7 @@ def petzval(*arguments: object) -> subprocess.CompletedProcess[str]:
 
 
 def row(lens: Path, options: argparse.Namespace, folder: Path) -> str:
-    """The lens's line: what is proved, and what the checker says."""
+    """The lens's row: shares of the fates, and the checker's result."""
     file = folder / "certificate.json"
     done = petzval("lens", "prove", lens, "-o", file, "--seconds", options.seconds, "--undecided", options.undecided)
     if done.returncode:

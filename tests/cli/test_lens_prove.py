@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens prove`: certificates, and the checker, which must find what is wrong with false ones."""
+"""`petzval lens prove`: certificates, and the checker, which must refuse false ones."""
 
 import copy
 import json

@@ -1,4 +1,4 @@
-//! Proves what becomes of all rays through lenses: `prove [--undecided 0.001] [--seconds 600] LENS...`.
+//! Proves the fates of all rays through lenses: `prove [--undecided 0.001] [--seconds 600] LENS...`.
 
 use std::path::Path;
 

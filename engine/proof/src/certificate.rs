@@ -1,4 +1,4 @@
-//! The certificate of a proof: what was proved, and all that it takes to check it.
+//! The certificate of a proof: the fates of all cells, with all data for a check.
 
 use petzval_optics::focus::{FilmPlane, GroupsError, focused};
 use petzval_optics::glass::{Dispersion, Medium, line_nm};
@@ -17,7 +17,7 @@ use crate::passage::Fate;
 /// The word by which a certificate and its version are known.
 pub const FORMAT: &str = "petzval lens proof 1";
 
-/// What is asked of a certificate.
+/// The request of a certificate.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertificateOptions {
@@ -29,7 +29,7 @@ pub struct CertificateOptions {
     pub wavelengths_nm: [f64; 2],
     /// Part of the volume that may be left undecided.
     pub undecided: f64,
-    /// Seconds after which the proof ends with what it has.
+    /// Time limit, s: the proof ends with the cells that are decided by then.
     pub seconds: f64,
     /// Number of threads.
     pub threads: usize,
@@ -46,7 +46,7 @@ pub enum CertificateError {
     Proof {
         /// Name of the lens.
         lens: String,
-        /// What is not covered.
+        /// The kind of surface or glass that no proof covers.
         why: ProofError,
     },
 }
@@ -117,7 +117,7 @@ pub struct Certificate {
     columns: Vec<CertificateColumn>,
 }
 
-/// Proves what it can about a lens.
+/// Proves the fates of the rays of a lens, as a certificate.
 ///
 /// # Errors
 /// [`CertificateError`].

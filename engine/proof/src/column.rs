@@ -1,7 +1,7 @@
 //! A column of rays: all parts of the way to the disc's rim over a floor, cut where their fate changes.
 //!
 //! Rays found in f64 say where to cut; nothing rests on them. A cut is a polynomial of second degree over the floor, so that the thin
-//! layer between what passes and what is stopped is as thin as the third derivatives of its border, not as the floor is wide.
+//! layer between passing and stopped rays is as thin as the third derivatives of their border, not as the floor is wide.
 
 use crate::chart::{Centre, Chart, Floor};
 use crate::passage::{Beam, Fate, Indices, pass};
@@ -63,7 +63,7 @@ pub struct Cell {
     pub fate: Fate,
 }
 
-/// A column with what was proved of it.
+/// A column with the proved fates of its cells.
 #[derive(Clone, Debug)]
 pub struct Column {
     /// Index of the centre from which the way to the rim is counted.
@@ -171,7 +171,7 @@ impl Nodes {
         (cut, miss)
     }
 
-    /// How uneven the changes are along each dimension: what a cut over half of it would mend.
+    /// The unevenness of the changes along each dimension: the gain of a cut over half of it.
     fn unevenness(&self) -> [f64; 3] {
         let stride = [1, 3, 9];
         [0, 1, 2].map(|i| {
@@ -190,7 +190,7 @@ impl Nodes {
     }
 }
 
-/// Which ends of a zone are borders of what passes.
+/// The ends of a zone that are borders of passing rays.
 #[derive(Clone, Copy)]
 struct Near {
     low: bool,
@@ -205,12 +205,12 @@ struct Prover<'a> {
     cells: Vec<Cell>,
     /// Pieces thinner than this part of the way are not cut again.
     thinnest: f64,
-    /// Sizes of the highest terms of what was left undecided though it is thick, by dimension.
+    /// Sizes of the highest terms of thick undecided cells, by dimension.
     blurred: [f64; 3],
 }
 
 impl Column {
-    /// Proves what it can of the rays over `floor`.
+    /// Proves fates of the rays over `floor`.
     pub(super) fn prove(view: &View<'_>, slab: usize, centre: Centre, floor: Floor) -> Self {
         let nodes = Nodes::new(view, centre, &floor);
         let mut prover = Prover {
@@ -367,7 +367,7 @@ impl Prover<'_> {
     }
 }
 
-/// Sizes of the models' terms of the highest degree by variable, at the last surface that they reach: what a cut across it would mend.
+/// Sizes of the models' terms of the highest degree by variable, at the last surface that they reach: the gain of a cut across it.
 fn blur(reached: &Beam<CELL>) -> [f64; VARIABLES] {
     let mut weights = [0.0; VARIABLES];
     for model in reached.point.iter().chain(&reached.direction) {

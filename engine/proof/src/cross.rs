@@ -47,7 +47,7 @@ pub(super) fn cross<const N: usize>(shape: &Shape, p: &Triple<N>, d: &Triple<N>,
     }
 }
 
-/// The t of [`Conic::meet`] and |N · D|, or the discriminant where that says that there is none.
+/// The t of [`Conic::meet`] and |N · D|, or the discriminant of a ray that misses.
 fn conic_root<const N: usize>(
     shape: &Conic,
     p: &Triple<N>,
@@ -96,7 +96,7 @@ fn cross_conic<const N: usize>(shape: &Conic, p: &Triple<N>, d: &Triple<N>, side
     let sheet = upright.bounds();
     let on_sheet = sheet.is_above(0.0);
     if on_sheet {
-        // On the vertex sheet z and N's z depend on the distance from the axis alone, which keeps the rest small.
+        // On the vertex sheet z and N's z depend on the distance from the axis alone, which keeps the remainder small.
         let squared = point[0].squared() + point[1].squared();
         let weight = inside(shape, &squared).sqrt();
         upright = upright.or(weight);
@@ -104,7 +104,7 @@ fn cross_conic<const N: usize>(shape: &Conic, p: &Triple<N>, d: &Triple<N>, side
     }
     let normal = [point[0].times(-c), point[1].times(-c), upright];
     let normal_squared = if k == 0.0 { Taylor::constant(1.0) } else { dot(&normal, &normal) };
-    if !cosine.rest().is_finite() || !point[2].rest().is_finite() {
+    if !cosine.remainder().is_finite() || !point[2].remainder().is_finite() {
         return Met::Unknown;
     }
     Met::All(Box::new(Hits { point, normal, normal_squared, cosine, on_sheet, off_sheet: sheet.is_below(0.0) }))
@@ -167,7 +167,7 @@ fn root_from_zero<const N: usize>(squared: &Taylor<N>) -> Taylor<N> {
 /// sign `side` and the size m > 0 at least: if E ≤ m h there is one root in there, and no more than one.
 fn cross_asphere<const N: usize>(shape: &Asphere, p: &Triple<N>, d: &Triple<N>, side: f64) -> Met<N> {
     let Ok((start, _)) = conic_root(&shape.base, p, d, side) else { return Met::Unknown };
-    if !start.rest().is_finite() {
+    if !start.remainder().is_finite() {
         return Met::Unknown;
     }
     let terms = shape.terms();

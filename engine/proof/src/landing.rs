@@ -16,7 +16,7 @@ pub struct Landing {
     pub direction: [Bounds; 3],
 }
 
-/// One ray in intervals: what becomes of the ray exactly as it stands, in a lens exactly as its numbers stand.
+/// One ray in intervals: the fate of exactly this ray, in a lens of exactly these numbers.
 pub struct LandingFinder {
     steps: Vec<Step>,
     indices: Vec<Option<Indices<1>>>,
@@ -53,7 +53,7 @@ impl LandingFinder {
         Some(Self { indices, opening_mm: system.diaphragm().radius_mm(), steps, tracer, travel })
     }
 
-    /// What becomes of `ray`, whose direction is the exact one divided by its exact length; where it passes, where it lands. Its origin may
+    /// The fate of `ray`, whose direction is the exact one divided by its exact length; of a ray that passes, the landing point. Its origin may
     /// be anywhere.
     pub fn landing(&self, ray: Ray) -> (Fate, Option<Landing>) {
         let start_z = if self.travel == Travel::FromScene { 0.0 } else { self.last_z() };

@@ -1,7 +1,7 @@
 //! Proofs about rays through a lens: of all rays of a cell, not of samples.
 //!
 //! [`Taylor`] models enclose functions of four variables; with them [`prove`] cuts all rays between film and lens into cells, of which
-//! each is proved to pass, proved to be stopped at a surface, or undecided. What is proved, and what is assumed, says docs/proofs.md.
+//! each is proved to pass, proved to be stopped at a surface, or undecided. docs/proofs.md lists the theorems and their assumptions.
 //!
 //! A module uses only those that stand before it here: [`table`] → [`taylor`] → [`cross`] → [`passage`] → [`index`] → [`chart`] →
 //! [`column`] → [`partition`] → [`landing`] → [`certificate`].

@@ -24,7 +24,7 @@ pub enum ProofError {
     Surface {
         /// Index of the surface, counted from the scene.
         surface: usize,
-        /// What is not covered.
+        /// The kind of surface or glass that no proof covers.
         why: &'static str,
     },
     /// The diaphragm has blades or a mask.
@@ -35,7 +35,7 @@ pub enum ProofError {
     OutOfRange(String),
 }
 
-/// What is asked of a proof.
+/// The request of a proof.
 #[derive(Clone, Copy, Debug)]
 pub struct ProofOptions {
     /// Radius of the film's disc, mm.
@@ -44,13 +44,13 @@ pub struct ProofOptions {
     pub wavelengths_nm: [f64; 2],
     /// Part of the volume that may be left undecided.
     pub undecided: f64,
-    /// Seconds after which the proof ends with what it has.
+    /// Time limit, s: the proof ends with the cells that are decided by then.
     pub seconds: f64,
     /// Number of threads; the result depends on it only where the time ends it.
     pub threads: usize,
 }
 
-/// The proof about a lens: the partition and what was proved of its cells.
+/// The proof about a lens: the partition and the fates of its cells.
 #[derive(Clone, Debug)]
 pub struct Proof {
     /// The rays.
@@ -88,7 +88,7 @@ struct Lens<'a> {
     tracers: HashMap<u64, Tracer>,
 }
 
-/// Proves what it can about the rays between a film at `film` (upright) and the lens, on their way to the scene.
+/// Proves fates of the rays between a film at `film` (upright) and the lens, on their way to the scene.
 ///
 /// # Errors
 /// [`ProofError`]: the lens has something that proofs do not cover, or a number is out of range.
@@ -166,7 +166,7 @@ impl<'a> Lens<'a> {
         [slab, slab + 1].map(|i| self.chart.film_radius_mm * i as f64 / SLABS as f64)
     }
 
-    /// The middle of what the film points at both ends of a slab see of the pupil along the meridian.
+    /// The middle of the part of the pupil along the meridian that is seen from the film points at both ends of a slab.
     fn centre(&self, slab: usize, tracer: &Tracer) -> Centre {
         const TRIALS: i32 = 400;
         let from_axis = Centre { at_axis_mm: 0.0, slope: 0.0 };
@@ -262,7 +262,7 @@ fn wavelengths(floor: &Floor) -> [f64; 3] {
     [-1.0, 0.0, 1.0].map(|epsilon| floor.at([0.0, 0.0, epsilon])[2])
 }
 
-/// Refuses what is not covered.
+/// Refuses surfaces and glasses that no proof covers.
 fn check(system: &System, steps: &[Step]) -> Result<(), ProofError> {
     let last = steps.len() - 1;
     for (i, step) in steps.iter().enumerate() {
@@ -298,7 +298,7 @@ fn indices(system: &System, steps: &[Step], floor: &Floor) -> Result<Vec<Option<
         else {
             return Ok(None);
         };
-        // On the way from the film the ray comes out of what is behind the surface.
+        // On the way from the film the ray comes out of the medium behind the surface.
         let [from, to] = [index(to, nm).map_err(refuse)?, index(from, nm).map_err(refuse)?];
         Ok(Some(Indices::between(from, to)))
     };

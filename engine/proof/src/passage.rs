@@ -8,7 +8,7 @@ use petzval_optics::trace::{Action, Step};
 /// The fate of all rays of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// Each ray meets every surface on its vertex sheet within its clear aperture, outside of its obstruction and inside of the
+    /// Each ray hits every surface on its vertex sheet within its clear aperture, outside of its obstruction and inside of the
     /// diaphragm's opening, and is refracted or reflected there.
     Passes,
     /// No ray gets past a surface.
@@ -43,7 +43,7 @@ impl StopReason {
     }
 }
 
-/// What a step is to rays of a cell of wavelengths: m = n / n′ and m² − 1, as [`petzval_optics::interface::Interface`] has them.
+/// The interface of a step for a cell of wavelengths: m = n / n′ and m² − 1, as [`petzval_optics::interface::Interface`] has them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Indices<const N: usize> {
     pub(super) ratio: Taylor<N>,
@@ -70,7 +70,7 @@ pub struct Beam<const N: usize> {
 /// A rim, a blade or an obstruction as wide as rounding may make it, as part of its own width: the tracer squares in f64.
 const ROUNDED: f64 = 8.0 * f64::EPSILON;
 
-/// Takes `beam` through `steps`; `indices` hold what refracts. The fate, and the beam behind the last surface that it was followed
+/// Takes `beam` through `steps`; `indices` hold the interfaces that refract. Returns the fate, and the beam behind the last surface that it was followed
 /// through: all of them if every ray passes.
 #[expect(clippy::too_many_lines, reason = "one surface after the other, with all of its checks in their order")]
 pub(super) fn pass<const N: usize>(
@@ -136,7 +136,7 @@ pub(super) fn pass<const N: usize>(
             (Action::Refract(_), None) => return (Fate::Undecided, beam),
         };
         let behind = Beam { point: hits.point, direction: of_unit_length(direction) };
-        if !behind.direction.iter().all(|x| x.rest().is_finite()) {
+        if !behind.direction.iter().all(|x| x.remainder().is_finite()) {
             return (Fate::Undecided, beam);
         }
         beam = behind;

@@ -1,11 +1,11 @@
-//! Taylor models: a polynomial of four variables in −1 to 1, and a bound of what is left.
+//! Taylor models: a polynomial of four variables in −1 to 1, and a bound of the remainder.
 //!
-//! A model stands for a function f of the variables and says |f(ε) − P(ε)| ≤ `rest` for all ε with |εᵢ| ≤ 1. With one
+//! A model stands for a function f of the variables and says |f(ε) − P(ε)| ≤ `remainder` for all ε with |εᵢ| ≤ 1. With one
 //! coefficient it is an interval by its middle and its half width. Numbers are rounded to nearest, so nothing depends on the
-//! processor's rounding modes: what rounding may have taken is added to `rest`. Each bound below is proved in its comment, with
+//! processor's rounding modes: the bound of the rounding error is added to `remainder`. Each bound below is proved in its comment, with
 //! u = 2⁻⁵³, from |fl(a ∘ b) − a ∘ b| ≤ u |a ∘ b| where there is no underflow.
 //!
-//! A model that means nothing has a rest that is infinite or NaN; every comparison is written so that it then proves nothing.
+//! A model that means nothing has a remainder that is infinite or NaN; every comparison is written so that it then proves nothing.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -18,14 +18,14 @@ const ROUNDING: f64 = f64::EPSILON / 2.0;
 /// relative error is below 512 u.
 const UPWARDS: f64 = 1.0 + 1024.0 * ROUNDING;
 
-/// Added to every rest: more than 10 000 products can lose by underflow, 2⁻¹⁰⁷⁵ each.
+/// Added to every remainder: more than 10 000 products can lose by underflow, 2⁻¹⁰⁷⁵ each.
 const UNDERFLOW: f64 = 1e-300;
 
 /// A polynomial of `N` coefficients (1, 5, 15, 35 or 70: order 0 to 4) and the bound of the difference from it.
 #[derive(Clone, Copy, Debug)]
 pub struct Taylor<const N: usize> {
     coefficients: [f64; N],
-    rest: f64,
+    remainder: f64,
 }
 
 /// The bounds of a number.
@@ -62,38 +62,38 @@ impl<const N: usize> Taylor<N> {
     pub fn constant(x: f64) -> Self {
         let mut coefficients = [0.0; N];
         coefficients[0] = x;
-        Self { coefficients, rest: 0.0 }
+        Self { coefficients, remainder: 0.0 }
     }
 
     /// All numbers within `half` of `middle`, of which nothing more is known.
     pub fn within(middle: f64, half: f64) -> Self {
-        Self { rest: half, ..Self::constant(middle) }
+        Self { remainder: half, ..Self::constant(middle) }
     }
 
     /// `middle` + `half` εᵢ, i = `variable` below 4. Of order 0: an interval.
     pub fn variable(middle: f64, half: f64, variable: usize) -> Self {
         let mut all = Self::constant(middle);
         match N {
-            1 => all.rest = half.abs(),
+            1 => all.remainder = half.abs(),
             _ => all.coefficients[1 + variable.min(VARIABLES - 1)] = half,
         }
         all
     }
 
-    /// The polynomial with these coefficients of monomials, given by their powers; exact. Monomials above the order go to the rest.
+    /// The polynomial with these coefficients of monomials, given by their powers; exact. Monomials above the order go to the remainder.
     pub fn polynomial<'a>(terms: impl IntoIterator<Item = (&'a [u8; VARIABLES], f64)>) -> Self {
         let mut all = Self::constant(0.0);
         for (powers, value) in terms {
             let place = MONOMIALS.place(*powers);
             match all.coefficients.get_mut(place) {
                 Some(coefficient) => *coefficient = value,
-                None => all.rest = (all.rest + value.abs()) * UPWARDS,
+                None => all.remainder = (all.remainder + value.abs()) * UPWARDS,
             }
         }
         all
     }
 
-    /// The polynomial's constant term: the value at ε = 0 but for the rest.
+    /// The polynomial's constant term: the value at ε = 0 but for the remainder.
     pub fn middle(&self) -> f64 {
         self.coefficients[0]
     }
@@ -109,11 +109,11 @@ impl<const N: usize> Taylor<N> {
     }
 
     /// The bound of the difference between the function and the polynomial.
-    pub fn rest(&self) -> f64 {
-        self.rest
+    pub fn remainder(&self) -> f64 {
+        self.remainder
     }
 
-    /// The value of the polynomial at `at`, in f64; what rounding takes is below [`Self::evaluation_error`].
+    /// The value of the polynomial at `at`, in f64; the rounding error is below [`Self::evaluation_error`].
     pub fn value(&self, at: &[f64; VARIABLES]) -> f64 {
         let mut powers = [1.0; N];
         let mut sum = 0.0;
@@ -138,7 +138,7 @@ impl<const N: usize> Taylor<N> {
 
     /// An upper bound of |f|.
     pub fn size(&self) -> f64 {
-        (self.coefficients.iter().map(|c| c.abs()).sum::<f64>() + self.rest) * UPWARDS
+        (self.coefficients.iter().map(|c| c.abs()).sum::<f64>() + self.remainder) * UPWARDS
     }
 
     /// Sums of |coefficients| by degree.
@@ -166,37 +166,37 @@ impl<const N: usize> Taylor<N> {
         }
         let slack = self.coefficients[0].abs() * 4.0 * ROUNDING
             + (high - low) * (UPWARDS - 1.0)
-            + self.rest * UPWARDS
+            + self.remainder * UPWARDS
             + UNDERFLOW;
         Bounds { low: self.coefficients[0] + low - slack, high: self.coefficients[0] + high + slack }
     }
 
-    /// This model with `more` added to its rest.
+    /// This model with `more` added to its remainder.
     pub fn widened(self, more: f64) -> Self {
-        Self { rest: (self.rest + more) * UPWARDS, ..self }
+        Self { remainder: (self.remainder + more) * UPWARDS, ..self }
     }
 
     /// The polynomial alone.
     fn without_rest(self) -> Self {
-        Self { rest: 0.0, ..self }
+        Self { remainder: 0.0, ..self }
     }
 
     /// Rounding of a sum: each coefficient is off by u of itself at most.
-    fn summed(coefficients: [f64; N], rest: f64) -> Self {
+    fn summed(coefficients: [f64; N], remainder: f64) -> Self {
         let rounded = coefficients.iter().map(|c| c.abs()).sum::<f64>() * ROUNDING;
-        Self { coefficients, rest: (rest + rounded) * UPWARDS + UNDERFLOW }
+        Self { coefficients, remainder: (remainder + rounded) * UPWARDS + UNDERFLOW }
     }
 
     /// f times 2^k or another number, each coefficient rounded once.
     pub fn times(&self, factor: f64) -> Self {
-        Self::summed(self.coefficients.map(|c| c * factor), self.rest * factor.abs())
+        Self::summed(self.coefficients.map(|c| c * factor), self.remainder * factor.abs())
     }
 
     /// f plus an exact number.
     pub fn plus(&self, x: f64) -> Self {
         let mut coefficients = self.coefficients;
         coefficients[0] += x;
-        Self { coefficients, rest: (self.rest + coefficients[0].abs() * ROUNDING) * UPWARDS + UNDERFLOW }
+        Self { coefficients, remainder: (self.remainder + coefficients[0].abs() * ROUNDING) * UPWARDS + UNDERFLOW }
     }
 
     /// f²
@@ -233,11 +233,12 @@ impl<const N: usize> Taylor<N> {
             error[0] += 2.0;
             inverse = Self::cut_product(&inverse, &error);
         }
-        let guess = Self { coefficients: inverse, rest: 0.0 };
+        let guess = Self { coefficients: inverse, remainder: 0.0 };
         let error = (Self::constant(1.0) - *self * guess).size();
         // `1 - error` is rounded by u; UPWARDS and another factor take that.
-        let rest = if error < 0.5 { guess.size() * error / (1.0 - error) * UPWARDS * UPWARDS } else { f64::INFINITY };
-        guess.widened(rest)
+        let remainder =
+            if error < 0.5 { guess.size() * error / (1.0 - error) * UPWARDS * UPWARDS } else { f64::INFINITY };
+        guess.widened(remainder)
     }
 
     /// √f; no number unless f is above 0.
@@ -257,7 +258,7 @@ impl<const N: usize> Taylor<N> {
             error[0] += 1.5;
             inverse = Self::cut_product(&inverse, &error);
         }
-        let guess = Self { coefficients: Self::cut_product(&self.coefficients, &inverse), rest: 0.0 };
+        let guess = Self { coefficients: Self::cut_product(&self.coefficients, &inverse), remainder: 0.0 };
         let error = (*self - guess.squared()).size();
         let least = low.sqrt() * (1.0 - 4.0 * ROUNDING) + guess.bounds().low;
         if !(guess.bounds().low > 0.0) {
@@ -271,9 +272,9 @@ impl<const N: usize> Taylor<N> {
         [0, 1, 2, 2, 3][Self::ORDER]
     }
 
-    /// Of two models of the same function the one with the smaller rest.
+    /// Of two models of the same function the one with the smaller remainder.
     pub fn or(self, other: Self) -> Self {
-        if other.rest < self.rest || self.rest.is_nan() { other } else { self }
+        if other.remainder < self.remainder || self.remainder.is_nan() { other } else { self }
     }
 }
 
@@ -285,7 +286,7 @@ impl<const N: usize> Add for Taylor<N> {
         for (a, b) in coefficients.iter_mut().zip(&other.coefficients) {
             *a += b;
         }
-        Self::summed(coefficients, self.rest + other.rest)
+        Self::summed(coefficients, self.remainder + other.remainder)
     }
 }
 
@@ -301,13 +302,13 @@ impl<const N: usize> Neg for Taylor<N> {
     type Output = Self;
     #[inline(never)]
     fn neg(self) -> Self {
-        Self { coefficients: self.coefficients.map(|c| -c), rest: self.rest }
+        Self { coefficients: self.coefficients.map(|c| -c), remainder: self.remainder }
     }
 }
 
 /// The product.
 ///
-/// With A, B the polynomials and a, b the rests: |f g − A B| ≤ |A| b + |B| a + a b. Of A B the terms above the order go to the rest by
+/// With A, B the polynomials and a, b the remainders: |f g − A B| ≤ |A| b + |B| a + a b. Of A B the terms above the order go to the remainder by
 /// their sizes. A coefficient of degree d is a sum of at most 2^d products, for a monomial of degree d has no more divisors, so
 /// rounding takes at most 2^d u (1 + 2^d u) of the sum of their sizes.
 impl<const N: usize> Mul for Taylor<N> {
@@ -324,8 +325,9 @@ impl<const N: usize> Mul for Taylor<N> {
             }
         }
         let (a, b) = (a.iter().sum::<f64>(), b.iter().sum::<f64>());
-        let rest = a * other.rest + b * self.rest + self.rest * other.rest + cut + rounded * ROUNDING;
-        Self { coefficients, rest: rest * UPWARDS + UNDERFLOW }
+        let remainder =
+            a * other.remainder + b * self.remainder + self.remainder * other.remainder + cut + rounded * ROUNDING;
+        Self { coefficients, remainder: remainder * UPWARDS + UNDERFLOW }
     }
 }
 

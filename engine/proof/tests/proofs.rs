@@ -84,8 +84,8 @@ fn enclose<const N: usize>(dice: &mut Dice, largest: f64) -> f64 {
             ];
             for (model, truth) in found.iter().zip(&truth) {
                 let off = (exact_value(model, &at) - truth).abs();
-                assert!(off <= Big::new(model.rest()), "{model:?} at {at:?}: off by {:e}", off.to_f64());
-                tightest = tightest.max(off.to_f64() / model.rest());
+                assert!(off <= Big::new(model.remainder()), "{model:?} at {at:?}: off by {:e}", off.to_f64());
+                tightest = tightest.max(off.to_f64() / model.remainder());
                 let Bounds { low, high } = model.bounds();
                 assert!(Big::new(low) <= *truth && *truth <= Big::new(high));
             }
@@ -97,7 +97,7 @@ fn enclose<const N: usize>(dice: &mut Dice, largest: f64) -> f64 {
 #[test]
 fn models_enclose_what_they_stand_for() {
     let mut dice = Dice(1);
-    // Wide models are right, and narrow ones, of which the rest is rounding alone.
+    // Wide models are right, and narrow ones, of which the remainder is rounding alone.
     for largest in [0.4, 0.05, 1e-4, 0.0] {
         let used = [
             enclose::<1>(&mut dice, largest),

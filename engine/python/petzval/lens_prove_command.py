@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`petzval lens prove`: what is proved of all rays through a lens, as a certificate, and the check of one. Reads arguments, asks the engine or the checker."""
+"""`petzval lens prove`: a certificate of the fates of all rays through a lens, and the check of one. Reads arguments, asks the engine or the checker."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ class CheckError(Exception):
 
 @dataclass
 class Checked:
-    """What was checked."""
+    """The counts of a check."""
 
     columns: int
     cells: int
@@ -226,13 +226,13 @@ def _halves(piece: _Piece) -> list[_Piece]:
 
 
 def _unconfirmed(certificate: dict[str, Any], pieces: list[_Piece]) -> list[_Piece]:
-    """The pieces of which it is not confirmed what is said of their cells."""
+    """The pieces for which the fates of their cells are not confirmed."""
     parts = (pieces[i : i + _TOGETHER] for i in range(0, len(pieces), _TOGETHER))
     return [piece for part in parts for piece in _follow(certificate, part)]
 
 
 def _follow(certificate: dict[str, Any], pieces: list[_Piece]) -> list[_Piece]:
-    """Follows pieces together. Returns those that are not confirmed; raises where the contrary of what is said is proved."""
+    """Follows pieces together. Returns those that are not confirmed; raises where the contrary of a stated fate is proved."""
     columns = [certificate["columns"][i] for (i, _), _, _ in pieces]
     cells = [column[4][j] for column, ((_, j), _, _) in zip(columns, pieces, strict=True)]
     least, most = (np.array([piece[i] for piece in pieces]).T for i in (1, 2))

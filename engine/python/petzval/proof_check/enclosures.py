@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Enclosures of functions of four variables in -1 to 1, many at a time: a cubic polynomial each, and a bound of what is left."""
+"""Enclosures of functions of four variables in -1 to 1, many at a time: a cubic polynomial each, and a bound of the remainder."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ class Enclosure:
     __rmul__ = __mul__
 
     def inverse(self) -> Enclosure:
-        """1 / f by its series about the middle: with f = m (1 - x), |x| <= q < 1, what is cut off is q^4 / (m (1 - q))."""
+        """1 / f by its series about the middle: with f = m (1 - x), |x| <= q < 1, the part cut off is at most q^4 / (m (1 - q))."""
         middle = self.polynomial[0]
         x = 1.0 - self * (1.0 / middle)
         q = x.size

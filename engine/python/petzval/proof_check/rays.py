@@ -24,7 +24,7 @@ _RIM = 1e-14
 
 @dataclass
 class Verdict:
-    """What is proved of each cell: that every ray passes, or that none gets past a surface."""
+    """The fate of each cell: every ray passes, or none gets past a surface."""
 
     passes: Array
     stopped: list[Array]
@@ -186,7 +186,7 @@ def _missed(surface: dict[str, Any], p: Vector, d: Vector) -> Array:
 
 
 def followed(certificate: dict[str, Any], p: Vector, d: Vector, nm: Enclosure) -> Verdict:
-    """What becomes of the rays from `p`, seen from the last vertex, along `d`."""
+    """The fates of the rays from `p`, seen from the last vertex, along `d`."""
     count = nm.rest.size
     indices = [index_of(medium, nm) for medium in certificate["media"]]
     surfaces = certificate["surfaces"]
