@@ -365,6 +365,22 @@ mod tests {
         }
     }
 
+    /// Half way from a pixel of alpha 0 to an opaque one of half the light: its colour, and not a mixture; and black where all is transparent.
+    #[test]
+    fn colours_are_divided_by_alpha_before_they_are_decoded() {
+        let t = Texture::from_bytes("b", 2, 1, &[0, 0, 0, 0, 188, 188, 188, 255], true).unwrap();
+        let at = |u: f32| t.unassociated(Vec2::new(u, 0.5), Interpolation::Linear, Extension::Extend);
+        for (u, alpha) in [(0.5, 0.5), (0.3, 0.1), (0.7, 0.9), (1.0, 1.0)] {
+            assert!((at(u).x - 0.5029).abs() < 1e-3 && (at(u).w - alpha).abs() < 1e-5, "{u}: {}", at(u));
+        }
+        assert_eq!(at(0.0), Vec4::ZERO);
+        let mixed = t.lookup(Vec2::new(0.5, 0.5), Interpolation::Linear, Extension::Extend);
+        assert!((mixed.x - srgb_to_linear(0.5 * 188.0 / 255.0)).abs() < 1e-4);
+        let tiles = Texture::from_tiles("tiles", vec![(1002, Arc::new(t.clone()))]).unwrap();
+        let on_tile = tiles.unassociated(Vec2::new(1.5, 0.5), Interpolation::Linear, Extension::Extend);
+        assert_eq!(on_tile, at(0.5));
+    }
+
     #[test]
     fn srgb_bytes_are_decoded() {
         let t = Texture::from_bytes("b", 1, 1, &[255, 188, 0, 128], true).unwrap();
