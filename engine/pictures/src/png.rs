@@ -42,3 +42,31 @@ pub fn write(path: &Path, picture: &RawPicture) -> Result<(), MergeError> {
     })
     .map_err(|error| wrong(error.to_string()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Grey and coloured numbers come back; other planes and counts are refused.
+    #[test]
+    fn numbers_come_back() {
+        let path = std::env::temp_dir().join(format!("petzval-png-{}.png", std::process::id()));
+        for planes in [1, 3] {
+            let counts: Vec<u16> = (0..300 * 200 * planes).map(|i| (i * 7919 % 65_536) as u16).collect();
+            let picture = RawPicture { size: [300, 200], planes, counts };
+            write(&path, &picture).unwrap();
+            let mut reader =
+                png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap())).read_info().unwrap();
+            let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+            let found = reader.next_frame(&mut bytes).unwrap();
+            assert_eq!((found.width, found.height, found.bit_depth), (300, 200, BitDepth::Sixteen));
+            let read: Vec<u16> = bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])).collect();
+            assert_eq!(read, picture.counts);
+        }
+        std::fs::remove_file(&path).unwrap();
+        for (planes, count) in [(2, 4), (1, 3), (1, 0)] {
+            assert!(write(&path, &RawPicture { size: [2, 1], planes, counts: vec![0; count] }).is_err());
+        }
+        assert!(!path.exists());
+    }
+}
