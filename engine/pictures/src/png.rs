@@ -8,6 +8,9 @@ use png::{BitDepth, ColorType, Compression, Encoder, Filter};
 use crate::dng::RawPicture;
 use crate::error::MergeError;
 
+/// Size of the parts of a file, bytes.
+const CHUNK: usize = 1 << 20;
+
 /// Writes a picture of one plane in grey, or of three in red, green and blue, with 16 bits a number.
 ///
 /// # Errors
@@ -33,7 +36,7 @@ pub fn write(path: &Path, picture: &RawPicture) -> Result<(), MergeError> {
         encoder.set_compression(Compression::Fast);
         encoder.set_filter(Filter::NoFilter);
         let mut writer = encoder.write_header()?;
-        let mut data = writer.stream_writer()?;
+        let mut data = writer.stream_writer_with_size(CHUNK)?;
         for counts in picture.counts.chunks(1 << 15) {
             data.write_all(&counts.iter().flat_map(|count| count.to_be_bytes()).collect::<Vec<u8>>())?;
         }
