@@ -4,7 +4,7 @@
 //! u²) / (1 + u²), 2 u / (1 + u²)), u from −1 to 1, the half of its rim with x ≥ 0, rays are aimed at s R (x, y) + (1 − s) (0, c), where
 //! c = k₀ + k₁ r is a place within the disc. All is algebraic, so no sine need be enclosed.
 //!
-//! Of a lens that looks the same from all azimuths these are all rays: turned about the axis, and mirrored in the meridian.
+//! All rays of a lens that looks the same from all azimuths are these, turned about the axis and mirrored in the meridian.
 
 use glam::DVec3;
 

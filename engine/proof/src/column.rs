@@ -41,7 +41,7 @@ const LAYER: f64 = 1.5;
 const LEAST_LAYER: f64 = 2e-6;
 /// Halvings of a zone, at most.
 const DEEPEST: usize = 14;
-/// The same of a layer.
+/// Halvings of a layer, at most.
 const DEEPEST_LAYER: usize = 3;
 
 /// Thinnest pieces of a floor over which the fate changes unevenly, as part of the way.

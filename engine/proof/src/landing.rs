@@ -1,4 +1,4 @@
-//! Where rays land: an enclosure of the exact hit on the last surface of their way, and of the direction behind it.
+//! Landing points of rays: an enclosure of the exact hit on the last surface of a ray, and of the direction behind that surface.
 
 use glam::DVec3;
 use petzval_optics::system::System;

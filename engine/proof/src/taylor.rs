@@ -272,7 +272,7 @@ impl<const N: usize> Taylor<N> {
         [0, 1, 2, 2, 3][Self::ORDER]
     }
 
-    /// Of two models of the same function the one with the smaller remainder.
+    /// The model with the smaller remainder of two of the same function.
     pub fn or(self, other: Self) -> Self {
         if other.remainder < self.remainder || self.remainder.is_nan() { other } else { self }
     }
