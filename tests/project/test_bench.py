@@ -35,7 +35,7 @@ def test_bodies_are_closed_and_face_outwards():
 
 
 def _facing(vertices, triangles):
-    """The mean normal of each vertex' triangles weighted by their area: another way to a smooth normal."""
+    """The mean normal of the triangles of each vertex, weighted by their area: another way to a smooth normal."""
     corners = vertices[triangles]
     total = np.zeros_like(vertices)
     for k in range(3):

@@ -31,7 +31,7 @@ pub struct CertificateOptions {
     pub undecided: f64,
     /// Time limit, s: the proof ends with the cells that are decided by then.
     pub seconds: f64,
-    /// Number of threads.
+    /// Number of threads, 0: one for each processor.
     pub threads: usize,
 }
 

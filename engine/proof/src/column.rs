@@ -263,7 +263,9 @@ impl Column {
         let blurs = blurred.iter().sum::<f64>() > 0.0;
         column.split = largest(if blurs && nodes.count().is_some() { blurred } else { uneven }).unwrap_or(0);
         if !blurs && uneven.iter().all(|x| *x == 0.0) {
-            let size = |i: usize| (floor.high[i] - floor.low[i]) / [view.chart.film_radius_mm, 2.0, 400.0][i];
+            let [shortest, longest] = view.chart.wavelengths_nm;
+            let whole = [view.chart.film_radius_mm, 2.0, longest - shortest];
+            let size = |i: usize| (floor.high[i] - floor.low[i]) / whole[i];
             column.split = largest([0, 1, 2].map(size)).unwrap_or(0);
         }
         column

@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::time::Instant;
 
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::chart::{Centre, Chart, Floor};
@@ -46,7 +48,7 @@ pub struct ProofOptions {
     pub undecided: f64,
     /// Time limit, s: the proof ends with the cells that are decided by then.
     pub seconds: f64,
-    /// Number of threads; the result depends on it only where the time ends it.
+    /// Number of threads, 0: one for each processor; the result depends on it only where the time ends it.
     pub threads: usize,
 }
 
@@ -94,9 +96,12 @@ struct Lens<'a> {
 /// [`ProofError`]: the lens has something that proofs do not cover, or a number is out of range.
 pub fn prove(system: &System, film: &FilmPlane, options: &ProofOptions) -> Result<Proof, ProofError> {
     let began = Instant::now();
+    // There are never more columns to prove at a time.
+    let threads = ThreadPoolBuilder::new().num_threads(options.threads.min(2 * BATCH)).build();
+    let threads = threads.map_err(|error| ProofError::OutOfRange(format!("{} threads: {error}", options.threads)))?;
     let mut lens = Lens::new(system, film, options)?;
     let whole = lens.chart.whole_volume();
-    let mut columns = lens.all(&lens.floors(), options.threads)?;
+    let mut columns = threads.install(|| lens.all(&lens.floors()))?;
     loop {
         let left: f64 = columns.iter().map(|column| column.undecided).sum();
         if left <= options.undecided * whole || began.elapsed().as_secs_f64() > options.seconds {
@@ -110,7 +115,7 @@ pub fn prove(system: &System, film: &FilmPlane, options: &ProofOptions) -> Resul
             .flat_map(|column| column.floor.halves(column.split).map(|floor| (column.slab, floor)))
             .collect();
         lens.prepare(&halves);
-        columns.extend(lens.all(&halves, options.threads)?);
+        columns.extend(threads.install(|| lens.all(&halves))?);
     }
     let volume = |counts: &dyn Fn(Fate) -> bool| {
         let of = |column: &Column| column.volume(&lens.chart, lens.centres[column.slab], counts);
@@ -222,25 +227,9 @@ impl<'a> Lens<'a> {
         }
     }
 
-    fn all(&self, floors: &[(usize, Floor)], threads: usize) -> Result<Vec<Column>, ProofError> {
-        let threads = threads.clamp(1, floors.len().max(1));
-        let parts: Vec<Vec<(usize, Floor)>> =
-            (0..threads).map(|i| floors.iter().skip(i).step_by(threads).copied().collect()).collect();
-        let proved: Vec<Result<Vec<Column>, ProofError>> = std::thread::scope(|scope| {
-            let work: Vec<_> = parts
-                .iter()
-                .map(|part| scope.spawn(move || part.iter().map(|(slab, floor)| self.column(*slab, *floor)).collect()))
-                .collect();
-            work.into_iter()
-                .map(|handle| handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-                .collect()
-        });
-        let mut rows = Vec::new();
-        for part in proved {
-            rows.push(part?.into_iter());
-        }
-        // In the order of the floors, whatever the number of threads.
-        Ok((0..floors.len()).filter_map(|i| rows[i % threads].next()).collect())
+    /// The columns over floors, in their order.
+    fn all(&self, floors: &[(usize, Floor)]) -> Result<Vec<Column>, ProofError> {
+        floors.par_iter().map(|(slab, floor)| self.column(*slab, *floor)).collect()
     }
 
     fn column(&self, slab: usize, floor: Floor) -> Result<Column, ProofError> {

@@ -79,7 +79,7 @@ def _prove(arguments: argparse.Namespace) -> int:
             "wavelengths_nm": list(arguments.wavelengths),
             "undecided": arguments.undecided,
             "seconds": arguments.seconds,
-            "threads": arguments.threads or _processors(),
+            "threads": arguments.threads,
         },
     )
     found = json.loads(answer)
@@ -94,12 +94,6 @@ def _prove(arguments: argparse.Namespace) -> int:
     say(lens.remarks)
     print(_summary(found))
     return 0
-
-
-def _processors() -> int:
-    import os
-
-    return os.cpu_count() or 1
 
 
 def _summary(found: dict[str, Any]) -> str:
