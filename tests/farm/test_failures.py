@@ -198,6 +198,16 @@ def test_a_full_disk_leaves_no_job(farm_scenes_folder, tmp_path):
     assert plan.returncode == 1 and "cannot pack" in said and not new.exists(), said
 
 
+def test_a_full_disk_leaves_no_job_of_half_a_scene(farm_scenes_folder, tmp_path):
+    """A disk with room for all but the end of the .blend itself, which Blender saves compressed and says nothing of."""
+    new, scene = tmp_path / "new", farm_scenes_folder / "small.blend"
+    room = (farm_scenes_folder / "../../library/things.blend").stat().st_size + 100
+    assert room < scene.stat().st_size
+    plan = start("plan", scene, "-o", new, preexec_fn=full(room))
+    _, said = plan.communicate(timeout=120)
+    assert plan.returncode == 1 and "cannot pack" in said and scene.name in said and not new.exists(), said
+
+
 def test_a_wrong_clock_changes_nothing(job, finished_job, petzval_cli):
     """Machines whose clocks are decades off: a part that seems older than the picture is joined all the same, and is not joined twice."""
     marker, picture = job / "parts/0001.json", job / "pictures/small.exr"

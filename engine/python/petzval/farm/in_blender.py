@@ -83,17 +83,11 @@ def _apply_bevels(bpy: Any, blends: list[Path], frame: int, *, moves: bool) -> l
     """Applies the Bevel modifiers of the packed .blends, and saves these. Warnings of those that stay. Raises `OSError`."""
     names = []
     for blend in blends:
-        bpy.ops.wm.open_mainfile(filepath=str(blend), load_ui=False, use_scripts=False)
+        packing.open_blend(bpy, str(blend))
         done, left = bevels.apply_all(bpy, frame, moves=moves)
         names += [f"'{name}'" for name in left]
-        if not done:
-            continue
-        try:
-            bpy.ops.wm.save_as_mainfile(
-                filepath=str(blend), compress=True, copy=True, relative_remap=False, check_existing=False
-            )
-        except RuntimeError as failed:
-            raise OSError(str(failed).strip()) from None
+        if done:
+            packing.save_blend(bpy, str(blend), compress=True)
     if not names:
         return []
     more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""

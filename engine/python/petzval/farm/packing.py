@@ -20,8 +20,46 @@ from ..description import INSTALLED_LENSFUN
 _UNREAD = {"Sound", "Text", "Library"}
 #: Settings of a camera that name files of which Blender knows nothing: its lens, its calibration.
 _OF_CAMERA = ("lens_file", "calibration_file")
+#: The first bytes of a compressed .blend, and the last (zstd_seekable_compression_format.md: Seekable_Magic_Number).
+_ZSTANDARD, _SEEKABLE = b"\x28\xb5\x2f\xfd", b"\xb1\xea\x92\x8f"
+#: Bytes of a block's header, at most (BHead in Blender's DNA: 32 since Blender 5).
+_MOST_OF_A_HEADER = 32
 #: A disk cache's folder beside the .blend, by the .blend's name.
 _DISK_CACHE = "blendcache_{}"
+
+
+def open_blend(bpy: Any, file: str) -> None:
+    """Opens a .blend. Raises `OSError` with Blender's reason."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=file, load_ui=False, use_scripts=False)
+    except RuntimeError as failed:
+        raise OSError(f"{file}: {_reason(failed)}") from None
+
+
+def save_blend(bpy: Any, file: str, **options: Any) -> None:
+    """Saves a copy of the open .blend, with its paths as they are; `options` as `save_as_mainfile` has them. Raises `OSError` with Blender's reason."""
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=file, copy=True, relative_remap=False, check_existing=False, **options)
+    except RuntimeError as failed:
+        raise OSError(f"{file}: {_reason(failed)}") from None
+    if not _is_whole(file):
+        raise OSError(f"{file}: it could not be written to its end: is the disk full?")
+
+
+def _is_whole(file: str) -> bool:
+    """True of a .blend that ends as Blender ends one: with the block ENDB, or compressed with the table of a seekable Zstandard file. Blender says
+    nothing of a compressed file that the disk had no room for."""
+    with open(file, "rb") as read:
+        begin = read.read(7)
+        size = read.seek(0, os.SEEK_END)
+        read.seek(max(0, size - _MOST_OF_A_HEADER))
+        end = read.read()
+    return end.endswith(_SEEKABLE) if begin.startswith(_ZSTANDARD) else b"ENDB" in end
+
+
+def _reason(failed: RuntimeError) -> str:
+    """The text of an operator's error, in one line."""
+    return " ".join(str(failed).removeprefix("Error: ").split())
 
 
 class _File:
@@ -75,7 +113,7 @@ class Packer:
             if not os.path.isfile(library):
                 self.warnings.append(f"no such library: {library}: what is linked from it is missing in the picture")
                 continue
-            self._bpy.ops.wm.open_mainfile(filepath=library, load_ui=False, use_scripts=False)
+            open_blend(self._bpy, library)
             self._collect(library)
         every = [*self._blends, *self._files]
         try:
@@ -140,13 +178,13 @@ class Packer:
 
     def _save_relative(self, file: str, place: Path) -> None:
         """Saves a .blend with relative paths to the same files."""
-        self._bpy.ops.wm.open_mainfile(filepath=file, load_ui=False, use_scripts=False)
+        open_blend(self._bpy, file)
         self._bpy.ops.file.make_paths_relative()
         for camera in self._bpy.data.cameras:
             for name in _OF_CAMERA if camera.library is None else ():
                 if os.path.isabs(own := self._file_of(camera, name)):
                     setattr(camera.petzval, name, self._bpy.path.relpath(own, start=os.path.dirname(file)))
-        self._bpy.ops.wm.save_as_mainfile(filepath=str(place), copy=True, relative_remap=False, check_existing=False)
+        save_blend(self._bpy, str(place))
 
     def _absolute(self, path: str, library: Any) -> str:
         return os.path.normpath(str(self._bpy.path.abspath(path, library=library)))
