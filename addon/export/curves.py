@@ -33,7 +33,13 @@ class CurveArrays:
     #: Attributes by name: True if by key, else by strand; and (keys or strands, 4).
     attributes: dict[str, tuple[bool, np.ndarray]] = field(default_factory=dict)
 
-    def send(self, builder: Any, name: str, moved: tuple[np.ndarray, np.ndarray] | None) -> int:
+    def send(
+        self,
+        builder: Any,
+        name: str,
+        moved: tuple[np.ndarray, np.ndarray] | None,
+        poses: list[np.ndarray] | None,
+    ) -> int:
         """Adds the curves to a `SceneBuilder`; returns their index."""
         return builder.add_curves(
             name,
@@ -44,6 +50,7 @@ class CurveArrays:
             uv_maps=self.uv_maps or None,
             attributes=self.attributes or None,
             moved_keys=moved,
+            poses=poses,
         )
 
 
@@ -62,12 +69,7 @@ def extract(curves: bpy.types.Curves, wanted: Iterable[str], drawn: dict[str, An
         return None
     first_keys = np.empty(len(curves.curves) + 1, np.int32)
     curves.curve_offset_data.foreach_get("value", first_keys)
-    keys = np.full((len(curves.points), 4), RADIUS, np.float32)
-    keys[:, :3] = positions(curves)
-    radius = curves.attributes.get("radius")
-    if radius is not None and radius.domain == "POINT":
-        keys[:, 3] = _read(radius, "value", 1, np.float32)[:, 0]
-    arrays = CurveArrays(keys, first_keys, drawn if not _is_straight(curves) else {"shape": "THICK_LINEAR"})
+    arrays = CurveArrays(keys(curves), first_keys, drawn if not _is_straight(curves) else {"shape": "THICK_LINEAR"})
     for attribute in curves.attributes:
         if attribute.domain == "CURVE" and attribute.data_type == "FLOAT2":
             arrays.uv_maps[attribute.name] = _read(attribute, "vector", 2, np.float32)
@@ -76,6 +78,16 @@ def extract(curves: bpy.types.Curves, wanted: Iterable[str], drawn: dict[str, An
         if attribute is not None and attribute.data_type in attributes.KINDS:
             arrays.attributes[name] = (attribute.domain == "POINT", attributes.four(attribute))
     return arrays
+
+
+def keys(curves: bpy.types.Curves) -> np.ndarray:
+    """Places and radii, (points, 4), object space."""
+    found = np.full((len(curves.points), 4), RADIUS, np.float32)
+    found[:, :3] = positions(curves)
+    radius = curves.attributes.get("radius")
+    if radius is not None and radius.domain == "POINT":
+        found[:, 3] = _read(radius, "value", 1, np.float32)[:, 0]
+    return found
 
 
 def positions(curves: bpy.types.Curves) -> np.ndarray:

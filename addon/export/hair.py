@@ -63,17 +63,20 @@ def places(holder: bpy.types.Object, system: System) -> np.ndarray:
     return (world @ to_object[:3, :3].T + to_object[:3, 3]).astype(np.float32)
 
 
+def keys(holder: bpy.types.Object, system: System) -> np.ndarray:
+    """Places and radii, (strands, keys each, 4), object space."""
+    at = places(holder, system)
+    return np.concatenate([at, _radii(at, system.settings)[:, :, np.newaxis]], 2, dtype=np.float32)
+
+
 def extract(
     holder: bpy.types.Object, system: System, wanted: Iterable[str], drawn: dict[str, Any], first_number: int
 ) -> CurveArrays:
     """The strands of a system, with the attributes that are wanted of the mesh that they grow from."""
-    at = places(holder, system)
-    strands, each = at.shape[:2]
-    keys = np.empty((strands, each, 4), np.float32)
-    keys[:, :, :3] = at
-    keys[:, :, 3] = _radii(at, system.settings)
+    balls = keys(holder, system)
+    strands, each = balls.shape[:2]
     arrays = CurveArrays(
-        keys.reshape(-1, 4), np.arange(strands + 1, dtype=np.int32) * np.int32(each), drawn, first_number
+        balls.reshape(-1, 4), np.arange(strands + 1, dtype=np.int32) * np.int32(each), drawn, first_number
     )
     mesh = holder.data
     if not isinstance(mesh, bpy.types.Mesh):
@@ -84,7 +87,7 @@ def extract(
     colours = [a.name for a in mesh.color_attributes if a.domain == "CORNER" and a.data_type == "BYTE_COLOR"]
     for name in sorted(wanted):
         if name == attributes.GENERATED:
-            arrays.attributes[name] = (False, attributes.in_box(mesh, at[:, 0]))
+            arrays.attributes[name] = (False, attributes.in_box(mesh, balls[:, 0, :3]))
         elif name in colours:
             encoded = _on_emitter(system, system.hair.mcol_on_emitter, 3, vcol_no=colours.index(name))
             values = np.ones((strands, 4), np.float32)

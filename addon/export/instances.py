@@ -332,10 +332,11 @@ class Stage:
         self, data: bpy.types.Curves, place: bpy.types.DepsgraphObjectInstance, wanted: frozenset[str]
     ) -> int | None:
         arrays = curves.extract(data, wanted, self._drawn)
-        moved = self._motion.positions(place, arrays.keys[:, :3]) if arrays and self._motion is not None else None
-        if self._blur is not None:
-            self._blur.changes_strands(place)
-        return arrays and arrays.send(self._builder, data.name, moved)
+        if arrays is None:
+            return None
+        moved = self._motion.positions(place, arrays.keys[:, :3]) if self._motion is not None else None
+        poses = self._blur.balls(place, arrays.keys) if self._blur is not None else None
+        return arrays.send(self._builder, data.name, moved, poses)
 
     def _add(
         self,
@@ -373,7 +374,7 @@ class Stage:
         if arrays is None:
             return None
         moved = self._motion.positions(place, arrays.points[:, :3]) if self._motion is not None else None
-        poses = self._blur.points(place, arrays.points) if self._blur is not None else None
+        poses = self._blur.balls(place, arrays.points) if self._blur is not None else None
         return arrays.send(self._builder, data.name, moved, poses)
 
     def _particles(
@@ -405,10 +406,6 @@ class Stage:
         first_number: int,
     ) -> int:
         arrays = hair.extract(holder, system, wanted, self._drawn, first_number)
-        moved = None
-        if self._motion is not None:
-            moved = self._motion.hair(place, system.hair.name, arrays.keys[:, :3])
-        index = arrays.send(self._builder, f"{holder.name}, {system.hair.name}", moved)
-        if self._blur is not None:
-            self._blur.changes_strands(place, system.hair.name)
-        return index
+        moved = self._motion.hair(place, system.hair.name, arrays.keys[:, :3]) if self._motion is not None else None
+        poses = self._blur.balls(place, arrays.keys, system.hair.name) if self._blur is not None else None
+        return arrays.send(self._builder, f"{holder.name}, {system.hair.name}", moved, poses)

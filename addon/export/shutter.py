@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from petzval.description import Matrix4
 
@@ -21,6 +22,8 @@ from .report import Report
 _OPENS = {"START": 0.0, "CENTER": 0.5, "END": 1.0}
 #: Points at which the shutter's curve is read.
 _CURVE_POINTS = 256
+#: Rounding of a place on its way to the world's coordinates and back, of single precision, as a share of these.
+_ROUNDING = 1e-6
 
 
 class Shutter(NamedTuple):
@@ -103,7 +106,7 @@ def _deforms(place: bpy.types.DepsgraphObjectInstance) -> bool:
 
 
 class Shape(NamedTuple):
-    """A mesh at one key, the keys of strands, or points with their radii."""
+    """A mesh at one key, or the keys of strands or points with their radii."""
 
     positions: np.ndarray
     #: The normals; None where there are none, or all faces are flat.
@@ -116,23 +119,24 @@ class Standing(NamedTuple):
     matrix: Matrix4
     #: The shape, shared by all instances; None where it is constant.
     shape: Shape | None
-    #: The positions of the keys of hair, by particle system.
-    hair: dict[str, np.ndarray]
+    #: The keys of hair and their radii, by particle system.
+    hair: dict[str, Shape]
 
 
 def _read(depsgraph: bpy.types.Depsgraph) -> dict[Key, Standing]:
     """The instances in the graph's frame, by key."""
     found: dict[Key, Standing] = {}
     known: dict[int, Shape | None] = {}
-    known_hair: dict[str, dict[str, np.ndarray]] = {}
+    known_hair: dict[str, dict[str, Shape]] = {}
     is_render = depsgraph.mode == "RENDER"
     for place in depsgraph.object_instances:
         holder = place.object
-        of_hair: dict[str, np.ndarray] = {}
+        of_hair: dict[str, Shape] = {}
         if holder.particle_systems:
             if holder.name_full not in known_hair:
                 known_hair[holder.name_full] = {
-                    system.hair.name: hair.places(holder, system) for system in hair.systems(place, is_render)
+                    system.hair.name: Shape(hair.keys(holder, system).reshape(-1, 4))
+                    for system in hair.systems(place, is_render)
                 }
             of_hair = known_hair[holder.name_full]
         if not (place.show_self or of_hair) or not key_count_of(place):
@@ -152,7 +156,7 @@ def _shape(data: bpy.types.Mesh | bpy.types.Curves | bpy.types.PointCloud) -> Sh
     if isinstance(data, bpy.types.PointCloud):
         return Shape(points.balls(data)) if len(data.points) else None
     if isinstance(data, bpy.types.Curves):
-        return Shape(curves.positions(data)) if len(data.points) else None
+        return Shape(curves.keys(data)) if len(data.points) else None
     return None if data.is_editmode else Shape(mesh.positions(data), mesh.normals(data))
 
 
@@ -173,8 +177,13 @@ class Blur:
             before = self._keys[-1]
             for which, one in now.items():
                 old = before.get(which)
-                if old is not None and old.shape is not None and one.shape is not None and _same(old.shape, one.shape):
+                if old is None:
+                    continue
+                if old.shape is not None and one.shape is not None and _same(old.shape, one.shape):
                     now[which] = one._replace(shape=old.shape)
+                for system in one.hair.keys() & old.hair.keys():
+                    if _is_stiff(old, one, system):
+                        one.hair[system] = old.hair[system]
         self._keys.append(now)
 
     def matrices(self, place: bpy.types.DepsgraphObjectInstance) -> list[Matrix4] | None:
@@ -192,10 +201,17 @@ class Blur:
         has_normals = now.corner_normals is not None and all(now.fits(one.normals) for one in shapes)
         return [(one.positions, one.normals if has_normals else None) for one in shapes]
 
-    def points(self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray) -> list[np.ndarray] | None:
-        """The points of an instance's cloud and their radii at its keys; None where they keep both."""
-        shapes = self._shapes(place, now)
+    def balls(
+        self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray, system: str | None = None
+    ) -> list[np.ndarray] | None:
+        """The points of an instance's cloud, or the keys of its strands, and their radii at its keys; None where it keeps both. `system`:
+        those of a particle system's hair."""
+        shapes = self._shapes(place, now) if system is None else self._hair(place, system, now)
         return None if shapes is None else [one.positions for one in shapes]
+
+    def _hair(self, place: bpy.types.DepsgraphObjectInstance, system: str, now: np.ndarray) -> list[Shape] | None:
+        found = self._of(place) if _blurs_shape(place) else []
+        return self._changing(place, [one.hair.get(system) for one in found], now)
 
     def _shapes(self, place: bpy.types.DepsgraphObjectInstance, now: np.ndarray) -> list[Shape] | None:
         count = key_count_of(place)
@@ -203,7 +219,12 @@ class Blur:
         if way is not None and len(way) == len(now):
             way = np.pad(way, ((0, 0), (0, now.shape[1] - 3)))
             return [Shape(now - way), Shape(now), Shape(now + way)] if way.any() else None
-        shapes = [one.shape for one in self._of(place)]
+        return self._changing(place, [one.shape for one in self._of(place)], now)
+
+    def _changing(
+        self, place: bpy.types.DepsgraphObjectInstance, shapes: list[Shape | None], now: np.ndarray
+    ) -> list[Shape] | None:
+        """The shapes, where they are all there, have as many vertices as now, and differ."""
         if not shapes or any(one is None for one in shapes) or all(one is shapes[0] for one in shapes):
             return None
         if any(one.positions.shape != now.shape for one in shapes):
@@ -212,19 +233,6 @@ class Blur:
             )
             return None
         return shapes
-
-    def changes_strands(self, place: bpy.types.DepsgraphObjectInstance, system: str | None = None) -> None:
-        """Warns of strands that change their shape: these are not blurred yet."""
-        keys = self._of(place)
-        if system is None:
-            shapes = [one.shape.positions for one in keys if one.shape is not None]
-        else:
-            shapes = [one.hair[system] for one in keys if system in one.hair]
-        if any(one.shape != shapes[0].shape or not np.array_equal(one, shapes[0]) for one in shapes):
-            self._report.warn(
-                f"Object '{place.object.name}': hair that changes its shape while the shutter is open is not blurred yet, but "
-                "where its object goes"
-            )
 
     def moves_light(self, place: bpy.types.DepsgraphObjectInstance) -> None:
         """Warns of a lamp that moves: it does not blur, as in Cycles."""
@@ -250,6 +258,16 @@ def _same(one: Shape, other: Shape) -> bool:
     if one.normals is None or other.normals is None:
         return one.normals is other.normals
     return one.normals[0] == other.normals[0] and np.array_equal(one.normals[1], other.normals[1])
+
+
+def _is_stiff(before: Standing, now: Standing, system: str) -> bool:
+    """True where a particle system's hair has its shape of before, within the rounding of the world's coordinates, by which Blender tells it."""
+    one, other = before.hair[system].positions, now.hair[system].positions
+    if one.shape != other.shape:
+        return False
+    origin = Matrix(now.matrix).inverted_safe().translation
+    reach = np.abs(one[:, :3]).max(initial=0.0) + max(map(abs, origin))
+    return bool(np.abs(other - one).max(initial=0.0) <= _ROUNDING * reach)
 
 
 def most_keys(depsgraph: bpy.types.Depsgraph, camera: bpy.types.Object | None) -> int:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -60,7 +61,9 @@ def test_parity(blender, tmp_path, name):
     def take(engine):
         return photograph.looks(engine, tmp_path, one.passes, one.frames)
 
-    for done, share, ours, theirs in beside_cycles.looks(samples, take, theirs_at_once=name in AT_ONCE, blocks=(3, 4)):
+    chapter = Path(sys.modules[one.fill.__module__].__file__)
+    looks = beside_cycles.looks(samples, take, theirs_at_once=name in AT_ONCE, blocks=(3, 4), chapter=chapter)
+    for done, share, ours, theirs in looks:
         told = sys.modules["petzval_addon"].render.statistics.last(blender.context.scene.name)
         assert all(np.isfinite(look).all() for look in ours.values())
         left = [line for line in told.warnings if not any(word in line for word in one.warns)]

@@ -26,9 +26,12 @@ FILES = {
     "gallery/__init__.py": "",
     "gallery/room.py": "",
     "gallery/hall.py": "",
+    "gallery/cellar.py": "from . import door\nfrom .stairs import step\n",
+    "gallery/door.py": "",
+    "gallery/stairs.py": "",
 }
 #: Files of which each line counts; of conftest.py the fixtures alone that are asked for.
-COUNT = ("lamps/test_lamps.py", "support/scenes.py", "support/studio.py", "support/nodes.py", "support/lamps.py", "gallery/hall.py")  # fmt: skip
+COUNT = ("lamps/test_lamps.py", "support/scenes.py", "support/studio.py", "support/nodes.py", "support/lamps.py", "gallery/hall.py", "gallery/cellar.py")  # fmt: skip
 DO_NOT_COUNT = ("support/balls.py", "support/beside.py", "conftest.py", "lamps/conftest.py")
 
 
@@ -52,6 +55,31 @@ def test_what_a_test_imports_and_asks_for_counts(tree, name):
     before = digest(tree)
     (tree / name).write_text("# Another line.\n" + FILES[name])
     assert (digest(tree) != before) == (name in COUNT)
+
+
+def test_of_a_chapter_what_it_imports_counts(tree):
+    """Of a package, the chapter of the scene, what it imports from beside it, and what the test names."""
+
+    def digest(name: str) -> str:
+        return sources.digest.__wrapped__(tree / "test_gallery.py", tree / "gallery" / name)
+
+    (tree / "test_gallery.py").write_text("from gallery import room\n")
+    before = {chapter: digest(chapter) for chapter in ("cellar.py", "hall.py")}
+    changed = {}
+    for name in ("__init__", "room", "hall", "cellar", "door", "stairs"):
+        text = (tree / f"gallery/{name}.py").read_text()
+        (tree / f"gallery/{name}.py").write_text("# Another line.\n" + text)
+        changed[name] = [chapter for chapter, old in before.items() if digest(chapter) != old]
+        (tree / f"gallery/{name}.py").write_text(text)
+    both = ["cellar.py", "hall.py"]
+    assert changed == {
+        "__init__": both,
+        "room": both,
+        "hall": both[1:],
+        "cellar": both[:1],
+        "door": both[:1],
+        "stairs": both[:1],
+    }
 
 
 @pytest.mark.parametrize(("name", "old"), [("lamps/conftest.py", "studio(base)"), ("conftest.py", "base()")])

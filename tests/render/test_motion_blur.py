@@ -71,6 +71,23 @@ def colour(channels: dict) -> np.ndarray:
     return np.stack([channels[f"combined.{c}"] for c in "rgb"], axis=-1)
 
 
+def assert_mean_of_sharp_ones(parts, scene, tmp_path, blurred: dict) -> None:
+    """A picture of the whole shutter is the mean of pictures without motion blur while it is open."""
+    scene.render.use_motion_blur = False
+    count = 24
+    mean = 0.0
+    for i in range(count):
+        part = (i + 0.5) / count - 0.5
+        scene.frame_set(FRAME + math.floor(part), subframe=part - math.floor(part))
+        scene.petzval.seed = i
+        sharp, _ = photograph(parts, scene, tmp_path / "sharp.exr", samples=16)
+        mean = mean + colour(sharp) / count
+    ours, truth = (blocks(picture, 8) for picture in (colour(blurred), mean))
+    # Edges go 1/24 of their way between two of the sharp ones; noise is as much again.
+    assert np.abs(ours - truth).max() < 0.03 * truth.max()
+    assert abs(ours.mean() / truth.mean() - 1.0) < 0.01
+
+
 LENS = "double-gauss-f2-tronnier.lens"
 
 
@@ -105,19 +122,7 @@ def test_a_blurred_picture_is_the_mean_of_sharp_ones(parts, blender, tmp_path, m
     assert not warnings(parts, scene)
     assert decision(parts, scene)["decision"] == "on"
     assert scene.frame_current == FRAME and scene.frame_subframe == 0.0
-    scene.render.use_motion_blur = False
-    count = 24
-    mean = 0.0
-    for i in range(count):
-        part = (i + 0.5) / count - 0.5
-        scene.frame_set(FRAME + math.floor(part), subframe=part - math.floor(part))
-        scene.petzval.seed = i
-        sharp, _ = photograph(parts, scene, tmp_path / "sharp.exr", samples=16)
-        mean = mean + colour(sharp) / count
-    ours, truth = (blocks(picture, 8) for picture in (colour(blurred), mean))
-    # Edges go 1/24 of their way between two of the sharp ones; noise is as much again.
-    assert np.abs(ours - truth).max() < 0.03 * truth.max()
-    assert abs(ours.mean() / truth.mean() - 1.0) < 0.01
+    assert_mean_of_sharp_ones(parts, scene, tmp_path, blurred)
 
 
 def test_where_nothing_moves_nothing_changes(parts, blender, tmp_path):
@@ -224,24 +229,83 @@ def test_a_checkpoint_is_of_one_motion(parts, blender, tmp_path):
     assert resumed[0] == 0 and resumed[1] > 0 and resumed[2] == 0
 
 
-def test_hair_that_changes_its_shape_is_named(parts, blender, tmp_path):
+def sways(tree) -> None:
+    """A modifier's nodes: each point goes sideways with time, as far as it is high."""
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+
+    def math_node(operation, *values):
+        node = tree.nodes.new("ShaderNodeMath")
+        node.operation = operation
+        for socket, value in zip(node.inputs, values, strict=False):
+            if isinstance(value, float):
+                socket.default_value = value
+            else:
+                tree.links.new(value, socket)
+        return node.outputs[0]
+
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    frame = tree.nodes.new("GeometryNodeInputSceneTime").outputs["Frame"]
+    place = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(tree.nodes.new("GeometryNodeInputPosition").outputs[0], place.inputs[0])
+    gone = math_node("MULTIPLY", math_node("SUBTRACT", frame, float(FRAME)), 0.8)
+    aside = tree.nodes.new("ShaderNodeCombineXYZ")
+    tree.links.new(math_node("MULTIPLY", gone, place.outputs["Z"]), aside.inputs["X"])
+    sway = tree.nodes.new("GeometryNodeSetPosition")
+    tree.links.new(start.outputs[0], sway.inputs["Geometry"])
+    tree.links.new(aside.outputs[0], sway.inputs["Offset"])
+    tree.links.new(sway.outputs[0], end.inputs[0])
+
+
+@pytest.mark.parametrize("shape", ["RIBBONS", "THICK"])
+def test_hair_that_changes_its_shape(parts, blender, tmp_path, shape):
+    """Curves that nodes bend, and particles' hair on a mesh that a shape key spreads."""
     scene, *_ = stage(parts)
+    scene.cycles_curves.shape = shape
     data = blender.data.hair_curves.new("Hair")
-    data.add_curves([3])
-    data.attributes["position"].data.foreach_set("vector", [0, 0, 0, 0, 0, 1, 0, 0, 2])
+    data.add_curves([4] * 5)
+    strands = [[(0.3 * k, 0.0, 0.4 * i) for i in range(4)] for k in range(5)]
+    data.attributes["position"].data.foreach_set("vector", np.ravel(strands))
+    width = data.attributes.new("radius", "FLOAT", "POINT")
+    width.data.foreach_set("value", [0.1] * 20)
+    data.materials.append(parts.emitter(strength=2.0))
     holder = blender.data.objects.new("Hair", data)
-    holder.location = (0.0, 3.0, 0.0)
+    holder.location = (-1.4, 3.0, -1.0)
     scene.collection.objects.link(holder)
-    group = blender.data.node_groups.new("Bend", "GeometryNodeTree")
-    group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    start, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
-    bend = group.nodes.new("GeometryNodeSetPosition")
-    group.links.new(start.outputs[0], bend.inputs["Geometry"])
-    group.links.new(group.nodes.new("GeometryNodeInputSceneTime").outputs["Seconds"], bend.inputs["Offset"])
-    group.links.new(bend.outputs[0], end.inputs[0])
-    holder.modifiers.new("Bend", "NODES").node_group = group
+    group = blender.data.node_groups.new("Sway", "GeometryNodeTree")
+    sways(group)
+    holder.modifiers.new("Sway", "NODES").node_group = group
+    head = parts.square("Head", (0.6, 3.0, 0.5), 0.6, matte(parts, (0.1, 0.5, 0.2)))
+    head.shape_key_add(name="Basis")
+    spread = head.shape_key_add(name="Spread")
+    for one, own in zip(spread.data, head.data.vertices, strict=True):
+        one.co = 2.0 * own.co
+    animate(spread, "value", lambda t: 0.4 + 0.4 * t)
+    head.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    grown = head.particle_systems[0].settings
+    grown.type, grown.count, grown.hair_length, grown.radius_scale, grown.root_radius = "HAIR", 12, 0.8, 0.1, 1.0
+    for one in (holder, head):
+        one.cycles.motion_steps = 3
     scene.frame_set(FRAME)
     opened(scene)
-    photograph(parts, scene, tmp_path / "hair.exr", samples=1)
-    assert any("'Hair'" in line and "not blurred yet" in line for line in warnings(parts, scene))
+    blurred, _ = photograph(parts, scene, tmp_path / "blurred.exr", samples=256)
+    assert not warnings(parts, scene)
+    assert_mean_of_sharp_ones(parts, scene, tmp_path, blurred)
+
+
+def test_hair_that_turns_keeps_its_shape(parts, blender):
+    """Blender tells the keys of particles' hair in world coordinates; what these round is no change of shape."""
+    scene, _, slides, _ = stage(parts)
+    slides.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    slides.particle_systems[0].settings.type = "HAIR"
+    animate(slides, "location", lambda t: (1.2 * t, 400.0, 0.3))
+    animate(slides, "rotation_euler", lambda t: (0.0, 0.8 * t, 0.3))
+    shutter = parts.part("export.shutter")
+    blur = shutter.Blur(None, 1.0)
+
+    def look(_number: int) -> None:
+        blur.read(blender.context.evaluated_depsgraph_get())
+
+    shutter.sweep(shutter.Shutter(FRAME - 0.5, 1.0), 3, lambda frame, part: scene.frame_set(frame, subframe=part), look)
+    first, *others = (shape for standing in blur._keys for shape in standing["Slides",].hair.values())
+    assert len(others) == 2 and all(one is first for one in others)

@@ -64,11 +64,12 @@ def looks(
     *,
     theirs_at_once: bool = False,
     blocks: tuple[int, int] | None = None,
+    chapter: Path | None = None,
 ) -> Iterator[tuple[int, float, Pictures, Pictures]]:
     """By the `LOOKS`: Petzval's samples so far, the share of the limits, Petzval's picture and Cycles's. `take` renders with the
     engine of that name, a picture or several by their names. What has been rendered is not rendered again: samples are added to
     it, the next ones of the same sequence. `theirs_at_once`: Cycles takes all samples for the first look. `blocks`: so many rows and
-    columns of blocks, of whose means alone Cycles's pictures are right; these may be stored."""
+    columns of blocks, of whose means alone Cycles's pictures are right; these may be stored, by the sources of the scene's `chapter`."""
     own, cycles = bpy.context.scene.petzval, bpy.context.scene.cycles
     done, pictures = {"PETZVAL": 0, "CYCLES": 0}, {}
 
@@ -85,7 +86,11 @@ def looks(
             cycles.sample_offset, cycles.sample_subset_length = first, more
         else:
             cycles.samples, cycles.sample_offset = more, first
-        taken = take(engine) if engine == "PETZVAL" or blocks is None else theirs_in_blocks(take, blocks, first, more)
+        taken = (
+            take(engine)
+            if engine == "PETZVAL" or blocks is None
+            else theirs_in_blocks(take, blocks, first, more, chapter)
+        )
         pictures[engine] = _joined(pictures[engine], first, taken, more) if first else taken
         done[engine] += more
 
@@ -99,11 +104,13 @@ def looks(
         yield done["PETZVAL"], share, pictures["PETZVAL"], pictures["CYCLES"]
 
 
-def theirs_in_blocks(take: Callable[[str], Pictures], blocks: tuple[int, int], first: int, more: int) -> Pictures:
+def theirs_in_blocks(
+    take: Callable[[str], Pictures], blocks: tuple[int, int], first: int, more: int, chapter: Path | None
+) -> Pictures:
     """Cycles' pictures of samples from the `first` on, or stored ones with the same means of blocks."""
     from support import stored_blocks
 
-    key, again = kept_references.digest(blocks, first, more), os.environ.get("PETZVAL_CYCLES_AGAIN")
+    key, again = kept_references.digest(blocks, first, more, chapter=chapter), os.environ.get("PETZVAL_CYCLES_AGAIN")
     found = None if again else stored_blocks.find(key)
     if found is not None:
         return found

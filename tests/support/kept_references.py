@@ -65,11 +65,12 @@ def _place() -> Path | None:
     return KEPT / f"{short}-{told}-{'.'.join(map(str, bpy.app.version[:2]))}-{digest(_asked)}.exr"
 
 
-def digest(*more: object) -> str:
-    """The digest of all data that decide Cycles' next picture in the running test; `more` tells the pictures of a test apart."""
+def digest(*more: object, chapter: Path | None = None) -> str:
+    """The digest of all data that decide Cycles' next picture in the running test; `more` tells the pictures of a test apart, `chapter` is the
+    one module of its package that the scene is from."""
     test = os.environ["PYTEST_CURRENT_TEST"]
     made = hashlib.blake2b(digest_size=12)
-    for part in (*_state(), _meshes(), sources.digest(sources.file_of(test))):
+    for part in (*_state(), _meshes(), sources.digest(sources.file_of(test), chapter)):
         made.update(repr(part).encode())
     made.update(repr((sources.without_folder(test), *more)).encode())
     return made.hexdigest()

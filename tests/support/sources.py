@@ -33,21 +33,43 @@ def without_folder(test: str) -> str:
 
 
 @functools.cache
-def digest(file: Path) -> str:
-    """A digest of the sources of a file of tests."""
-    made, known = hashlib.blake2b(), set()
-    fixtures = fixtures_of(file)
+def digest(file: Path, chapter: Path | None = None) -> str:
+    """A digest of the sources of a file of tests; of the modules beside `chapter`, in a package, only those that the chapter imports, or the
+    file by name."""
+    made, fixtures = hashlib.blake2b(), fixtures_of(file)
+    known: set[Path] = set() if chapter is None else _beside(file, chapter)
     waiting = [file, *imported(fixtures)]
     while waiting:
         one = waiting.pop()
         if one not in known and one not in _KEEPERS:
             known.add(one)
             waiting += imported([_tree(one)])
+    if chapter is not None:
+        known -= _beside(file, chapter)
     for one in sorted(known, key=lambda one: (one.name, one.read_bytes())):
         made.update(one.name.encode() + one.read_bytes())
     for text in sorted(fixtures.values()):
         made.update(text.encode())
     return made.hexdigest()
+
+
+def _beside(file: Path, chapter: Path) -> set[Path]:
+    """The modules beside a chapter that neither the chapter, nor those that it imports, nor a file of tests imports."""
+    package = chapter.parent
+    waiting, needed = [package / "__init__.py", chapter], set()
+    for node in ast.walk(_tree(file)):
+        if isinstance(node, ast.ImportFrom) and node.module == package.name:
+            waiting += [package / f"{alias.name}.py" for alias in node.names]
+    while waiting:
+        one = waiting.pop()
+        if one in needed or not one.exists():
+            continue
+        needed.add(one)
+        for node in ast.walk(_tree(one)):
+            if isinstance(node, ast.ImportFrom) and node.level == 1:
+                names = [node.module] if node.module else [alias.name for alias in node.names]
+                waiting += [package / f"{name}.py" for name in names]
+    return set(package.glob("*.py")) - needed
 
 
 def imported(trees: Iterable[ast.AST]) -> list[Path]:

@@ -478,6 +478,7 @@ class SceneBuilder:
         uv_maps: dict[str, npt.NDArray[np.float32]] | None = None,  # name -> (strands, 2), where roots are
         attributes: dict[str, tuple[bool, npt.NDArray[np.float32]]] | None = None,  # by key, else by strand; 4 each
         moved_keys: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]] | None = None,  # keys, before and after
+        poses: Sequence[npt.NDArray[np.float32]] | None = None,  # as `keys`, at even times over the exposure
     ) -> int:
         """Hair and other curves; `add_instance` takes their index as it takes a mesh's. Strands with a key that is not finite are
         left out and counted in `warnings`."""

@@ -15,6 +15,7 @@ pub(crate) struct CurveOptions<'py> {
     pub(crate) uv_maps: Option<Bound<'py, PyDict>>,
     pub(crate) attributes: Option<Bound<'py, PyDict>>,
     pub(crate) moved_keys: Option<[PyReadonlyArray2<'py, f32>; 2]>,
+    pub(crate) poses: Option<Vec<PyReadonlyArray2<'py, f32>>>,
 }
 
 /// The engine's description of the curves from Python.
@@ -72,5 +73,6 @@ pub(crate) fn description(
         uv_maps,
         attributes,
         moved_keys,
+        poses: more.poses.iter().flatten().map(|pose| fours(pose, "keys over time")).collect::<Result<_, _>>()?,
     })
 }

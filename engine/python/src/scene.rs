@@ -161,7 +161,8 @@ impl SceneBuilder {
     }
 
     #[pyo3(signature = (
-        name, keys, first_keys, shape, *, pieces = 1, first_number = 0, uv_maps = None, attributes = None, moved_keys = None
+        name, keys, first_keys, shape, *, pieces = 1, first_number = 0, uv_maps = None, attributes = None, moved_keys = None,
+        poses = None
     ))]
     #[allow(clippy::too_many_arguments)]
     fn add_curves<'py>(
@@ -176,8 +177,9 @@ impl SceneBuilder {
         uv_maps: Option<Bound<'py, PyDict>>,
         attributes: Option<Bound<'py, PyDict>>,
         moved_keys: Option<[PyReadonlyArray2<'py, f32>; 2]>,
+        poses: Option<Vec<PyReadonlyArray2<'py, f32>>>,
     ) -> Result<usize, Error> {
-        let more = CurveOptions { shape, pieces, first_number, uv_maps, attributes, moved_keys };
+        let more = CurveOptions { shape, pieces, first_number, uv_maps, attributes, moved_keys, poses };
         let description = description(name, &keys, &first_keys, more)?;
         let builder = &mut self.builder;
         Ok(without_gil(py, || builder.add_curves(description))??)

@@ -6,6 +6,7 @@ use glam::{DMat4, DVec3, Vec3, Vec3A, Vec4};
 use petzval_render::accel::{Accel, Ray};
 use petzval_render::scene::curves::{CurveShape, CurvesDescription};
 use petzval_render::scene::mesh::MeshDescription;
+use petzval_render::scene::motion::Pose;
 use petzval_render::scene::visibility::Rays;
 use petzval_render::scene::{Scene, SceneBuilder};
 use std::time::Instant;
@@ -46,6 +47,7 @@ fn hair(strands: u32, shape: CurveShape) -> Scene {
         uv_maps: vec![],
         attributes: vec![],
         moved_keys: None,
+        poses: vec![],
     };
     let index = builder.add_curves(curves).expect("sound curves");
     builder.add_instance("hair", index, DMat4::IDENTITY, &[], true, true).expect("sound matrix");
@@ -62,7 +64,7 @@ fn tubes(of: &Scene, strands: u32) -> Scene {
         for ring in 0..=rings {
             let segment = (ring / PIECES).min(KEYS - 2);
             let u = (ring - segment * PIECES) as f32 / PIECES as f32;
-            let controls = curves.controls(strand, strand * KEYS + segment);
+            let controls = curves.controls(strand, strand * KEYS + segment, Pose::default());
             let (middle, along) = (controls.at(u), controls.slope(u).truncate().normalize());
             let x = along.any_orthonormal_vector();
             let y = along.cross(x);

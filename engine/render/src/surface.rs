@@ -112,7 +112,7 @@ impl SurfacePoint {
     #[inline(never)]
     fn on_strand(instance: &Instance, curves: &Curves, hit: &Hit, direction: Vec3A) -> Self {
         let strand = curves.strand_of(hit.triangle);
-        let controls = curves.controls(strand, hit.triangle);
+        let controls = curves.controls(strand, hit.triangle, instance.pose);
         let u = hit.u.clamp(0.0, 1.0);
         let (middle, slope) = (controls.at(u), controls.slope(u));
         let along = along_strand(instance, slope.truncate(), direction);
@@ -279,13 +279,13 @@ fn tangent_of_ball(point: &SurfacePoint) -> Vec3A {
 
 /// The tangent along the strand at a point of hair, unit, render space.
 pub fn tangent_of_strand(instance: &Instance, curves: &Curves, point: &SurfacePoint) -> Vec3A {
-    let slope = strand_slope(curves, point).truncate();
+    let slope = strand_slope(instance, curves, point).truncate();
     along_strand(instance, slope, -point.geometric_normal)
 }
 
 /// The derivative of place and radius along the segment at a point of hair, object space.
-pub fn strand_slope(curves: &Curves, point: &SurfacePoint) -> Vec4 {
-    curves.controls(point.strand, point.triangle).slope(point.barycentric[0].clamp(0.0, 1.0))
+pub fn strand_slope(instance: &Instance, curves: &Curves, point: &SurfacePoint) -> Vec4 {
+    curves.controls(point.strand, point.triangle, instance.pose).slope(point.barycentric[0].clamp(0.0, 1.0))
 }
 
 /// A slope of object space as a unit direction; where it has none, any across the view.

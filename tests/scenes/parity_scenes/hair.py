@@ -78,7 +78,7 @@ def hair_straight():
     grown(60, 4, 0.9, 0.06, plain(GREEN, Roughness=0.3), bend=1.5)
 
 
-def _haired(count: int, surface, location=(0.0, 0.0, 0.9), radius: float = 0.75, **settings):
+def haired(count: int, surface, location=(0.0, 0.0, 0.9), radius: float = 0.75, **settings):
     """A ball with hair of particles."""
     head = ball(plain((0.35, 0.25, 0.2, 1.0)), location, radius)
     head.data.materials.append(surface)
@@ -96,7 +96,7 @@ def _haired(count: int, surface, location=(0.0, 0.0, 0.9), radius: float = 0.75,
 @scene("Hair of particles with children", noise=0.02, times=4)
 def hair_particles():
     empty_studio()
-    _haired(
+    haired(
         150,
         _principled_hair(Color=(0.7, 0.5, 0.25, 1.0), Roughness=0.4),
         child_type="INTERPOLATED",

@@ -261,6 +261,56 @@ def hair_goes_along():
     _opened()
 
 
+def _sways(holder) -> None:
+    """Each point of a holder goes sideways, as far as it is high, by nodes that ask for the time."""
+    group = bpy.data.node_groups.new("Sway", "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    new, link = group.nodes.new, group.links.new
+    start, end, sway = new("NodeGroupInput"), new("NodeGroupOutput"), new("GeometryNodeSetPosition")
+    gone, far = new("ShaderNodeMath"), new("ShaderNodeMath")
+    gone.operation, far.operation = "SUBTRACT", "MULTIPLY"
+    link(new("GeometryNodeInputSceneTime").outputs["Frame"], gone.inputs[0])
+    gone.inputs[1].default_value = FRAME
+    place, aside = new("ShaderNodeSeparateXYZ"), new("ShaderNodeCombineXYZ")
+    link(new("GeometryNodeInputPosition").outputs[0], place.inputs[0])
+    link(gone.outputs[0], far.inputs[0])
+    link(place.outputs["Z"], far.inputs[1])
+    link(far.outputs[0], aside.inputs["X"])
+    link(start.outputs[0], sway.inputs["Geometry"])
+    link(aside.outputs[0], sway.inputs["Offset"])
+    link(sway.outputs[0], end.inputs[0])
+    holder.modifiers.new("Sway", "NODES").node_group = group
+
+
+@scene("Ribbons that sway, and particles' hair on a ball that swells")
+def hair_sways():
+    """Both change their shape; the tuft slides, too, and is read at nine times."""
+    empty_studio()
+    bpy.context.scene.cycles_curves.shape = "RIBBONS"
+    tuft = hair.grown(300, 5, 0.8, 0.03, material(lambda t: t.shows(t.diffuse(GOLD))), bend=0.8)
+    animate(tuft, "location", lambda t: (-1.2, 0.3 * t, 0.9))
+    tuft.cycles.motion_steps = 3
+    _sways(tuft)
+    head = hair.haired(200, plain(BLUE), (1.3, 0.0, 0.9), 0.6, tip_radius=0.3)
+    head.shape_key_add(name="Basis")
+    swollen = head.shape_key_add(name="Swollen")
+    for one, own in zip(swollen.data, head.data.vertices, strict=True):
+        one.co = 1.5 * own.co
+    animate(swollen, "value", lambda t: 0.5 + 0.5 * t)
+    _opened()
+
+
+@scene("Round hair that sways")
+def hair_sways_round():
+    empty_studio()
+    bpy.context.scene.cycles_curves.shape = "THICK"
+    tuft = hair.grown(60, 5, 0.8, 0.06, material(lambda t: t.shows(t.diffuse(RED))), bend=0.8)
+    tuft.cycles.motion_steps = 2
+    _sways(tuft)
+    _opened()
+
+
 @scene("Fog in a box that slides, glass, and a bump in the object's own coordinates", noise=0.015)
 def fog_and_glass():
     empty_studio()

@@ -33,14 +33,16 @@ pub(super) struct Candidates {
     pub(super) near: [f32; LANES],
 }
 
-impl Capsules {
-    /// A leaf without capsules.
-    pub(super) const NONE: Self =
-        Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], controls: [0; LANES] };
+/// The axis of a capsule around balls.
+struct Axis {
+    ends: [Vec3A; 2],
+    /// The largest distance from the axis to the far side of a ball.
+    reach: f32,
+}
 
-    /// Puts a capsule into a lane, for the segment of the keys from `controls` on, around all that is between each two neighbours of some
-    /// balls. Its axis has the direction of the line from the first to the last, and lies beside that line where the balls do.
-    pub(super) fn set(&mut self, lane: usize, balls: &[Vec4], controls: u32) {
+impl Axis {
+    /// The axis of the thinnest capsule, about, whose direction is that of the line from the first ball to the last.
+    fn of(balls: &[Vec4]) -> Self {
         /// Steps towards the axis of the thinnest capsule: the first is the last one of a plain bend, an S takes some.
         const STEPS: usize = 6;
         let [start, end] = [balls.first(), balls.last()].map(|ball| Vec3A::from_vec4(*ball.expect("at least one")));
@@ -68,13 +70,67 @@ impl Capsules {
         let along = balls.iter().map(|ball| from(ball).dot(direction));
         let [low, high] = along.fold([0.0f32; 2], |[low, high], along| [low.min(along), high.max(along)]);
         let ends = [low, high].map(|along| start + best + along * direction);
+        Self { ends, reach: thinnest }
+    }
+
+    /// The part of the axis at which a ball is nearest to it, 0 to 1.
+    fn place(&self, ball: Vec4) -> f32 {
+        let [start, end] = self.ends;
+        let axis = end - start;
+        let along = (Vec3A::from_vec4(ball) - start).dot(axis) / axis.length_squared().max(f32::MIN_POSITIVE);
+        along.clamp(0.0, 1.0)
+    }
+}
+
+impl Capsules {
+    /// A leaf without capsules.
+    pub(super) const NONE: Self =
+        Self { ends: [[[0.0; LANES]; 3]; 2], radius: [f32::NAN; LANES], controls: [0; LANES] };
+
+    /// Puts a capsule into a lane, for the segment of the keys from `controls` on, around all that is between each two neighbours of some
+    /// balls. Its axis has the direction of the line from the first to the last, and lies beside that line where the balls do.
+    pub(super) fn set(&mut self, lane: usize, balls: &[Vec4], controls: u32) {
+        let Axis { ends, reach } = Axis::of(balls);
+        self.put(lane, ends, reach, controls);
+    }
+
+    /// Puts capsules into a lane of two leaves, for a segment that changes from the first balls to as many others. The capsules of
+    /// [`Self::towards`] are around all that is between each two neighbours of the balls, these as far on their way.
+    pub(super) fn set_both(leaves: [&mut Self; 2], lane: usize, balls: [&[Vec4]; 2], controls: u32) {
+        let axes = balls.map(Axis::of);
+        // Each ball keeps a place along the axis. Its distance from that place is a convex function of the part of the way, so that it is
+        // nowhere larger than what is between the distances at both ends.
+        let places: Vec<f32> = std::iter::zip(balls[0], balls[1])
+            .map(|(from, to)| 0.5 * (axes[0].place(*from) + axes[1].place(*to)))
+            .collect();
+        for ((leaf, Axis { ends, .. }), balls) in leaves.into_iter().zip(axes).zip(balls) {
+            let away =
+                |(ball, place): (&Vec4, &f32)| Vec3A::from_vec4(*ball).distance(ends[0].lerp(ends[1], *place)) + ball.w;
+            leaf.put(lane, ends, balls.iter().zip(&places).map(away).fold(0.0, f32::max), controls);
+        }
+    }
+
+    /// These capsules a part of the way to those of another leaf.
+    #[inline(always)]
+    pub(super) fn towards(&self, to: &Self, part: f32) -> Self {
+        let mut now = self.clone();
+        let ends = now.ends.as_flattened_mut().as_flattened_mut();
+        let goals = to.ends.as_flattened().as_flattened();
+        for (now, goal) in ends.iter_mut().zip(goals).chain(now.radius.iter_mut().zip(&to.radius)) {
+            *now += (*goal - *now) * part;
+        }
+        now
+    }
+
+    /// Puts a capsule of this radius, and room for rounding, into a lane.
+    fn put(&mut self, lane: usize, ends: [Vec3A; 2], reach: f32, controls: u32) {
         for (columns, end) in self.ends.iter_mut().zip(ends) {
             for (column, coordinate) in columns.iter_mut().zip(end.to_array()) {
                 column[lane] = coordinate;
             }
         }
-        let rounding = ROUNDING * start.abs().max(end.abs()).max_element();
-        self.radius[lane] = thinnest * (1.0 + ROUNDING) + rounding;
+        let rounding = ROUNDING * ends[0].abs().max(ends[1].abs()).max_element();
+        self.radius[lane] = reach * (1.0 + ROUNDING) + rounding;
         self.controls[lane] = controls;
     }
 

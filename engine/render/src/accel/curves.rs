@@ -1,6 +1,8 @@
 //! Segments of curves as the primitives of a tree.
 //!
-//! A leaf is up to eight segments, each with a bounding capsule and the numbers of its keys; keys are shared by neighbours.
+//! A leaf is up to eight segments, each with a bounding capsule and the numbers of its keys; keys are shared by neighbours. Where strands
+//! change their shape while the shutter is open, a tree has the keys and the capsules at two times, and a ray is tested against what is
+//! between.
 
 use super::FROM_WITHIN;
 use super::block::LANES;
@@ -12,7 +14,9 @@ use super::traverse::lanes;
 use super::tree::{LocalHit, Primitives, Tree, Visitor};
 use crate::scene::curves::{Controls, Curves};
 use crate::scene::mesh::Mesh;
+use crate::scene::motion::{Pose, Poses};
 use crate::scene::{Instance, Scene};
+use arrayvec::ArrayVec;
 use fearless_simd::Simd;
 use glam::{Vec3A, Vec4};
 use rayon::prelude::*;
@@ -27,6 +31,15 @@ pub(super) struct Segments {
     /// The segments, in the order of the leaves.
     segments: Vec<Segment>,
     /// The keys of all strands; each strand's first key is repeated before it, and its last one behind it.
+    keys: Vec<Vec4>,
+    /// Keys and leaves at the end of the time that the tree is for; `None` where the strands keep their shape.
+    to: Option<Box<Later>>,
+}
+
+/// Strands at a later time, in the order of the tree's own.
+#[derive(Debug, Default)]
+struct Later {
+    leaves: Vec<Capsules>,
     keys: Vec<Vec4>,
 }
 
@@ -50,36 +63,66 @@ pub(crate) fn radius_scale(instance: &Instance) -> f32 {
     instance.to_render.matrix3.determinant().abs().cbrt()
 }
 
-/// Curves of an instance in render space, or without instance in object space.
-type Placed<'a> = (u32, Option<&'a Instance>, &'a Curves);
+/// Curves as a tree holds them.
+struct Placed<'a> {
+    /// Index of the instance; undefined in trees of one mesh.
+    index: u32,
+    /// The instance that places them in render space; `None`: in object space.
+    instance: Option<&'a Instance>,
+    curves: &'a Curves,
+    /// The number of the shape that changes to the next; `None`: the strands as they are.
+    change: Option<u32>,
+}
+
+impl<'a> Placed<'a> {
+    fn in_object_space(curves: &'a Curves, change: Option<u32>) -> Self {
+        Self { index: 0, instance: None, curves, change }
+    }
+
+    /// The keys of a strand, as the instance places them, at one end of a change of shape.
+    fn keys(&self, strand: u32, end: f32) -> impl Iterator<Item = Vec4> + '_ {
+        let larger = self.instance.map_or(1.0, radius_scale);
+        self.curves.keys_of(strand).map(move |number| {
+            let key = match self.change {
+                Some(key) => self.curves.key(number, Pose { key, part: end }),
+                None => self.curves.keys[number as usize],
+            };
+            match self.instance {
+                Some(instance) => instance.to_render.transform_point3a(Vec3A::from_vec4(key)).extend(key.w * larger),
+                None => key,
+            }
+        })
+    }
+}
 
 impl Tree<Segments> {
-    /// The tree of curves.
+    /// The tree of curves, all of which change their shape or none.
     fn of_curves(of: &[Placed<'_>]) -> Self {
         let mut segments = Segments::default();
+        segments.to = of.iter().any(|placed| placed.change.is_some()).then(Box::default);
         let mut boxes = Vec::new();
         // The keys of each strand, and of each segment its strand's number among them.
         let (mut strands, mut strand_of) = (Vec::new(), Vec::new());
         let mut balls = Vec::new();
-        let total: usize = of.iter().map(|(_, _, curves)| curves.keys.len()).sum();
-        for &(instance, place, curves) in of {
+        let total: usize = of.iter().map(|placed| placed.curves.keys.len()).sum();
+        for placed in of {
+            let &Placed { index: instance, curves, .. } = placed;
             for strand in 0..curves.strand_count() as u32 {
                 let range = curves.keys_of(strand);
                 if range.len() < 2 {
                     continue;
                 }
-                let base = segments.add_keys(place, &curves.keys[range.start as usize..range.end as usize]);
+                let base = segments.add_keys(placed, strand);
                 strands.push(base as usize..segments.keys.len());
                 for number in range.start..range.end - 1 {
                     let controls = base + number - range.start;
-                    let four = segments.controls(controls);
+                    let shapes = segments.shapes(controls);
                     // Nothing is drawn between keys at one place.
-                    if four[1].truncate() == four[2].truncate() {
+                    if shapes.iter().all(|Controls(four)| four[1].truncate() == four[2].truncate()) {
                         continue;
                     }
-                    let four = Controls(four);
-                    let cut = SegmentCut::new(curves.shape, &four);
-                    divide(cut, &four, total, &mut balls, &mut |part, bounds| {
+                    let cut = SegmentCut::new(curves.shape, &shapes);
+                    divide(cut, &shapes, total, &mut balls, &mut |part, bounds| {
                         boxes.push(bounds.naming([segments.segments.len() as u32, 0]));
                         segments.segments.push(Segment { controls, instance, strand, number, cut, part });
                         strand_of.push(strands.len() as u32 - 1);
@@ -91,64 +134,89 @@ impl Tree<Segments> {
         segments.set_order(boxes.iter().map(|bounds| bounds.name()[0] as usize), &strands, &strand_of);
         drop(boxes);
         segments.firsts = built.leaves.iter().map(|leaf| leaf.start as u32).collect();
-        segments.leaves = built.leaves.into_par_iter().map(|leaf| segments.capsules(leaf)).collect();
+        let leaves = |end: usize| {
+            built.leaves.par_iter().map(|leaf| segments.capsules(leaf.clone()).swap_remove(end)).collect::<Vec<_>>()
+        };
+        let later = segments.to.is_some().then(|| leaves(1));
+        segments.leaves = leaves(0);
+        if let (Some(to), Some(later)) = (&mut segments.to, later) {
+            to.leaves = later;
+        }
         Self { nodes: built.nodes, primitives: segments }
     }
 }
 
 impl Segments {
-    /// Adds the keys of a strand, as an instance places them; gives the number of the first of its controls.
-    fn add_keys(&mut self, place: Option<&Instance>, own: &[Vec4]) -> u32 {
-        let larger = place.map_or(1.0, radius_scale);
-        let placed = |key: &Vec4| match place {
-            Some(instance) => {
-                let middle = instance.to_render.transform_point3a(Vec3A::from_vec4(*key));
-                middle.extend(key.w * larger)
-            }
-            None => *key,
-        };
-        let base = self.keys.len() as u32;
-        self.keys.extend(own.first().map(placed));
-        self.keys.extend(own.iter().map(placed));
-        self.keys.extend(own.last().map(placed));
-        base
+    /// Adds the keys of a strand; gives the number of the first of its controls.
+    fn add_keys(&mut self, placed: &Placed<'_>, strand: u32) -> u32 {
+        fn add(to: &mut Vec<Vec4>, own: impl Iterator<Item = Vec4>) -> usize {
+            let base = to.len();
+            to.push(Vec4::ZERO);
+            to.extend(own);
+            to[base] = to[base + 1];
+            to.push(to[to.len() - 1]);
+            base
+        }
+        if let Some(later) = &mut self.to {
+            add(&mut later.keys, placed.keys(strand, 1.0));
+        }
+        add(&mut self.keys, placed.keys(strand, 0.0)) as u32
     }
 
     /// Puts segments into this order, and strands into that of their first segments: segments that one ray hits lie together in memory.
     fn set_order(&mut self, order: impl Iterator<Item = usize>, strands: &[Range<usize>], strand_of: &[u32]) {
         let mut segments = Vec::with_capacity(self.segments.len());
-        let mut keys = Vec::with_capacity(self.keys.len());
+        let mut in_order = Vec::with_capacity(strands.len());
         let mut moved_to: Vec<Option<usize>> = vec![None; strands.len()];
+        let mut count = 0;
         for old in order {
             let strand = strand_of[old] as usize;
             let from = &strands[strand];
             let to = *moved_to[strand].get_or_insert_with(|| {
-                keys.extend_from_slice(&self.keys[from.clone()]);
-                keys.len() - from.len()
+                in_order.push(from.clone());
+                count += from.len();
+                count - from.len()
             });
             let controls = (self.segments[old].controls as usize - from.start + to) as u32;
             segments.push(Segment { controls, ..self.segments[old].clone() });
         }
-        (self.segments, self.keys) = (segments, keys);
-    }
-
-    /// The capsules around some of the tree's segments.
-    fn capsules(&self, of: Range<usize>) -> Capsules {
-        let mut capsules = Capsules::NONE;
-        let mut balls = Vec::new();
-        for (lane, segment) in self.segments[of].iter().enumerate() {
-            let controls = Controls(self.controls(segment.controls));
-            segment.cut.balls(&controls, segment.part.clone(), &mut balls);
-            capsules.set(lane, &balls, segment.controls);
+        self.segments = segments;
+        let ordered = |keys: &[Vec4]| in_order.iter().flat_map(|range| &keys[range.clone()]).copied().collect();
+        self.keys = ordered(&self.keys);
+        if let Some(later) = &mut self.to {
+            later.keys = ordered(&later.keys);
         }
-        capsules
     }
 
-    #[inline(always)]
-    fn controls(&self, first: u32) -> [Vec4; 4] {
-        let first = first as usize;
-        *self.keys[first..first + 4].first_chunk().expect("four")
+    /// The capsules around some of the tree's segments, at each end of their change of shape.
+    fn capsules(&self, of: Range<usize>) -> ArrayVec<Capsules, 2> {
+        let [mut now, mut later] = [Capsules::NONE; 2];
+        let mut balls = [Vec::new(), Vec::new()];
+        for (lane, segment) in self.segments[of].iter().enumerate() {
+            balls.iter_mut().for_each(Vec::clear);
+            for (controls, balls) in self.shapes(segment.controls).iter().zip(&mut balls) {
+                segment.cut.add_balls(controls, segment.part.clone(), balls);
+            }
+            match &balls {
+                [balls, to] if to.is_empty() => now.set(lane, balls, segment.controls),
+                [from, to] => Capsules::set_both([&mut now, &mut later], lane, [from, to], segment.controls),
+            }
+        }
+        ArrayVec::from([now, later])
     }
+
+    /// The shapes of the segment of the keys from `first` on: one, or those at both ends of a change.
+    fn shapes(&self, first: u32) -> ArrayVec<Controls, 2> {
+        let later = self.to.as_deref().map(|later| &later.keys);
+        std::iter::once(&self.keys).chain(later).map(|keys| Controls(four(keys, first))).collect()
+    }
+}
+
+/// The four keys from `first` on.
+#[inline(always)]
+fn four(keys: &[Vec4], first: u32) -> [Vec4; 4] {
+    let first = first as usize;
+    *keys[first..first + 4].first_chunk().expect("four")
 }
 
 impl Primitives for Segments {
@@ -165,19 +233,29 @@ impl Primitives for Segments {
         &self,
         simd: S,
         leaf: usize,
-        _part: Option<f32>,
+        part: Option<f32>,
         ray: &RayFrame,
         mut end: f32,
         visitor: &mut impl Visitor<[f32; 2]>,
     ) -> ControlFlow<(), f32> {
-        let capsules = &self.leaves[leaf];
+        let mut capsules = &self.leaves[leaf];
+        let change = part.zip(self.to.as_deref());
+        let now;
+        if let Some((part, later)) = change {
+            now = capsules.towards(&later.leaves[leaf], part);
+            capsules = &now;
+        }
         let Some(candidates) = capsules.meet(simd, ray, end) else { return ControlFlow::Continue(end) };
         let first = self.firsts[leaf] as usize;
         for lane in lanes(candidates.lanes) {
             let segment = &self.segments[first + lane];
             if candidates.near[lane] < end && visitor.wants(segment.instance, segment.strand) {
                 // The leaf names the keys too: they are read from memory beside the segment, not after it.
-                let controls = self.controls(capsules.controls[lane]);
+                let mut controls = four(&self.keys, capsules.controls[lane]);
+                if let Some((part, later)) = change {
+                    let to = four(&later.keys, capsules.controls[lane]);
+                    (0..4).for_each(|i| controls[i] = controls[i].lerp(to[i], part));
+                }
                 let both = meet(simd, ray, controls, (segment.cut, &segment.part), end);
                 for (way, met) in both.into_iter().enumerate() {
                     if let Some(met) = met {
@@ -196,14 +274,21 @@ impl Primitives for Segments {
     }
 
     fn in_render_space(scene: &Scene, instances: &[u32]) -> Tree<Self> {
-        let curves = |&i: &u32| {
-            let instance = &scene.instances[i as usize];
-            Some((i, Some(instance), scene.meshes[instance.mesh as usize].curves.as_deref()?))
+        let curves = |&index: &u32| {
+            let instance = &scene.instances[index as usize];
+            let curves = scene.meshes[instance.mesh as usize].curves.as_deref()?;
+            Some(Placed { index, instance: Some(instance), curves, change: None })
         };
         Tree::of_curves(&instances.iter().filter_map(curves).collect::<Vec<_>>())
     }
 
     fn in_object_space(mesh: &Mesh) -> Tree<Self> {
-        Tree::of_curves(&mesh.curves.as_deref().map(|curves| (0, None, curves)).into_iter().collect::<Vec<_>>())
+        let placed = mesh.curves.as_deref().map(|curves| Placed::in_object_space(curves, None));
+        Tree::of_curves(placed.as_slice())
+    }
+
+    fn between_keys(mesh: &Mesh, _poses: &Poses, key: usize) -> Tree<Self> {
+        let placed = mesh.curves.as_deref().map(|curves| Placed::in_object_space(curves, Some(key as u32)));
+        Tree::of_curves(placed.as_slice())
     }
 }

@@ -16,11 +16,11 @@ const WORTH_HALVING: f32 = 0.7;
 /// Parts of all segments of a tree at most where segments are halved; a part takes some 60 bytes.
 const MOST_PARTS: usize = 1 << 23;
 
-/// Divides a segment of a tree with so many segments, and gives the parts, pieces each, with their boxes to `take`. Segments beyond the
-/// reach of single precision have no parts. `balls` is scratch.
+/// Divides a segment of a tree with so many segments, and gives the parts, pieces each, with their boxes to `take`: boxes about all shapes
+/// of the segment. Segments beyond the reach of single precision have no parts. `balls` is scratch.
 pub(super) fn divide(
     cut: SegmentCut,
-    controls: &Controls,
+    shapes: &[Controls],
     segments: usize,
     balls: &mut Vec<Vec4>,
     take: &mut impl FnMut(Range<u16>, Bounds),
@@ -29,20 +29,21 @@ pub(super) fn divide(
     let is_divided = matches!(cut, SegmentCut::Ribbon(_));
     let halvings = (1..=HALVINGS).rev().find(|&halvings| is_divided && segments << halvings <= MOST_PARTS).unwrap_or(0);
     let whole = 0..cut.pieces();
-    let bounds = around(cut, controls, &whole, balls);
+    let bounds = around(cut, shapes, &whole, balls);
     if bounds.is_within_reach() {
-        halve(cut, controls, (whole, bounds), halvings, balls, take);
+        halve(cut, shapes, (whole, bounds), halvings, balls, take);
     }
 }
 
-fn around(cut: SegmentCut, controls: &Controls, part: &Range<u16>, balls: &mut Vec<Vec4>) -> Bounds {
-    cut.balls(controls, part.clone(), balls);
+fn around(cut: SegmentCut, shapes: &[Controls], part: &Range<u16>, balls: &mut Vec<Vec4>) -> Bounds {
+    balls.clear();
+    shapes.iter().for_each(|controls| cut.add_balls(controls, part.clone(), balls));
     Bounds::around(balls)
 }
 
 fn halve(
     cut: SegmentCut,
-    controls: &Controls,
+    shapes: &[Controls],
     (part, bounds): (Range<u16>, Bounds),
     halvings: u32,
     balls: &mut Vec<Vec4>,
@@ -51,12 +52,12 @@ fn halve(
     if halvings > 0 && part.len() > 1 {
         let middle = part.start + part.len() as u16 / 2;
         let halves = [part.start..middle, middle..part.end].map(|half| {
-            let bounds = around(cut, controls, &half, balls);
+            let bounds = around(cut, shapes, &half, balls);
             (half, bounds)
         });
         if halves.iter().map(|(_, half)| half.half_area()).sum::<f32>() < WORTH_HALVING * bounds.half_area() {
             for half in halves {
-                halve(cut, controls, half, halvings - 1, balls, take);
+                halve(cut, shapes, half, halvings - 1, balls, take);
             }
             return;
         }
@@ -79,7 +80,8 @@ mod tests {
 
     fn parts(shape: CurveShape, controls: &Controls, segments: usize) -> Vec<(Range<u16>, Bounds)> {
         let mut found = vec![];
-        divide(SegmentCut::new(shape, controls), controls, segments, &mut vec![], &mut |part, bounds| {
+        let shapes = std::slice::from_ref(controls);
+        divide(SegmentCut::new(shape, shapes), shapes, segments, &mut vec![], &mut |part, bounds| {
             found.push((part, bounds))
         });
         found

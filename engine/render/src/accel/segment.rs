@@ -92,10 +92,11 @@ pub(super) enum SegmentCut {
 }
 
 impl SegmentCut {
-    pub(super) fn new(shape: CurveShape, controls: &Controls) -> Self {
+    /// The division of a segment that has these shapes one after the other: fine enough for each.
+    pub(super) fn new(shape: CurveShape, shapes: &[Controls]) -> Self {
         match shape {
             CurveShape::Ribbon { pieces } => Self::Ribbon(pieces.max(1)),
-            CurveShape::Thick => Self::Round(round_pieces(controls)),
+            CurveShape::Thick => Self::Round(shapes.iter().map(round_pieces).max().unwrap_or(LANES as u16)),
             CurveShape::ThickLinear => Self::Straight,
         }
     }
@@ -108,9 +109,9 @@ impl SegmentCut {
         }
     }
 
-    /// Fills `balls` with the balls about the joints of some pieces, in their order, each with the room around it that the pieces may need:
+    /// Adds to `balls` the balls about the joints of some pieces, in their order, each with the room around it that the pieces may need:
     /// they lie between neighbouring balls, and the curve does.
-    pub(super) fn balls(self, controls: &Controls, part: Range<u16>, balls: &mut Vec<Vec4>) {
+    pub(super) fn add_balls(self, controls: &Controls, part: Range<u16>, balls: &mut Vec<Vec4>) {
         let pieces = self.pieces();
         // The edges between round pieces stick out.
         let reach = if matches!(self, Self::Round(_)) { 1.04 } else { 1.0 };
@@ -119,7 +120,6 @@ impl SegmentCut {
         let [_, _, c, d] = if self == Self::Straight { [Vec4::ZERO; 4] } else { controls.coefficients() };
         let second = (2.0 * c).truncate().length().max((2.0 * c + 6.0 * d).truncate().length());
         let bend = second / (8.0 * f32::from(pieces) * f32::from(pieces));
-        balls.clear();
         balls.extend((part.start..=part.end).map(|joint| {
             let ball = match joint {
                 0 => controls.0[1],

@@ -31,7 +31,9 @@ impl Hair<'_> {
                 IsStrand => self.number(|_| 1.0),
                 StrandIntercept => self.number(|curves| curves.intercept(segment, u).0),
                 StrandLength => self.number(|curves| curves.intercept(segment, u).1),
-                StrandThickness => self.number(|curves| curves.thickness(segment, u) * radius_scale(self.instance)),
+                StrandThickness => self.number(|curves| {
+                    curves.thickness(segment, u, self.instance.pose) * radius_scale(self.instance)
+                }),
                 StrandRandom => self.number(|curves| curves.random(segment)),
                 // The part of the view across the strand.
                 StrandNormal => self.curves.map_or(Vec3A::ZERO, |curves| {
@@ -74,7 +76,7 @@ pub(super) fn weights_along(
     surface: &SurfacePoint,
     vectors: &[Vec3A; 2],
 ) -> [Vec2; 2] {
-    let slope = instance.to_render.transform_vector3a(Vec3A::from_vec4(strand_slope(curves, surface)));
+    let slope = instance.to_render.transform_vector3a(Vec3A::from_vec4(strand_slope(instance, curves, surface)));
     let length2 = slope.length_squared();
     vectors.map(|v| Vec2::new(if length2 > 0.0 { v.dot(slope) / length2 } else { 0.0 }, 0.0))
 }

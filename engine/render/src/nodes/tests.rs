@@ -35,6 +35,7 @@ fn three() -> Scene {
         uv_maps: vec![],
         attributes: vec![],
         moved_keys: None,
+        poses: vec![],
     };
     let cloud = PointsDescription { name: "cloud".into(), points: vec![Vec4::ONE], ..Default::default() };
     let meshes =

@@ -4,6 +4,7 @@
 //! ends; its radius follows the same curve. A segment goes from one key to the next and has the first one's number.
 
 use super::SceneError;
+use super::motion::Pose;
 use glam::{Vec2, Vec3, Vec4};
 
 /// The shape of a strand.
@@ -48,6 +49,8 @@ pub struct CurvesDescription {
     pub attributes: Vec<(String, StrandValues)>,
     /// Positions of the keys, without radius, a frame before and a frame after; `None` where they keep their places.
     pub moved_keys: Option<[Vec<Vec3>; 2]>,
+    /// Positions and radii at times that lie evenly over the time that the shutter is open; empty where they are constant.
+    pub poses: Vec<Vec<Vec4>>,
 }
 
 /// Checked curves: every key finite, every radius at least zero.
@@ -67,6 +70,8 @@ pub struct Curves {
     attributes: Vec<(String, StrandValues)>,
     /// Positions of the keys a frame before and a frame after.
     pub moved_keys: Option<[Vec<Vec3>; 2]>,
+    /// Positions and radii of the keys by time while the shutter is open; empty where nothing changes.
+    pub(super) poses: Vec<Vec<Vec4>>,
 }
 
 /// The numbers of the strands, from which their random numbers are made.
@@ -144,11 +149,20 @@ impl Curves {
         for moved in d.moved_keys.iter().flatten() {
             fits(moved.len(), keys, "moved keys")?;
         }
+        for pose in &d.poses {
+            fits(pose.len(), keys, "keys over time")?;
+        }
+        if d.poses.len() == 1 {
+            return Err(bad("one shape over time: give none, or several".into()));
+        }
         let is_sound = |key: &Vec4| key.is_finite() && key.abs().max_element() <= 1e12;
         let keep: Vec<bool> = d
             .first_keys
             .windows(2)
-            .map(|range| d.keys[range[0] as usize..range[1] as usize].iter().all(is_sound))
+            .map(|range| {
+                let range = range[0] as usize..range[1] as usize;
+                std::iter::once(&d.keys).chain(&d.poses).all(|keys| keys[range.clone()].iter().all(is_sound))
+            })
             .collect();
         let dropped = keep.iter().filter(|&&kept| !kept).count();
         let warning = (dropped > 0).then(|| {
@@ -165,12 +179,12 @@ impl Curves {
             );
             d.keep_only(&keep);
         }
-        for key in &mut d.keys {
+        for key in d.keys.iter_mut().chain(d.poses.iter_mut().flatten()) {
             key.w = key.w.max(0.0);
         }
-        let CurvesDescription { keys, first_keys, shape, uv_maps, attributes, moved_keys, .. } = d;
+        let CurvesDescription { keys, first_keys, shape, uv_maps, attributes, moved_keys, poses, .. } = d;
         let strand_at = (0..keys.len() as u32).step_by(STRAND_STEP).map(|key| strand_among(&first_keys, key)).collect();
-        Ok((Self { keys, first_keys, strand_at, shape, numbers, uv_maps, attributes, moved_keys }, warning))
+        Ok((Self { keys, first_keys, strand_at, shape, numbers, uv_maps, attributes, moved_keys, poses }, warning))
     }
 
     /// True if the curves are ribbons.
@@ -201,10 +215,25 @@ impl Curves {
         low as u32 + strand_among(&self.first_keys[low..end], segment)
     }
 
-    /// The control points of a segment of a strand.
-    pub fn controls(&self, strand: u32, segment: u32) -> Controls {
+    /// Place and radius of a key, as it is in a pose.
+    #[inline]
+    pub fn key(&self, key: u32, pose: Pose) -> Vec4 {
+        let (time, key) = (pose.key as usize, key as usize);
+        if self.poses.is_empty() {
+            return self.keys[key];
+        }
+        self.poses[time][key].lerp(self.poses[time + 1][key], pose.part)
+    }
+
+    /// Number of shapes over the time that the shutter is open; 0 where nothing changes.
+    pub fn pose_count(&self) -> usize {
+        self.poses.len()
+    }
+
+    /// The control points of a segment of a strand, as they are in a pose.
+    pub fn controls(&self, strand: u32, segment: u32, pose: Pose) -> Controls {
         let range = self.keys_of(strand);
-        let key = |i: u32| self.keys[i as usize];
+        let key = |i: u32| self.key(i, pose);
         let before = if segment > range.start { segment - 1 } else { segment };
         let behind = (segment + 2).min(range.end - 1);
         if self.shape == CurveShape::ThickLinear {
@@ -232,9 +261,9 @@ impl Curves {
         (a + (b - a) * u, length)
     }
 
-    /// The diameter at a place, even between keys.
-    pub fn thickness(&self, segment: u32, u: f32) -> f32 {
-        let [a, b] = [0, 1].map(|next| self.keys[segment as usize + next].w);
+    /// The diameter at a place, even between keys, as it is in a pose.
+    pub fn thickness(&self, segment: u32, u: f32, pose: Pose) -> f32 {
+        let [a, b] = [0, 1].map(|next| self.key(segment + next, pose).w);
         2.0 * (a + (b - a) * u)
     }
 
@@ -293,6 +322,7 @@ impl CurvesDescription {
         }
         self.first_keys = first_keys;
         retain(&mut self.keys, &by_key);
+        self.poses.iter_mut().for_each(|pose| retain(pose, &by_key));
         self.uv_maps.iter_mut().for_each(|(_, values)| retain(values, keep));
         for (_, values) in &mut self.attributes {
             match values {
@@ -324,6 +354,7 @@ mod tests {
             uv_maps: vec![("UVMap".into(), vec![Vec2::new(0.1, 0.2), Vec2::new(0.3, 0.4)])],
             attributes: vec![("wet".into(), StrandValues::ByKey((0..5).map(|i| Vec4::splat(i as f32)).collect()))],
             moved_keys: None,
+            poses: vec![],
         }
     }
 
@@ -354,11 +385,11 @@ mod tests {
         assert_eq!([0, 1, 3].map(|segment| curves.strand_of(segment)), [0, 0, 1]);
         let (intercept, length) = curves.intercept(1, 0.5);
         assert!((intercept - 2.0 / 3.0).abs() < 1e-6 && (length - 3.0).abs() < 1e-6);
-        assert!((curves.thickness(0, 0.3) - 0.2).abs() < 1e-6);
+        assert!((curves.thickness(0, 0.3, Pose::default()) - 0.2).abs() < 1e-6);
         assert_eq!(curves.attribute("wet", 3, 0.5), Some(Vec4::splat(3.5)));
         assert_eq!(curves.uv(curves.uv_map(None).unwrap(), 3), Vec2::new(0.3, 0.4));
         // Through the keys, with the slope of the line between their neighbours.
-        let controls = curves.controls(0, 1);
+        let controls = curves.controls(0, 1, Pose::default());
         assert!((controls.at(0.0) - curves.keys[1]).length() < 1e-6);
         assert!((controls.at(1.0) - curves.keys[2]).length() < 1e-6);
         assert_eq!(controls.slope(0.0).truncate(), Vec3::new(0.0, 0.0, 1.5));

@@ -289,21 +289,25 @@ fn has_area(a: Vec3, b: Vec3, c: Vec3) -> bool {
     (b - a).cross(c - a).length_squared() > 0.0
 }
 
+/// The places of balls over time as a mesh keeps them; `None` where there are none.
+fn poses_of(balls: &[Vec<Vec4>]) -> Option<Box<Poses>> {
+    let places = |balls: &Vec<Vec4>| balls.iter().map(|ball| ball.truncate()).collect();
+    let positions: Vec<Vec<Vec3>> = balls.iter().map(places).collect();
+    (!positions.is_empty()).then(|| Box::new(Poses { positions, corner_normals: None }))
+}
+
 impl Curves {
     /// The curves as a mesh without triangles.
     pub(super) fn into_mesh(self, name: String) -> Mesh {
-        Mesh { name, bounds: self.bounds(), curves: Some(Box::new(self)), is_special: true, ..Mesh::default() }
+        let poses = poses_of(&self.poses);
+        Mesh { name, bounds: self.bounds(), poses, curves: Some(Box::new(self)), is_special: true, ..Mesh::default() }
     }
 }
 
 impl Points {
     /// The points as a mesh without triangles.
     pub(super) fn into_mesh(self, name: String) -> Mesh {
-        let places = |points: &[Vec4]| points.iter().map(|point| point.truncate()).collect();
-        let poses = (!self.poses.is_empty()).then(|| {
-            let positions = self.poses.iter().map(|pose| places(pose)).collect();
-            Box::new(Poses { positions, corner_normals: None })
-        });
+        let poses = poses_of(&self.poses);
         let low = self.points.iter().map(|p| p.truncate() - p.w).fold(Vec3::MAX, Vec3::min);
         let high = self.points.iter().map(|p| p.truncate() + p.w).fold(Vec3::MIN, Vec3::max);
         Mesh { name, bounds: [low, high], poses, points: Some(Box::new(self)), is_special: true, ..Mesh::default() }

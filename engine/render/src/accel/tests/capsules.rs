@@ -6,6 +6,7 @@ use super::super::segment::{RayFrame, SegmentCut, meet};
 use super::*;
 use crate::scene::curves::{Controls, CurveShape};
 use fearless_simd::dispatch;
+use glam::Vec4;
 
 /// A segment anywhere within some units of the middle, as long as its keys are apart.
 fn segment(i: u32, seed: u32) -> Controls {
@@ -24,12 +25,21 @@ fn segment(i: u32, seed: u32) -> Controls {
 fn capsules(of: &[Controls], shape: CurveShape) -> Capsules {
     let mut capsules = Capsules::NONE;
     for (lane, controls) in of.iter().enumerate() {
-        let mut balls = vec![];
-        let cut = SegmentCut::new(shape, controls);
-        cut.balls(controls, 0..cut.pieces(), &mut balls);
-        capsules.set(lane, &balls, 0);
+        let cut = SegmentCut::new(shape, std::slice::from_ref(controls));
+        capsules.set(lane, &balls(cut, controls), 0);
     }
     capsules
+}
+
+fn balls(cut: SegmentCut, controls: &Controls) -> Vec<Vec4> {
+    let mut balls = vec![];
+    cut.add_balls(controls, 0..cut.pieces(), &mut balls);
+    balls
+}
+
+/// A part of the way from a segment to another.
+fn between([from, to]: &[Controls; 2], part: f32) -> Controls {
+    Controls(std::array::from_fn(|key| from.0[key].lerp(to.0[key], part)))
 }
 
 proptest! {
@@ -56,8 +66,47 @@ proptest! {
             let level = Level::new();
             let candidates = dispatch!(level, simd => capsules.meet(simd, &gaze, t_max));
             for (lane, controls) in segments.iter().enumerate() {
-                let cut = SegmentCut::new(shape, controls);
+                let cut = SegmentCut::new(shape, std::slice::from_ref(controls));
                 let both = dispatch!(level, simd => meet(simd, &gaze, controls.0, (cut, &(0..cut.pieces())), t_max));
+                for met in both.into_iter().flatten() {
+                    let near = candidates.as_ref().filter(|found| found.lanes >> lane & 1 != 0);
+                    let near = near.map(|found| found.near[lane]);
+                    prop_assert!(near.is_some_and(|near| near <= met.t), "lane {lane}: {met:?}, near {near:?}");
+                }
+            }
+        }
+    }
+
+    /// The same of segments that change their shape, at any part of the way, from one that lies elsewhere and runs another way.
+    #[test]
+    fn capsules_on_their_way_hold_segments_on_theirs(
+        seed in 0u32..60000, far in prop::sample::select(vec![0.0, 100.0, 10000.0]), part in 0f32..=1.0,
+        shape in prop::sample::select(vec![CurveShape::Ribbon { pieces: 5 }, CurveShape::Thick, CurveShape::ThickLinear]),
+    ) {
+        let away = Vec3A::new(far, -far, 0.5 * far);
+        let moved = |controls: Controls| Controls(controls.0.map(|key| key + away.extend(0.0)));
+        let changes: Vec<[Controls; 2]> =
+            (0..LANES as u32).map(|i| [i, i + 50].map(|number| moved(segment(number, seed)))).collect();
+        let (mut from, mut to) = (Capsules::NONE, Capsules::NONE);
+        for (lane, shapes) in changes.iter().enumerate() {
+            let cut = SegmentCut::new(shape, shapes);
+            let [at_first, at_last] = [0, 1].map(|end: usize| balls(cut, &shapes[end]));
+            Capsules::set_both([&mut from, &mut to], lane, [&at_first, &at_last], 0);
+        }
+        let capsules = from.towards(&to, part);
+        for i in 0..40 {
+            let u = sobol_burley::sample_4d(i, 7, seed);
+            let aim = between(&changes[i as usize % LANES], part).at(u[2]);
+            let [x, y, z, _] = sobol_burley::sample_4d(i, 8, seed);
+            let aside = 2.2 * aim.w * (Vec3A::new(x, y, z) - 0.5);
+            let d = direction([u[0], u[1]]);
+            let gaze = RayFrame::new(Vec3A::from_vec4(aim) + aside - d * 3.0 * u[3], d);
+            let level = Level::new();
+            let candidates = dispatch!(level, simd => capsules.meet(simd, &gaze, 6.0));
+            for (lane, shapes) in changes.iter().enumerate() {
+                let cut = SegmentCut::new(shape, shapes);
+                let keys = between(shapes, part).0;
+                let both = dispatch!(level, simd => meet(simd, &gaze, keys, (cut, &(0..cut.pieces())), 6.0));
                 for met in both.into_iter().flatten() {
                     let near = candidates.as_ref().filter(|found| found.lanes >> lane & 1 != 0);
                     let near = near.map(|found| found.near[lane]);

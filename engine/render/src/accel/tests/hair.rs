@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::scene::curves::{Controls, CurveShape, CurvesDescription};
+use crate::scene::motion::Pose;
 use crate::surface::SurfacePoint;
 use glam::{DVec2, Quat, Vec4};
 
@@ -11,6 +12,11 @@ const FINE: usize = 400;
 
 /// A scene of one strand through these keys, so often.
 fn strand(keys: &[Vec4], shape: CurveShape, places: &[DMat4]) -> Scene {
+    changing(keys, &[], shape, places)
+}
+
+/// A scene of one strand through these keys, so often, and through others while the shutter is open.
+fn changing(keys: &[Vec4], poses: &[Vec<Vec4>], shape: CurveShape, places: &[DMat4]) -> Scene {
     let mut builder = SceneBuilder::new();
     let curves = CurvesDescription {
         name: "hair".into(),
@@ -21,6 +27,7 @@ fn strand(keys: &[Vec4], shape: CurveShape, places: &[DMat4]) -> Scene {
         uv_maps: vec![],
         attributes: vec![],
         moved_keys: None,
+        poses: poses.to_vec(),
     };
     let mesh = builder.add_curves(curves).unwrap();
     for &place in places {
@@ -45,7 +52,7 @@ fn finely(scene: &Scene) -> Vec<(DVec3, f64)> {
     let range = curves.keys_of(0);
     let mut out = vec![];
     for segment in range.start..range.end - 1 {
-        let Controls(controls) = curves.controls(0, segment);
+        let Controls(controls) = curves.controls(0, segment, Pose::default());
         let [p, a, b, q] = controls.map(Vec4::as_dvec4);
         for i in 0..FINE {
             let u = i as f64 / FINE as f64;
@@ -246,7 +253,7 @@ proptest! {
             let anywhere = if shape == RIBBON { 0.6 } else { u[2] };
             for along in [0.0, 0.2, if shape == RIBBON { 0.4 } else { 0.125 }, anywhere] {
                 let segment = 1 + (u[3] * 3.0) as u32;
-                let middle = m.transform_point3a(Vec3A::from_vec4(curves.controls(0, segment).at(along)));
+                let middle = m.transform_point3a(Vec3A::from_vec4(curves.controls(0, segment, Pose::default()).at(along)));
                 let ray = ray_at(middle, u, 2.0);
                 // Rounding moves it by less than a thin strand is wide.
                 let moved = 1e-6 * (middle.length() + 2.0);
@@ -256,6 +263,52 @@ proptest! {
                 }
             }
         }
+    }
+
+    /// At any moment a strand that changes its shape is hit where a strand of that moment's shape is, and looks the same there.
+    #[test]
+    fn strands_have_the_shape_of_the_moment(
+        seed in 0u32..60000, radius in -2f32..-0.7, moment in any::<u16>(),
+        shape in prop::sample::select(vec![RIBBON, CurveShape::Thick, CurveShape::ThickLinear]),
+    ) {
+        let poses: Vec<Vec<Vec4>> = (0..3).map(|key| {
+            let away = Vec4::new(0.0, 0.7 * key as f32, 0.0, 0.0);
+            bent(seed + key, 6, 10f32.powf(radius)).into_iter().map(|ball| ball + away).collect()
+        }).collect();
+        let place = DMat4::from_rotation_z(0.4) * DMat4::from_scale(DVec3::splat(1.3));
+        let mut scene = changing(&poses[1], &poses, shape, &[place]);
+        scene.set_in_motion();
+        let accel = Accel::new(&scene);
+        let now = &scene.instances[scene.moving[0].at(moment) as usize];
+        let Pose { key, part } = now.pose;
+        prop_assert!((key, part) != (0, 0.0) && scene.moving[0].count() >= 16);
+        let keys: Vec<Vec4> = std::iter::zip(&poses[key as usize], &poses[key as usize + 1])
+            .map(|(from, to)| from.lerp(*to, part)).collect();
+        let still = strand(&keys, shape, &[place]);
+        let truth = Accel::new(&still);
+        let curves = still.meshes[0].curves.as_ref().unwrap();
+        // Rounding; and chords of round pieces, of which there may be more than the moment's shape needs, lie within a fiftieth of the radius
+        // of the curve, and are hit at a slant.
+        let room = if shape == CurveShape::Thick { 0.1 * 10f32.powf(radius) } else { 1e-4 };
+        let mut met = 0;
+        for i in 0..30 {
+            let u = sobol_burley::sample_4d(i, 1, seed);
+            let along = curves.controls(0, 1 + (u[3] * 3.0) as u32, Pose::default()).at(u[2]);
+            let middle = now.to_render.transform_point3a(Vec3A::from_vec4(along));
+            let ray = ray_at(middle, u, 2.0).at(moment);
+            let [found, want] = [&accel, &truth].map(|one| one.closest(&ray, Rays::CAMERA));
+            let (Some(found), Some(want)) = (found, want) else {
+                // Past its edge by rounding.
+                continue;
+            };
+            met += 1;
+            prop_assert!((found.t - want.t).abs() < room, "{found:?} {want:?}");
+            let [own, other] = [(&scene, found), (&still, want)]
+                .map(|(scene, hit)| SurfacePoint::new(scene, &hit, ray.direction));
+            prop_assert!(own.position.distance(other.position) < room, "{own:?} {other:?}");
+            prop_assert!(own.triangle != other.triangle || own.shading_normal.distance(other.shading_normal) < 0.05, "{own:?} {other:?}");
+        }
+        prop_assert!(met >= 20, "{met}");
     }
 
     /// Any keys give answers that are numbers.

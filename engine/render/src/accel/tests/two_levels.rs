@@ -36,7 +36,7 @@ fn add_triangles(builder: &mut SceneBuilder, dice: &mut Dice, deforms: bool) -> 
     builder.add_mesh(MeshDescription { positions, triangles, poses, ..Default::default() }).unwrap()
 }
 
-fn add_curves(builder: &mut SceneBuilder, dice: &mut Dice, _deforms: bool) -> usize {
+fn add_curves(builder: &mut SceneBuilder, dice: &mut Dice, deforms: bool) -> usize {
     const STRANDS: u32 = 8;
     const KEYS: u32 = 5;
     let mut keys = vec![];
@@ -47,6 +47,8 @@ fn add_curves(builder: &mut SceneBuilder, dice: &mut Dice, _deforms: bool) -> us
             keys.push(place.extend(0.02 + 0.1 * dice.roll() as f32));
         }
     }
+    let mut shape = || keys.iter().map(|p: &Vec4| *p + (0.3 * point(dice)).extend(0.02)).collect();
+    let poses = if deforms { vec![shape(), keys.clone(), shape()] } else { vec![] };
     let shapes = [CurveShape::Ribbon { pieces: 5 }, CurveShape::Thick, CurveShape::ThickLinear];
     let curves = CurvesDescription {
         name: "curves".into(),
@@ -57,6 +59,7 @@ fn add_curves(builder: &mut SceneBuilder, dice: &mut Dice, _deforms: bool) -> us
         uv_maps: vec![],
         attributes: vec![],
         moved_keys: None,
+        poses,
     };
     builder.add_curves(curves).unwrap()
 }
