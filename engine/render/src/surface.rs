@@ -246,6 +246,8 @@ pub struct Strand {
     pub edge: Option<Vec3A>,
     /// Place of the hit across its width, -1 to 1; `None` where the surface's normal tells it.
     pub offset: Option<f32>,
+    /// Radius, Blender units; infinite where there is no strand.
+    pub radius: f32,
 }
 
 /// The strand at a point.
@@ -257,10 +259,12 @@ pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
         let Across { sine, is_within, .. } = Across::of(point.barycentric[1]);
         // From within the normal is turned round.
         let offset = if is_within { sine } else { -sine };
-        return Strand { along, edge: None, offset: Some(offset) };
+        let u = point.barycentric[0].clamp(0.0, 1.0);
+        let radius = 0.5 * curves.thickness(point.triangle, u, instance.pose) * radius_scale(instance);
+        return Strand { along, edge: None, offset: Some(offset), radius };
     }
     if mesh.points.is_some() {
-        return Strand { along: tangent_of_ball(point), edge: None, offset: None };
+        return Strand { along: tangent_of_ball(point), edge: None, offset: None, radius: f32::INFINITY };
     }
     let corners = instance.corners(mesh, point.triangle);
     let side = if point.backfacing { -1.0 } else { 1.0 };
@@ -268,7 +272,7 @@ pub fn strand(scene: &Scene, point: &SurfacePoint) -> Strand {
         let edge = instance.to_render.transform_vector3a(Vec3A::from(corners[to] - corners[0]));
         edge.normalize_or(Vec3A::X) * side
     };
-    Strand { along: edge(1), edge: Some(edge(2)), offset: None }
+    Strand { along: edge(1), edge: Some(edge(2)), offset: None, radius: f32::INFINITY }
 }
 
 /// A tangent of a point of a cloud, as Cycles has it where nothing tells one direction from another.

@@ -197,7 +197,7 @@ pub enum Closure<C, N> {
         /// True for light that comes through, false for mirrored light.
         through: bool,
     },
-    /// Blender's Principled Hair BSDF, Chiang's model.
+    /// Blender's Principled Hair BSDF.
     PrincipledHair(PrincipledHair<C, N>),
     /// Blender's Principled BSDF with all its sockets.
     Principled(Principled<C, N>),
@@ -215,9 +215,21 @@ pub enum Pigment {
     Color,
 }
 
+/// The model of Principled Hair.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HairModel {
+    /// Chiang et al. 2016: lobes about the fibre.
+    #[default]
+    Chiang,
+    /// Huang et al. 2022: facets on a round fibre.
+    Huang,
+}
+
 /// Blender's Principled Hair BSDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipledHair<C, N> {
+    /// The model of scattering.
+    pub model: HairModel,
     /// The source of the colour.
     pub pigment: Pigment,
     /// The colour, the dye or the absorption.
@@ -228,10 +240,16 @@ pub struct PrincipledHair<C, N> {
     pub melanin_redness: N,
     /// Roughness along the fibre, 0 to 1.
     pub roughness: N,
-    /// Roughness about the fibre, 0 to 1.
+    /// Roughness about the fibre, 0 to 1; Chiang's.
     pub radial_roughness: N,
-    /// The part of the roughness that mirrored light is spared, 0 to 1.
+    /// The part of the roughness that mirrored light is spared, 0 to 1; Chiang's.
     pub coat: N,
+    /// Factor on light that is mirrored; Huang's.
+    pub reflection: N,
+    /// Factor on light that passes straight through; Huang's.
+    pub transmission: N,
+    /// Factor on light that is mirrored inside; Huang's.
+    pub secondary_reflection: N,
     /// Index of refraction of the fibre.
     pub ior: N,
     /// Radians by which the fibre's scales are tilted.
@@ -440,6 +458,7 @@ impl<C, N> Closure<C, N> {
                 through: *through,
             },
             Self::PrincipledHair(hair) => Closure::PrincipledHair(PrincipledHair {
+                model: hair.model,
                 pigment: hair.pigment,
                 color: c(&hair.color),
                 melanin: n(&hair.melanin),
@@ -447,6 +466,9 @@ impl<C, N> Closure<C, N> {
                 roughness: n(&hair.roughness),
                 radial_roughness: n(&hair.radial_roughness),
                 coat: n(&hair.coat),
+                reflection: n(&hair.reflection),
+                transmission: n(&hair.transmission),
+                secondary_reflection: n(&hair.secondary_reflection),
                 ior: n(&hair.ior),
                 offset: n(&hair.offset),
                 random_color: n(&hair.random_color),

@@ -1,7 +1,7 @@
 //! A material as a compiled shader graph: closures whose inputs a program computes at each point.
 
 use super::closure::{
-    Closure, Distribution, MetalKind, Pigment, Principled, PrincipledHair, SubsurfaceMethod, ThinFilm,
+    Closure, Distribution, HairModel, MetalKind, Pigment, Principled, PrincipledHair, SubsurfaceMethod, ThinFilm,
 };
 use super::layer::{AnsweredFields, GraphLayer, MOST_LAYERS, Slices, Source, in_words};
 use super::plain::Plain;
@@ -96,6 +96,14 @@ impl Graph {
             .filter_map(|layer| LayerInputs(layer).layer(&mut report))
             .map(|layer| layer.settled(&program))
             .collect();
+        let is_round = |layer: &Layer| {
+            let aspect = layer.input("Aspect Ratio").map(Source::Of);
+            layer.option("model") != Some("HUANG")
+                || aspect.is_none_or(|one| one.constant(&program) == Some(Vec3A::ONE))
+        };
+        if !program.surface.iter().all(is_round) {
+            report("hair is round: the Aspect Ratio of Principled Hair is not supported yet");
+        }
         for field in program.reads().filter(|&field| !(answered.on_surfaces)(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
@@ -174,7 +182,8 @@ impl Graph {
 
     /// True if the graph's values depend on the footprint of the ray that hits the surface.
     pub fn needs_footprint(&self) -> bool {
-        self.bends_normals() || self.program.needs_footprint()
+        let is_huang = |layer: &GraphLayer| matches!(&layer.closure, Closure::PrincipledHair(hair) if hair.model == HairModel::Huang);
+        self.bends_normals() || self.program.needs_footprint() || self.layers.iter().any(is_huang)
     }
 
     /// True if the graph's closures are spatially constant.
@@ -359,12 +368,7 @@ impl LayerInputs<'_> {
                 offset: self.input("Offset", 0.0),
                 through: self.0.option("component") == Some("Transmission"),
             },
-            LayerKind::PrincipledHair => {
-                if self.0.option("model") == Some("HUANG") {
-                    report("Huang's hair is not supported yet, it is shown as Chiang's");
-                }
-                Closure::PrincipledHair(self.hair())
-            }
+            LayerKind::PrincipledHair => Closure::PrincipledHair(self.hair()),
             LayerKind::RayPortal => {
                 report("Ray Portal is not supported yet, it is left out");
                 return None;
@@ -385,7 +389,9 @@ impl LayerInputs<'_> {
             Some("MELANIN") => (Pigment::Melanin, "Tint"),
             _ => (Pigment::Color, "Color"),
         };
+        let model = if self.0.option("model") == Some("HUANG") { HairModel::Huang } else { HairModel::Chiang };
         PrincipledHair {
+            model,
             pigment,
             color: self.input(color, 1.0),
             melanin: self.input("Melanin", 0.8),
@@ -393,6 +399,9 @@ impl LayerInputs<'_> {
             roughness: self.input("Roughness", 0.3),
             radial_roughness: self.input("Radial Roughness", 0.3),
             coat: self.input("Coat", 0.0),
+            reflection: self.input("R lobe", 1.0),
+            transmission: self.input("TT lobe", 1.0),
+            secondary_reflection: self.input("TRT lobe", 1.0),
             ior: self.input("IOR", 1.55),
             offset: self.input("Offset", 0.0),
             random_color: self.input("Random Color", 0.0),

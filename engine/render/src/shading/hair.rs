@@ -1,9 +1,9 @@
 //! Hair shaders of Blender as lobes.
 
-use super::lobe::{FibreShape, Lobe};
+use super::lobe::{FibreShape, Lobe, RoughFibre};
 use super::mixture::Mixture;
 use crate::Rgb;
-use crate::scene::closure::{Pigment, PrincipledHair};
+use crate::scene::closure::{HairModel, Pigment, PrincipledHair};
 use glam::Vec3A;
 
 /// Absorption along a radius of hair with nothing but dark or red melanin (d'Eon et al. 2011, "An energy-conserving hair reflectance
@@ -33,6 +33,21 @@ impl Mixture {
         // The sine of the angle between the view and the normal, across the fibre.
         let offset = strand.offset.unwrap_or_else(|| -self.here.geometric_normal.dot(frame[1]));
         let vary = 1.0 + 2.0 * (hair.random - 0.5) * hair.random_roughness;
+        if hair.model == HairModel::Huang {
+            let roughness = (hair.roughness * vary).clamp(0.0, 1.0);
+            let coverage = if self.pixel_width > 0.0 { 0.5 * self.pixel_width / strand.radius } else { 1.0 };
+            let fibre = RoughFibre {
+                sigma: absorption(hair, roughness),
+                alpha: roughness,
+                ior: hair.ior.max(1e-3),
+                tilt: hair.offset,
+                parts: [hair.reflection, hair.transmission, hair.secondary_reflection].map(|part| part.max(0.0)),
+                offset,
+                coverage: if strand.radius.is_finite() { coverage } else { 1.0 },
+            };
+            self.push(Lobe::huang(Rgb::splat(weight), &fibre, frame, wo));
+            return;
+        }
         let roughness = [hair.roughness * vary, hair.radial_roughness * vary];
         let shape = FibreShape {
             sigma: absorption(hair, roughness[1]),

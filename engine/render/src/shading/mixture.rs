@@ -4,7 +4,7 @@
 use super::albedo::give_back;
 use super::energy;
 use super::fresnel::{self, F82Tint};
-use super::lobe::{Fresnel, Lobe, Slopes};
+use super::lobe::{Fresnel, Lobe, LobeDirection, Slopes};
 use super::parted::MeanSums;
 use super::subsurface::{Body, Entry};
 use super::thin_film::RelativeFilm;
@@ -30,6 +30,10 @@ pub struct Mixture {
     is_blurred: bool,
     pub(super) here: Here,
     strand: Option<(Strand, Option<Vec3A>)>,
+    /// Width of the pixel at a point that the camera sees, Blender units; else 0.
+    pub(super) pixel_width: f32,
+    /// True if a lobe does not know the density of its directions.
+    has_estimates: bool,
 }
 
 /// The point of a mixture, and its view.
@@ -63,7 +67,8 @@ impl Mixture {
             caustics: Caustics::ALL,
             corrects_bumps: true,
         };
-        Self { lobes: ArrayVec::new(), walks: false, is_blurred: false, here, strand: None }
+        let (lobes, strand) = (ArrayVec::new(), None);
+        Self { lobes, walks: false, is_blurred: false, here, strand, pixel_width: 0.0, has_estimates: false }
     }
 
     /// Begins a mixture without closures at a point; `wo` is the unit direction back along the path, stretched facets lie along
@@ -81,6 +86,7 @@ impl Mixture {
             corrects_bumps: true,
         };
         (self.walks, self.is_blurred, self.strand) = (walks, false, None);
+        (self.pixel_width, self.has_estimates) = (0.0, false);
     }
 
     /// A mixture without closures at a point, as [`begin`](Self::begin) makes it.
@@ -93,6 +99,7 @@ impl Mixture {
     /// Sets the path's past, for closures that are added from now on.
     pub fn set_past(&mut self, past: Past) {
         (self.here.caustics, self.is_blurred) = (past.caustics, past.is_blurred);
+        self.pixel_width = past.pixel_width;
     }
 
     /// Sets whether bent normals are corrected, for closures that are added from now on.
@@ -262,8 +269,26 @@ impl Mixture {
         self.lobes.iter_mut().for_each(|lobe| lobe.widen(alpha));
     }
 
+    /// A sampled direction of a lobe among others of which some do not know the densities of their directions: it counts for its lobe alone.
+    #[cold]
+    #[inline(never)]
+    fn sampled_alone(&self, lobe: &Lobe, local: &LobeDirection, wi: Vec3A, above: bool) -> Option<BsdfSample> {
+        let smooth = self.here.smooth();
+        let weight = match local.estimate {
+            Some(estimate) => lobe.weight * estimate / lobe.chance,
+            None => {
+                let (value, own) = lobe.evaluate(wi, above, smooth);
+                value / (lobe.chance * own)
+            }
+        };
+        let pdf = self.lobes.iter().map(|lobe| lobe.chance * lobe.density(wi, above, smooth)).sum();
+        let (transmitted, matte) = (local.transmitted, lobe.scatters_evenly());
+        weight.is_finite().then_some(BsdfSample { wi, weight, pdf, mirror: false, transmitted, matte })
+    }
+
     pub(super) fn push(&mut self, lobe: Lobe) {
         if lobe.weight.max_element() > LEAST && lobe.chance > 0.0 && lobe.weight.is_finite() {
+            self.has_estimates |= lobe.is_estimated();
             // A surface of more lobes than that loses the last.
             let _ = self.lobes.try_push(lobe);
         }
@@ -559,6 +584,9 @@ impl Scattering for Mixture {
                 transmitted,
                 matte: false,
             });
+        }
+        if self.has_estimates {
+            return self.sampled_alone(lobe, &local, wi, above);
         }
         let (value, pdf) = self.evaluate(wi);
         let matte = lobe.scatters_evenly();

@@ -64,6 +64,8 @@ pub struct Past {
     pub caustics: Caustics,
     /// True if one of its scatterings was diffuse.
     pub is_blurred: bool,
+    /// Width of the pixel at the surface that the camera sees, Blender units; 0 of a path that was scattered.
+    pub pixel_width: f32,
 }
 
 /// The scattering of light at one point seen from one direction.

@@ -467,7 +467,9 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             }
             let lane = (varies && in_lanes.len() >= LEAST_LANES).then(|| number - in_lanes.start);
             let Path { ray, way, least_pdf, .. } = &self.paths[*path as usize];
-            let (wo, past) = (-ray.direction, Past { caustics: limits.caustics(*way), is_blurred: way.diffuse > 0 });
+            let pixel_width = if way.is_camera() { view.cone.at(view.distance) } else { 0.0 };
+            let past = Past { caustics: limits.caustics(*way), is_blurred: way.diffuse > 0, pixel_width };
+            let wo = -ray.direction;
             let least_alpha = limits.approximations.least_alpha(*least_pdf);
             if let Some((plain, tables)) = plain {
                 let at_point = || match lane {

@@ -260,7 +260,7 @@ impl Facets {
         let mirrored = u_choice * total < reflected.element_sum();
         let wi = if mirrored { reflect(wo, h) } else { refract(wo, h, self.eta)? };
         let single = self.is_mirror().then(|| self.single(!mirrored, wo));
-        Some(LobeDirection { wi, transmitted: !mirrored, single })
+        Some(LobeDirection { single, ..LobeDirection::of_density(wi, !mirrored) })
     }
 
     /// The value of a mirror along its mirrored or refracted direction, and the probability of that choice.

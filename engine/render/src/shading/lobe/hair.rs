@@ -212,16 +212,16 @@ fn variance(roughness: f32) -> f32 {
     (0.726 * roughness + 0.812 * roughness * roughness + 3.7 * roughness.powi(20)).powi(2)
 }
 
-fn across(sin: f32) -> f32 {
+pub(super) fn across(sin: f32) -> f32 {
     (1.0 - sin * sin).max(0.0).sqrt()
 }
 
-fn exp(exponents: Rgb) -> Rgb {
+pub(super) fn exp(exponents: Rgb) -> Rgb {
     Rgb::new(exponents.x.exp(), exponents.y.exp(), exponents.z.exp())
 }
 
 /// d'Eon's spread along the fibre, from the products of sines and of cosines (d'Eon et al. 2011).
-fn along_fibre(sines: f32, cosines: f32, variance: f32) -> f32 {
+pub(super) fn along_fibre(sines: f32, cosines: f32, variance: f32) -> f32 {
     let inverse = 1.0 / variance;
     let log = log_bessel(cosines * inverse) - sines * inverse;
     if variance <= 0.1 {

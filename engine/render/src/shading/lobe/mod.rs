@@ -2,6 +2,7 @@
 
 mod facets;
 mod hair;
+mod huang;
 mod matte;
 
 use super::microfacet::{reflect, refract};
@@ -14,6 +15,8 @@ pub(super) use facets::{Fresnel, Slopes};
 use glam::Vec3A;
 pub(super) use hair::FibreShape;
 use hair::{Chiang, Fibre};
+use huang::Huang;
+pub(super) use huang::RoughFibre;
 use matte::{AshikhminShirley, Microfiber, OrenNayar, Toon, Velvet};
 use std::f32::consts::FRAC_1_PI;
 
@@ -32,6 +35,7 @@ enum LobeModel {
     Body(Body),
     Fibre(Fibre),
     Chiang(Chiang),
+    Huang(Huang),
 }
 
 /// A direction that a lobe chose, in its frame.
@@ -42,6 +46,15 @@ pub(super) struct LobeDirection {
     pub(super) transmitted: bool,
     /// The value of a mirror in that direction, and the probability of that choice within the lobe.
     pub(super) single: Option<(Rgb, f32)>,
+    /// The value over the density, of a lobe that does not know the density of its directions.
+    pub(super) estimate: Option<Rgb>,
+}
+
+impl LobeDirection {
+    /// A direction of a lobe that has a density.
+    fn of_density(wi: Vec3A, transmitted: bool) -> Self {
+        Self { wi, transmitted, single: None, estimate: None }
+    }
 }
 
 /// One lobe seen from one direction.
@@ -141,6 +154,17 @@ impl Lobe {
         Self { chance: average(weight * albedo), ..lobe }
     }
 
+    /// `frame` as of [`Lobe::fibre`].
+    pub(super) fn huang(weight: Rgb, fibre: &RoughFibre, frame: [Vec3A; 3], wo: Vec3A) -> Self {
+        let mut albedo = Rgb::ONE;
+        let lobe = Self::new(weight, frame, wo, |wo| {
+            let fibre = Huang::new(fibre, wo);
+            albedo = fibre.albedo();
+            LobeModel::Huang(fibre)
+        });
+        Self { chance: average(weight * albedo), ..lobe }
+    }
+
     /// `weight` holds the albedo, too.
     pub(super) fn body(weight: Rgb, body: Body, normal: Vec3A, wo: Vec3A) -> Self {
         Self::new(weight, warp::frame(normal), wo, |_| LobeModel::Body(body))
@@ -169,7 +193,12 @@ impl Lobe {
     /// True if the lobe scatters about a fibre, independent of the surface's sides.
     #[inline]
     pub(super) fn is_hair(&self) -> bool {
-        matches!(self.kind, LobeModel::Fibre(_) | LobeModel::Chiang(_))
+        matches!(self.kind, LobeModel::Fibre(_) | LobeModel::Chiang(_) | LobeModel::Huang(_))
+    }
+
+    /// True if the lobe does not know the density of its directions: these carry their weight ([`LobeDirection::estimate`]).
+    pub(super) fn is_estimated(&self) -> bool {
+        matches!(self.kind, LobeModel::Huang(_))
     }
 
     /// True if light that it takes comes out elsewhere.
@@ -193,7 +222,8 @@ impl Lobe {
         match &self.kind {
             Lambert | OrenNayar(_) | Translucent | Velvet(_) | Microfiber(_) | Body(_) => true,
             LobeModel::Toon(toon) => !toon.is_glossy(),
-            LobeModel::AshikhminShirley(_) | LobeModel::Facets(_) | LobeModel::Fibre(_) | LobeModel::Chiang(_) => false,
+            LobeModel::AshikhminShirley(_) | LobeModel::Facets(_) => false,
+            LobeModel::Fibre(_) | LobeModel::Chiang(_) | LobeModel::Huang(_) => false,
         }
     }
 
@@ -205,7 +235,7 @@ impl Lobe {
             LobeModel::Toon(toon) if toon.is_glossy() => Rays::GLOSSY,
             LobeModel::Fibre(fibre) if fibre.is_through() => Rays::TRANSMISSION,
             LobeModel::Fibre(_) => Rays::GLOSSY,
-            LobeModel::Chiang(_) => Rays::GLOSSY.and(Rays::TRANSMISSION),
+            LobeModel::Chiang(_) | LobeModel::Huang(_) => Rays::GLOSSY.and(Rays::TRANSMISSION),
             LobeModel::Facets(facets) => match (facets.reflects(), facets.transmits()) {
                 (_, false) => Rays::GLOSSY,
                 (false, true) => Rays::TRANSMISSION,
@@ -220,6 +250,7 @@ impl Lobe {
         let both = match &self.kind {
             LobeModel::Facets(facets) => facets.albedos(self.wo),
             LobeModel::Chiang(fibre) => [fibre.albedo(), Rgb::ZERO],
+            LobeModel::Huang(fibre) => [fibre.albedo(), Rgb::ZERO],
             _ => [Rgb::ONE, Rgb::ZERO],
         };
         both.map(|albedo| albedo * self.weight)
@@ -248,6 +279,7 @@ impl Lobe {
             LobeModel::Facets(facets) => facets.widen(alpha, self.wo),
             LobeModel::AshikhminShirley(lobe) => lobe.widen(alpha),
             LobeModel::Chiang(fibre) => fibre.widen(alpha),
+            LobeModel::Huang(fibre) => fibre.widen(alpha),
             _ => {}
         }
     }
@@ -315,30 +347,40 @@ impl Lobe {
                 let (value, pdf) = fibre.evaluate(wi);
                 (self.weight * value, pdf)
             }
+            LobeModel::Huang(fibre) => (self.weight * fibre.evaluate(wi), Huang::PDF),
             _ => (Rgb::ZERO, 0.0),
         }
     }
 
+    /// The density of [`Self::evaluate`] alone.
+    #[cold]
+    pub(super) fn density(&self, wi: Vec3A, above: bool, smooth: (Vec3A, bool)) -> f32 {
+        if self.is_estimated() { Huang::PDF } else { self.evaluate(wi, above, smooth).1 }
+    }
+
     /// A direction that the lobe samples; `u_choice` chooses between reflection and refraction.
     pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<LobeDirection> {
-        let (wo, broad) = (self.wo, |wi| Some(LobeDirection { wi, transmitted: false, single: None }));
+        let (wo, broad) = (self.wo, |wi| Some(LobeDirection::of_density(wi, false)));
         match &self.kind {
             LobeModel::Lambert | LobeModel::OrenNayar(_) => broad(warp::sample_cosine_hemisphere(u)),
             LobeModel::Translucent => {
                 let wi = -warp::sample_cosine_hemisphere(u);
-                Some(LobeDirection { wi, transmitted: true, single: None })
+                Some(LobeDirection::of_density(wi, true))
             }
             LobeModel::Velvet(_) => broad(Velvet::sample(u)),
             LobeModel::Microfiber(cloth) => broad(cloth.sample(u)),
             LobeModel::Toon(toon) => broad(toon.sample(wo, u)),
             LobeModel::AshikhminShirley(lobe) if wo.z > 0.0 => broad(lobe.sample(wo, u)),
             LobeModel::Facets(facets) if wo.z > 0.0 => facets.sample(wo, u_choice, u),
-            LobeModel::Fibre(fibre) => {
-                Some(LobeDirection { wi: fibre.sample(u), transmitted: fibre.is_through(), single: None })
-            }
+            LobeModel::Fibre(fibre) => Some(LobeDirection::of_density(fibre.sample(u), fibre.is_through())),
             LobeModel::Chiang(fibre) => {
                 let (wi, mirrored) = fibre.sample(u_choice, u);
-                Some(LobeDirection { wi, transmitted: !mirrored, single: None })
+                Some(LobeDirection::of_density(wi, !mirrored))
+            }
+            LobeModel::Huang(fibre) => {
+                let (wi, estimate) = fibre.sample(u_choice, u)?;
+                // As in Cycles, all ways count as reflections.
+                Some(LobeDirection { wi, transmitted: false, single: None, estimate: Some(estimate) })
             }
             _ => None,
         }

@@ -1,0 +1,537 @@
+//! Hair of Huang, Hullin and Hanika 2022 ("A Microfacet-based Hair Scattering Model", Computer Graphics Forum 41(4)): a round fibre of glass
+//! whose scales are facets of GGX. Light is mirrored, passes straight through, or is mirrored once inside; all longer ways are taken
+//! together, as Chiang et al. 2016 do. Numbers and limits are those of Cycles (`bsdf_principled_hair_huang.h`).
+//!
+//! No sum in closed form says how much light goes from one direction to another: it is integrated across the fibre by Simpson's rule, with a
+//! random facet at each place for the ways through. So a direction has no density either. Samples carry their weight, and count in multiple
+//! importance sampling with [`Huang::PDF`], as in Cycles.
+//!
+//! Directions here are (across the fibre, along it, towards the viewer), angles about the fibre are from the viewer's side.
+
+use super::hair::{across, along_fibre, exp};
+use crate::sampler::hashed::HashedNumbers;
+use crate::sampler::warp;
+use crate::shading::microfacet::{Ggx, reflect, refract};
+use crate::shading::{energy, fresnel};
+use crate::{Rgb, average};
+use glam::Vec3A;
+use std::f32::consts::{PI, TAU};
+
+/// The properties of a fibre with rough scales.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::shading) struct RoughFibre {
+    /// Absorption along a radius, by channel.
+    pub(in crate::shading) sigma: Rgb,
+    /// Width of the facets' distribution, GGX's alpha.
+    pub(in crate::shading) alpha: f32,
+    pub(in crate::shading) ior: f32,
+    /// Tilt of the scales, radians.
+    pub(in crate::shading) tilt: f32,
+    /// Factors on light that is mirrored, that passes straight through, and that is mirrored once inside.
+    pub(in crate::shading) parts: [f32; 3],
+    /// The place across the width where the fibre is hit, -1 to 1.
+    pub(in crate::shading) offset: f32,
+    /// Half the width of a pixel over the radius; from 1 on the whole width is seen at once.
+    pub(in crate::shading) coverage: f32,
+}
+
+/// A fibre seen from one direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Huang {
+    fibre: RoughFibre,
+    wo: Vec3A,
+}
+
+/// Places across a fibre for Simpson's rule.
+struct Places {
+    first: f32,
+    step: f32,
+    intervals: u32,
+}
+
+impl Places {
+    /// Places between two angles, no farther apart than `most`.
+    fn between([low, high]: [f32; 2], most: f32) -> Self {
+        let intervals = 2 * (0.5 * (high - low) / most).ceil().max(1.0) as u32;
+        Self { first: low, step: (high - low) / intervals as f32, intervals }
+    }
+
+    /// Angles, and their weights in the integral.
+    fn weighted(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
+        (0..=self.intervals).map(|i| {
+            let is_end = i == 0 || i == self.intervals;
+            let weight = if is_end { 0.5 } else { (1 + i % 2) as f32 };
+            (self.first + i as f32 * self.step, weight * self.step * (2.0 / 3.0))
+        })
+    }
+}
+
+/// The way of light into a fibre and to the far side.
+struct Inside {
+    /// The direction of the refracted ray.
+    way: Vec3A,
+    /// The angle of its direction about the fibre, and of the scale that it meets.
+    turn: f32,
+    far: f32,
+    /// The normal of that scale, on the side of the ray.
+    scale: Vec3A,
+    /// The part of light that is not absorbed on the way.
+    left: Rgb,
+}
+
+impl Huang {
+    /// The density that directions count with in multiple importance sampling.
+    pub(super) const PDF: f32 = 1.0;
+    /// Angle about the fibre that is left out at either end of what is seen.
+    const MARGIN_RAD: f32 = 1e-3;
+    /// The smallest rest of a geometric series' ratio.
+    const LEAST: f32 = 1e-5;
+
+    /// `wo` in the fibre's frame: z along it, x across it on the viewer's side.
+    pub(super) fn new(fibre: &RoughFibre, wo: Vec3A) -> Self {
+        let alpha = fibre.alpha.clamp(1e-3, 1.0);
+        Self { fibre: RoughFibre { alpha, tilt: -fibre.tilt, ..*fibre }, wo: to_section(wo) }
+    }
+
+    /// Makes the facets' distribution at least so wide.
+    pub(super) fn widen(&mut self, alpha: f32) {
+        self.fibre.alpha = self.fibre.alpha.max(alpha);
+    }
+
+    /// Albedo of the fibre, about: that of smooth scales.
+    pub(super) fn albedo(&self) -> Rgb {
+        let RoughFibre { sigma, ior, offset, .. } = self.fibre;
+        let normal = Vec3A::new(offset, 0.0, across(offset));
+        let Some(way) = refract(self.wo, normal, ior) else { return Rgb::ONE };
+        let mirrored = fresnel::dielectric(normal.dot(self.wo).abs(), ior);
+        let left = exp(-sigma * (2.0 * way.dot(normal).abs() / (1.0 - way.y * way.y).max(1e-6)));
+        (left - 2.0 * mirrored * left + mirrored) / (Rgb::ONE - mirrored * left).max(Rgb::splat(Self::LEAST))
+    }
+
+    /// True if a pixel sees a part of the fibre's width alone.
+    fn is_near(&self) -> bool {
+        self.fibre.coverage < 1.0
+    }
+
+    /// Value times cosine; `wi` in the frame of [`Self::new`].
+    pub(super) fn evaluate(&self, wi: Vec3A) -> Rgb {
+        let (wo, wi) = (self.wo, to_section(wi));
+        let slope = self.fibre.tilt.tan();
+        if slope * tangent(wi) < -1.0 {
+            return Rgb::ZERO;
+        }
+        let edge = (-slope * tangent(wo)).max(0.0);
+        if edge.is_nan() || edge > 1.0 {
+            return Rgb::ZERO;
+        }
+        let half = edge.acos() - Self::MARGIN_RAD;
+        let (mut seen, mut width) = ([-half, half], 2.0);
+        if self.is_near() {
+            // Of the scales those that the pixel sees (Yan, Jensen and Ramamoorthi 2017, "An Efficient and Practical Near and Far Field
+            // Fur Reflectance Model").
+            let RoughFibre { offset, coverage, .. } = self.fibre;
+            let [low, high] = [(offset - coverage).max(-1.0), (offset + coverage).min(1.0)];
+            width = high - low;
+            seen = [seen[0].max(-high.asin()), seen[1].min(-low.asin())];
+        }
+        if seen[1] <= seen[0] || width <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let light = Rgb::splat(self.mirrored(wi, seen)) + self.through(wi, seen);
+        let value = light / (cosine(wo) * width);
+        if value.is_finite() { value } else { Rgb::ZERO }
+    }
+
+    /// The integral of light that scales mirror.
+    fn mirrored(&self, wi: Vec3A, seen: [f32; 2]) -> f32 {
+        let RoughFibre { alpha, ior, parts, .. } = self.fibre;
+        let wo = self.wo;
+        let Some(facet) = (wo + wi).try_normalize() else { return 0.0 };
+        if parts[0] <= 0.0 {
+            return 0.0;
+        }
+        let light = |(angle, weight): (f32, f32)| {
+            let scale = self.scale(angle);
+            let is_seen = see([wo, wi], round(angle), facet);
+            let [from, to] = [wo, wi].map(|w| w.dot(scale));
+            if !is_seen {
+                return 0.0;
+            }
+            let masking = 1.0 / (1.0 + lambda(alpha, from) + lambda(alpha, to));
+            weight * density(alpha, facet.dot(scale)) * masking * self.restored(from, ior)
+        };
+        let sum: f32 = Places::between(seen, 0.7 * alpha).weighted().map(light).sum();
+        0.25 * parts[0] * fresnel::dielectric(wo.dot(facet), ior) * sum
+    }
+
+    /// The integral of light that goes through the fibre, mirrored inside or not.
+    fn through(&self, wi: Vec3A, seen: [f32; 2]) -> Rgb {
+        let RoughFibre { alpha, ior, parts, .. } = self.fibre;
+        let wo = self.wo;
+        let [_, straight, inner] = parts;
+        if straight <= 0.0 && inner <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let mut numbers = HashedNumbers::new(wi.to_array());
+        let index = 1.0 / ior;
+        let (mut bent, mut rest) = (Rgb::ZERO, Rgb::ZERO);
+        for (angle, weight) in Places::between(seen, 0.8 * alpha).weighted() {
+            let scale = self.scale(angle);
+            let facet = self.facet(wo, scale, [numbers.next(), numbers.next()]);
+            let from = wo.dot(scale);
+            if wo.dot(facet) <= 0.0 {
+                continue;
+            }
+            let mirrored = fresnel::dielectric(wo.dot(facet), ior);
+            let Some(inside) = self.inside(facet, angle) else { continue };
+            let back = -inside.way;
+            // The facet is one of its scale's, and of the fibre's own side.
+            if !(see([wo, back], scale, facet) && see([wo, back], round(angle), facet)) {
+                continue;
+            }
+            let below = back.dot(scale);
+            let entered = weight * (1.0 - mirrored) * self.restored(from, ior) * gone(alpha, from, below);
+            let there = back.dot(inside.scale);
+            let into = from / below;
+            let restored = self.restored(there, index);
+            if straight > 0.0
+                && let Some(out) = self.out(back, inside.scale, wi, None)
+            {
+                bent += inside.left * (straight * entered * into * restored * out);
+            }
+            if inner <= 0.0 {
+                continue;
+            }
+            let mirror = self.facet(back, inside.scale, [numbers.next(), numbers.next()]);
+            if back.dot(mirror) <= 0.0 {
+                continue;
+            }
+            let turned_back = fresnel::dielectric(back.dot(mirror), index);
+            let again = reflect(inside.way, mirror);
+            let (last, last_angle, left_again) = self.last_scale(&inside, again, angle);
+            let carried = inside.left * left_again * (entered * turned_back * restored);
+            let at_last = again.dot(last);
+            if there > 0.0 && at_last > 0.0 && back.dot(round(inside.far)) > 0.0 {
+                let facet = self.facet(again, last, [numbers.next(), numbers.next()]);
+                let hidden = gone(alpha, there, -again.dot(inside.scale)) * self.restored(at_last, index);
+                // By its place across the width.
+                let share = wo.dot(round(angle)) * hidden;
+                rest += self.longer(carried, inside.left * left_again, (again, last, facet), turned_back) * share;
+            }
+            let is_seen = see([back, -again], inside.scale, mirror) && see([back, -again], round(inside.far), mirror);
+            if !is_seen {
+                continue;
+            }
+            if let Some(out) = self.out(again, last, wi, Some(last_angle)) {
+                let to = -again.dot(inside.scale);
+                let passed = gone(alpha, there, to) * there / to;
+                bent += carried * (inner * into * passed * self.restored(at_last, index) * out);
+            }
+        }
+        let about = along_fibre(wo.y * wi.y, cosine(wo) * cosine(wi), 4.0 * alpha) / TAU;
+        bent * (index * index) + rest * about
+    }
+
+    /// The light of the ways with more than one mirroring inside, a geometric series of about the same losses each, of light `carried` to the last
+    /// scale, which it reaches from the direction `again`. `left`: what is not absorbed on both ways across the fibre.
+    fn longer(&self, carried: Rgb, left: Rgb, (again, last, facet): (Vec3A, Vec3A, Vec3A), mirrored: f32) -> Rgb {
+        let RoughFibre { alpha, ior, .. } = self.fibre;
+        let kept = fresnel::dielectric(again.dot(facet), 1.0 / ior);
+        let mean = Rgb::from(left.to_array().map(f32::sqrt));
+        let passed = (0.5 * (2.0 - mirrored - kept)).max(Self::LEAST);
+        let others = mean * passed / (Rgb::ONE - mean * (1.0 - passed));
+        let turned = reflect(again, facet).dot(last);
+        carried * others * (kept * gone(alpha, again.dot(last), turned))
+    }
+
+    /// A sampled direction, and value over density; `None` where light ends. `u_choice` chooses the way, `u` the place across the fibre and
+    /// the facet.
+    pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<(Vec3A, Rgb)> {
+        let RoughFibre { alpha, ior, parts, offset, .. } = self.fibre;
+        let (wo, index) = (self.wo, 1.0 / ior);
+        let mut numbers = HashedNumbers::new([u_choice, u[0], u[1]]);
+        let angle = -(if self.is_near() { offset } else { 2.0 * u[0] - 1.0 }).asin();
+        let scale = self.scale(angle);
+        let from = wo.dot(scale);
+        if from < 0.0 || wo.dot(round(angle)) < 0.0 {
+            return None;
+        }
+        let facet = self.facet(wo, scale, [u[1], numbers.next()]);
+        if !(wo.dot(facet) > 0.0 && wo.dot(round(angle)) > 0.0) {
+            return None;
+        }
+        let restored = self.restored(from, ior);
+        let mirrored = fresnel::dielectric(wo.dot(facet), ior);
+        let first = reflect(wo, facet);
+        let is_seen = first.dot(facet) > 0.0 && first.dot(round(angle)) > 0.0;
+        let amount = if is_seen { parts[0] * mirrored * restored * gone(alpha, from, first.dot(scale)) } else { 0.0 };
+        let mut ways = [(Vec3A::ZERO, Rgb::ZERO); 4];
+        ways[0] = (first, Rgb::splat(amount));
+        if let Some(inside) = self.inside(facet, angle) {
+            let back = -inside.way;
+            let there = back.dot(inside.scale);
+            let mirror = self.facet(back, inside.scale, [numbers.next(), numbers.next()]);
+            let passes = there > 0.0
+                && back.dot(facet) > 0.0
+                && back.dot(round(angle)) > 0.0
+                && back.dot(mirror) > 0.0
+                && back.dot(round(inside.far)) > 0.0;
+            if passes {
+                let entered = (1.0 - mirrored) * restored * gone(alpha, from, back.dot(scale));
+                let turned_back = fresnel::dielectric(back.dot(mirror), index);
+                let there_restored = self.restored(there, index);
+                let left = inside.left;
+                if let Some(out) = refract(back, mirror, index)
+                    && -out.dot(inside.scale) > 0.0
+                    && -out.dot(mirror) > 0.0
+                    && -out.dot(round(inside.far)) > 0.0
+                {
+                    let amount = parts[1] * entered * (1.0 - turned_back) * there_restored;
+                    ways[1] = (out, left * (amount * gone(alpha, there, out.dot(inside.scale))));
+                }
+                let again = reflect(inside.way, mirror);
+                let (last, last_angle, left_again) = self.last_scale(&inside, again, angle);
+                let at_last = again.dot(last);
+                if at_last > 0.0 {
+                    let way = entered * turned_back * there_restored * self.restored(at_last, index);
+                    let carried = left * left_again * (way * gone(alpha, there, -again.dot(inside.scale)));
+                    let facet = self.facet(again, last, [numbers.next(), numbers.next()]);
+                    let kept = fresnel::dielectric(again.dot(facet), index);
+                    if let Some(out) = refract(again, facet, index)
+                        && see([again, -out], round(last_angle), facet)
+                    {
+                        let amount = parts[2] * (1.0 - kept) * gone(alpha, at_last, out.dot(last));
+                        ways[2] = (out, carried * amount);
+                    }
+                    let others = self.longer(carried, left * left_again, (again, last, facet), turned_back);
+                    let along = [numbers.next(), numbers.next(), numbers.next()];
+                    ways[3] = (self.anywhere(along), others);
+                }
+            }
+        }
+        let amounts = ways.map(|(_, amount)| if amount.is_finite() { average(amount) } else { 0.0 });
+        let total: f32 = amounts.iter().sum();
+        if total <= 0.0 {
+            return None;
+        }
+        let (mut way, mut left) = (0, u_choice * total);
+        while way + 1 < ways.len() && left >= amounts[way] {
+            left -= amounts[way];
+            way += 1;
+        }
+        let (direction, amount) = ways[way];
+        (amounts[way] > 0.0).then(|| (from_section(direction), amount / amounts[way] * total))
+    }
+
+    /// A direction of the ways that are taken together: spread along the fibre, even about it.
+    fn anywhere(&self, [u0, u1, u2]: [f32; 3]) -> Vec3A {
+        let RoughFibre { alpha, .. } = self.fibre;
+        let u = u0.max(1e-5);
+        let toward = 1.0 + 4.0 * alpha * (u + (1.0 - u) * (-0.5 / alpha).exp()).ln();
+        let sin = -toward * self.wo.y + across(toward) * (TAU * u1).cos() * cosine(self.wo);
+        let (s, c) = (TAU * u2).sin_cos();
+        Vec3A::new(s * across(sin), sin, c * across(sin))
+    }
+
+    /// The normal of the scale at an angle.
+    fn scale(&self, angle: f32) -> Vec3A {
+        tilted(angle, self.fibre.tilt)
+    }
+
+    /// A facet that is seen from a direction, of those about a scale.
+    fn facet(&self, seen_from: Vec3A, scale: Vec3A, u: [f32; 2]) -> Vec3A {
+        let frame = warp::frame(scale);
+        warp::to_world(&frame, Ggx::of_width(self.fibre.alpha).sample_visible(warp::to_local(&frame, seen_from), u))
+    }
+
+    /// Light through a facet to the far side; `None` where it is all mirrored.
+    fn inside(&self, facet: Vec3A, angle: f32) -> Option<Inside> {
+        let RoughFibre { sigma, ior, tilt, .. } = self.fibre;
+        let way = refract(self.wo, facet, ior)?;
+        let turn = way.x.atan2(way.z);
+        let far = 2.0 * turn - angle;
+        let left = exp(sigma * (2.0 * (angle - turn).cos() / cosine(way).max(1e-6)));
+        Some(Inside { way, turn, far, scale: tilted(far, -tilt), left })
+    }
+
+    /// The scale at which a ray arrives that was mirrored inside, the scale's angle, and the part of light that is not absorbed on the way.
+    fn last_scale(&self, inside: &Inside, again: Vec3A, angle: f32) -> (Vec3A, f32, Rgb) {
+        let RoughFibre { sigma, tilt, .. } = self.fibre;
+        let turn = again.x.atan2(again.z);
+        let last = angle - 2.0 * (inside.turn - turn) + PI;
+        let left = exp(-sigma * (2.0 * (turn - inside.far).cos().abs() / cosine(again).max(1e-6)));
+        (tilted(last, -tilt), last, left)
+    }
+
+    /// The factor on light out of the fibre along `wi` by facets of a scale that it hits from within, from the direction `back`. With `angle`, that
+    /// of the scale, facets must be seen from both sides; `None` where no facet bends light there.
+    fn out(&self, back: Vec3A, scale: Vec3A, wi: Vec3A, angle: Option<f32>) -> Option<f32> {
+        let RoughFibre { alpha, ior, .. } = self.fibre;
+        let index = 1.0 / ior;
+        // Beyond that no facet bends it there.
+        if wi.dot(-back) < index - 1e-5 {
+            return None;
+        }
+        let half = back + index * wi;
+        let length = half.length();
+        let facet = half / length;
+        let normal = facet.dot(scale);
+        let is_seen = normal >= 0.0
+            && angle.is_none_or(|angle| see([back, -wi], scale, facet) && see([back, -wi], round(angle), facet));
+        if !is_seen {
+            return None;
+        }
+        let [from, to] = [back.dot(facet), -wi.dot(facet)];
+        let masking = 1.0 / (1.0 + lambda(alpha, back.dot(scale)) + lambda(alpha, -wi.dot(scale)));
+        let passed = 1.0 - fresnel::dielectric(from, index);
+        let light = passed * density(alpha, normal) * masking * from * to / (length * length);
+        light.is_finite().then_some(light)
+    }
+
+    /// Factor on single scattering at a boundary that adds the light that goes on from facet to facet.
+    fn restored(&self, cos: f32, index: f32) -> f32 {
+        1.0 / energy::boundary(index, self.fibre.alpha.sqrt(), cos.max(0.0)).0.max(1e-3)
+    }
+}
+
+/// A direction of the fibre's frame as this file has it.
+fn to_section(w: Vec3A) -> Vec3A {
+    Vec3A::new(w.y, w.z, w.x)
+}
+
+fn from_section(w: Vec3A) -> Vec3A {
+    Vec3A::new(w.z, w.x, w.y)
+}
+
+/// The cosine of the angle to the plane across the fibre.
+fn cosine(w: Vec3A) -> f32 {
+    (w.x * w.x + w.z * w.z).sqrt()
+}
+
+/// The tangent of the angle to the plane across the fibre.
+fn tangent(w: Vec3A) -> f32 {
+    w.y / cosine(w)
+}
+
+/// The normal of a round fibre at an angle.
+fn round(angle: f32) -> Vec3A {
+    tilted(angle, 0.0)
+}
+
+/// That normal, tilted along the fibre.
+fn tilted(angle: f32, tilt: f32) -> Vec3A {
+    let ((s, c), (along, across)) = (angle.sin_cos(), tilt.sin_cos());
+    Vec3A::new(s * across, along, c * across)
+}
+
+/// True if a facet and the normal that it is about are seen from both directions.
+fn see(from: [Vec3A; 2], normal: Vec3A, facet: Vec3A) -> bool {
+    from.iter().all(|w| w.dot(facet) > 0.0 && w.dot(normal) > 0.0)
+}
+
+/// Density of GGX's facets at that cosine to the normal that they are about.
+fn density(alpha: f32, cos: f32) -> f32 {
+    let (a2, cos2) = (alpha * alpha, cos * cos);
+    let t = (1.0 - cos2) + a2 * cos2;
+    a2 / (PI * t * t)
+}
+
+/// Smith's lambda at that cosine.
+fn lambda(alpha: f32, cos: f32) -> f32 {
+    let cos2 = cos * cos;
+    0.5 * ((1.0 + alpha * alpha * (1.0 - cos2).max(0.0) / cos2).sqrt() - 1.0)
+}
+
+/// The part of light seen from one direction that facets do not hide towards another.
+fn gone(alpha: f32, from: f32, to: f32) -> f32 {
+    let (from, to) = (lambda(alpha, from), lambda(alpha, to));
+    (1.0 + from) / (1.0 + from + to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::FRAC_PI_2;
+
+    fn fibre(alpha: f32, tilt: f32, sigma: f32) -> RoughFibre {
+        let sigma = Rgb::new(sigma, 0.3 * sigma, 0.0);
+        RoughFibre { sigma, alpha, ior: 1.55, tilt, parts: [1.0; 3], offset: 0.2, coverage: 1.0 }
+    }
+
+    /// A direction of the fibre's frame.
+    fn direction(along: f32, about: f32) -> Vec3A {
+        let ((sin, cos), (s, c)) = (along.sin_cos(), about.sin_cos());
+        Vec3A::new(cos * c, cos * s, sin)
+    }
+
+    fn octant(wi: Vec3A) -> usize {
+        usize::from(wi.x > 0.0) + 2 * usize::from(wi.y > 0.0) + 4 * usize::from(wi.z > 0.0)
+    }
+
+    /// The light that is scattered into each octant, by even steps over all directions.
+    fn integrals(lobe: &Huang) -> [Rgb; 8] {
+        let n = 240;
+        let mut sums = [Rgb::ZERO; 8];
+        for i in 0..n * n {
+            let step = |k: u32| (k as f32 + 0.5) / n as f32;
+            let along = PI * step(i / n) - FRAC_PI_2;
+            let wi = direction(along, TAU * step(i % n) - PI);
+            sums[octant(wi)] += lobe.evaluate(wi) * (along.cos() * PI * TAU / (n * n) as f32);
+        }
+        sums
+    }
+
+    /// Sampled directions carry the light that is evaluated, of the whole width and of the part of it that a pixel sees.
+    #[test]
+    fn samples_carry_what_is_scattered() {
+        for (alpha, tilt, coverage) in
+            [(0.2, 0.0, 1.0), (0.5, 0.06, 1.0), (0.3, 0.035, 1.0), (0.3, 0.0, 1e-2), (0.4, 0.05, 1e-2)]
+        {
+            for along in [0.0f32, 0.6, -1.1] {
+                let lobe = Huang::new(&RoughFibre { coverage, ..fibre(alpha, tilt, 0.4) }, direction(along, 0.0));
+                let n = 1 << 15;
+                let mut sums = [Rgb::ZERO; 8];
+                for i in 0..n {
+                    let [u0, u1, u2, _] = sobol_burley::sample_4d(i, 0, 5);
+                    if let Some((wi, weight)) = lobe.sample(u2, [u0, u1]) {
+                        assert!((wi.length() - 1.0).abs() < 1e-3 && weight.min_element() >= 0.0, "{wi} {weight}");
+                        sums[octant(wi)] += weight / n as f32;
+                    }
+                }
+                let want = integrals(&lobe);
+                let all: Rgb = want.iter().sum();
+                let found: Rgb = sums.iter().sum();
+                // Longer ways are estimated in one way where directions are sampled, and in another where they are evaluated, as published.
+                assert!(
+                    (found - all).abs().max_element() < 0.05,
+                    "{alpha} {tilt} {coverage} {along}: {found} for {all}"
+                );
+                for (which, (found, want)) in sums.iter().zip(want).enumerate() {
+                    let off = (*found - want).abs().max_element();
+                    assert!(off < 0.03, "{alpha} {tilt} {coverage} {along}, {which}: {found} for {want}");
+                }
+            }
+        }
+    }
+
+    /// A clear fibre neither swallows light nor makes any, about: facets restore what single scattering loses, and the longest ways are a
+    /// series.
+    #[test]
+    fn a_clear_fibre_keeps_about_all_light() {
+        for (alpha, along) in [(0.1, 0.0), (0.3, 0.0), (0.3, 0.7), (0.6, -0.4)] {
+            let light: Rgb = integrals(&Huang::new(&fibre(alpha, 0.0, 0.0), direction(along, 0.0))).iter().sum();
+            assert!((light.x - 1.0).abs() < 0.12, "{alpha} {along}: {light}");
+        }
+    }
+
+    /// A fibre that absorbs everything mirrors alone, and its albedo is the Fresnel reflectance of its width's mean.
+    #[test]
+    fn a_dark_fibre_mirrors_alone() {
+        let fibre = RoughFibre { sigma: Rgb::splat(1e6), ..fibre(0.05, 0.0, 0.0) };
+        let light: Rgb = integrals(&Huang::new(&fibre, Vec3A::X)).iter().sum();
+        let n = 1000;
+        let across_width = |i: i32| fresnel::dielectric(across((i as f32 + 0.5) / n as f32), 1.55) / n as f32;
+        let mean: f32 = (0..n).map(across_width).sum();
+        assert!((light.x - mean).abs() < 0.05 * mean, "{light} for {mean}");
+    }
+}
