@@ -98,8 +98,8 @@ impl<'a> Placed<'a> {
 impl Tree<Segments> {
     /// The tree of curves, all of which change their shape or none.
     fn of_curves(of: &[Placed<'_>]) -> Self {
-        let mut segments = Segments::default();
-        segments.to = of.iter().any(|placed| placed.change.is_some()).then(Box::default);
+        let to = of.iter().any(|placed| placed.change.is_some()).then(Box::default);
+        let mut segments = Segments { to, ..Segments::default() };
         let mut boxes = Vec::new();
         // The keys of each strand, and of each segment its strand's number among them.
         let (mut strands, mut strand_of) = (Vec::new(), Vec::new());

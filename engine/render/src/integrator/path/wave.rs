@@ -144,6 +144,13 @@ const LEAST_LANES: usize = 3;
 const LEAST_SHARE: f32 = 0.02;
 
 impl Path {
+    /// The past of a path in this state at a surface that it sees so.
+    #[inline(always)]
+    fn past(limits: &Limits, way: PathState, view: &View) -> Past {
+        let pixel_width = if way.is_camera() { view.cone.at(view.distance) } else { 0.0 };
+        Past { caustics: limits.caustics(way), is_blurred: way.diffuse > 0, pixel_width }
+    }
+
     /// Goes through a surface.
     #[inline(always)]
     fn pass(&mut self, point: &SurfacePoint, TransparentPassage { weight, t, is_counted }: TransparentPassage) {
@@ -467,9 +474,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             }
             let lane = (varies && in_lanes.len() >= LEAST_LANES).then(|| number - in_lanes.start);
             let Path { ray, way, least_pdf, .. } = &self.paths[*path as usize];
-            let pixel_width = if way.is_camera() { view.cone.at(view.distance) } else { 0.0 };
-            let past = Past { caustics: limits.caustics(*way), is_blurred: way.diffuse > 0, pixel_width };
-            let wo = -ray.direction;
+            let (wo, past) = (-ray.direction, Path::past(limits, *way, view));
             let least_alpha = limits.approximations.least_alpha(*least_pdf);
             if let Some((plain, tables)) = plain {
                 let at_point = || match lane {

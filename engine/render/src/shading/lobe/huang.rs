@@ -89,8 +89,8 @@ impl Huang {
 
     /// `wo` in the fibre's frame: z along it, x across it on the viewer's side.
     pub(super) fn new(fibre: &RoughFibre, wo: Vec3A) -> Self {
-        let alpha = fibre.alpha.clamp(1e-3, 1.0);
-        Self { fibre: RoughFibre { alpha, tilt: -fibre.tilt, ..*fibre }, wo: to_section(wo) }
+        let (alpha, offset) = (fibre.alpha.clamp(1e-3, 1.0), fibre.offset.clamp(-1.0, 1.0));
+        Self { fibre: RoughFibre { alpha, offset, tilt: -fibre.tilt, ..*fibre }, wo: to_section(wo) }
     }
 
     /// Makes the facets' distribution at least so wide.
@@ -202,34 +202,48 @@ impl Huang {
             if inner <= 0.0 {
                 continue;
             }
-            let mirror = self.facet(back, inside.scale, [numbers.next(), numbers.next()]);
-            if back.dot(mirror) <= 0.0 {
-                continue;
-            }
-            let turned_back = fresnel::dielectric(back.dot(mirror), index);
-            let again = reflect(inside.way, mirror);
-            let (last, last_angle, left_again) = self.last_scale(&inside, again, angle);
-            let carried = inside.left * left_again * (entered * turned_back * restored);
-            let at_last = again.dot(last);
-            if there > 0.0 && at_last > 0.0 && back.dot(round(inside.far)) > 0.0 {
-                let facet = self.facet(again, last, [numbers.next(), numbers.next()]);
-                let hidden = gone(alpha, there, -again.dot(inside.scale)) * self.restored(at_last, index);
-                // By its place across the width.
-                let share = wo.dot(round(angle)) * hidden;
-                rest += self.longer(carried, inside.left * left_again, (again, last, facet), turned_back) * share;
-            }
-            let is_seen = see([back, -again], inside.scale, mirror) && see([back, -again], round(inside.far), mirror);
-            if !is_seen {
-                continue;
-            }
-            if let Some(out) = self.out(again, last, wi, Some(last_angle)) {
-                let to = -again.dot(inside.scale);
-                let passed = gone(alpha, there, to) * there / to;
-                bent += carried * (inner * into * passed * self.restored(at_last, index) * out);
-            }
+            let (once, longer) = self.turned_back(&inside, angle, wi, entered * restored, &mut numbers);
+            bent += once * (inner * into);
+            rest += longer;
         }
         let about = along_fibre(wo.y * wi.y, cosine(wo) * cosine(wi), 4.0 * alpha) / TAU;
         bent * (index * index) + rest * about
+    }
+
+    /// The light towards `wi` that is mirrored once inside, and that of all longer ways, of the light `entered` with which a ray arrives inside.
+    fn turned_back(
+        &self,
+        inside: &Inside,
+        angle: f32,
+        wi: Vec3A,
+        entered: f32,
+        numbers: &mut HashedNumbers,
+    ) -> (Rgb, Rgb) {
+        let RoughFibre { alpha, ior, .. } = self.fibre;
+        let (index, back) = (1.0 / ior, -inside.way);
+        let there = back.dot(inside.scale);
+        let mirror = self.facet(back, inside.scale, [numbers.next(), numbers.next()]);
+        if back.dot(mirror) <= 0.0 {
+            return (Rgb::ZERO, Rgb::ZERO);
+        }
+        let mirrored = fresnel::dielectric(back.dot(mirror), index);
+        let again = reflect(inside.way, mirror);
+        let (last, last_angle, left_again) = self.last_scale(inside, again, angle);
+        let left = inside.left * left_again;
+        let carried = left * (entered * mirrored * self.restored(again.dot(last), index));
+        let to = -again.dot(inside.scale);
+        let mut longer = Rgb::ZERO;
+        if there > 0.0 && again.dot(last) > 0.0 && back.dot(round(inside.far)) > 0.0 {
+            let facet = self.facet(again, last, [numbers.next(), numbers.next()]);
+            // By its place across the width.
+            let share = self.wo.dot(round(angle)) * gone(alpha, there, to);
+            longer = self.longer(carried, left, (again, last, facet), mirrored) * share;
+        }
+        let is_seen = see([back, -again], inside.scale, mirror) && see([back, -again], round(inside.far), mirror);
+        let out = is_seen.then(|| self.out(again, last, wi, Some(last_angle))).flatten().unwrap_or(0.0);
+        // Where nothing comes out the cosine may be 0.
+        let once = if out > 0.0 { carried * (gone(alpha, there, to) * there / to * out) } else { Rgb::ZERO };
+        (once, longer)
     }
 
     /// The light of the ways with more than one mirroring inside, a geometric series of about the same losses each, of light `carried` to the last
@@ -248,7 +262,7 @@ impl Huang {
     /// the facet.
     pub(super) fn sample(&self, u_choice: f32, u: [f32; 2]) -> Option<(Vec3A, Rgb)> {
         let RoughFibre { alpha, ior, parts, offset, .. } = self.fibre;
-        let (wo, index) = (self.wo, 1.0 / ior);
+        let wo = self.wo;
         let mut numbers = HashedNumbers::new([u_choice, u[0], u[1]]);
         let angle = -(if self.is_near() { offset } else { 2.0 * u[0] - 1.0 }).asin();
         let scale = self.scale(angle);
@@ -268,45 +282,10 @@ impl Huang {
         let mut ways = [(Vec3A::ZERO, Rgb::ZERO); 4];
         ways[0] = (first, Rgb::splat(amount));
         if let Some(inside) = self.inside(facet, angle) {
+            let entered = (1.0 - mirrored) * restored * gone(alpha, from, inside.way.dot(scale));
             let back = -inside.way;
-            let there = back.dot(inside.scale);
-            let mirror = self.facet(back, inside.scale, [numbers.next(), numbers.next()]);
-            let passes = there > 0.0
-                && back.dot(facet) > 0.0
-                && back.dot(round(angle)) > 0.0
-                && back.dot(mirror) > 0.0
-                && back.dot(round(inside.far)) > 0.0;
-            if passes {
-                let entered = (1.0 - mirrored) * restored * gone(alpha, from, back.dot(scale));
-                let turned_back = fresnel::dielectric(back.dot(mirror), index);
-                let there_restored = self.restored(there, index);
-                let left = inside.left;
-                if let Some(out) = refract(back, mirror, index)
-                    && -out.dot(inside.scale) > 0.0
-                    && -out.dot(mirror) > 0.0
-                    && -out.dot(round(inside.far)) > 0.0
-                {
-                    let amount = parts[1] * entered * (1.0 - turned_back) * there_restored;
-                    ways[1] = (out, left * (amount * gone(alpha, there, out.dot(inside.scale))));
-                }
-                let again = reflect(inside.way, mirror);
-                let (last, last_angle, left_again) = self.last_scale(&inside, again, angle);
-                let at_last = again.dot(last);
-                if at_last > 0.0 {
-                    let way = entered * turned_back * there_restored * self.restored(at_last, index);
-                    let carried = left * left_again * (way * gone(alpha, there, -again.dot(inside.scale)));
-                    let facet = self.facet(again, last, [numbers.next(), numbers.next()]);
-                    let kept = fresnel::dielectric(again.dot(facet), index);
-                    if let Some(out) = refract(again, facet, index)
-                        && see([again, -out], round(last_angle), facet)
-                    {
-                        let amount = parts[2] * (1.0 - kept) * gone(alpha, at_last, out.dot(last));
-                        ways[2] = (out, carried * amount);
-                    }
-                    let others = self.longer(carried, left * left_again, (again, last, facet), turned_back);
-                    let along = [numbers.next(), numbers.next(), numbers.next()];
-                    ways[3] = (self.anywhere(along), others);
-                }
+            if back.dot(facet) > 0.0 && back.dot(round(angle)) > 0.0 {
+                self.sample_inside(&inside, angle, entered, &mut numbers, &mut ways);
             }
         }
         let amounts = ways.map(|(_, amount)| if amount.is_finite() { average(amount) } else { 0.0 });
@@ -321,6 +300,51 @@ impl Huang {
         }
         let (direction, amount) = ways[way];
         (amounts[way] > 0.0).then(|| (from_section(direction), amount / amounts[way] * total))
+    }
+
+    /// Samples the ways through the fibre, of the light `entered` with which a ray arrives inside: straight, mirrored once, and longer.
+    fn sample_inside(
+        &self,
+        inside: &Inside,
+        angle: f32,
+        entered: f32,
+        numbers: &mut HashedNumbers,
+        ways: &mut [(Vec3A, Rgb); 4],
+    ) {
+        let RoughFibre { alpha, ior, parts, .. } = self.fibre;
+        let (index, back) = (1.0 / ior, -inside.way);
+        let there = back.dot(inside.scale);
+        let mirror = self.facet(back, inside.scale, [numbers.next(), numbers.next()]);
+        if !(there > 0.0 && see([back], round(inside.far), mirror)) {
+            return;
+        }
+        let mirrored = fresnel::dielectric(back.dot(mirror), index);
+        let entered = entered * self.restored(there, index);
+        if let Some(out) = refract(back, mirror, index)
+            && -out.dot(inside.scale) > 0.0
+            && see([-out], round(inside.far), mirror)
+        {
+            let amount = parts[1] * entered * (1.0 - mirrored) * gone(alpha, there, out.dot(inside.scale));
+            ways[1] = (out, inside.left * amount);
+        }
+        let again = reflect(inside.way, mirror);
+        let (last, last_angle, left_again) = self.last_scale(inside, again, angle);
+        let at_last = again.dot(last);
+        if at_last <= 0.0 {
+            return;
+        }
+        let left = inside.left * left_again;
+        let passed = gone(alpha, there, -again.dot(inside.scale));
+        let carried = left * (entered * mirrored * self.restored(at_last, index) * passed);
+        let facet = self.facet(again, last, [numbers.next(), numbers.next()]);
+        if let Some(out) = refract(again, facet, index)
+            && see([again, -out], round(last_angle), facet)
+        {
+            let through = 1.0 - fresnel::dielectric(again.dot(facet), index);
+            ways[2] = (out, carried * (parts[2] * through * gone(alpha, at_last, out.dot(last))));
+        }
+        let along = [numbers.next(), numbers.next(), numbers.next()];
+        ways[3] = (self.anywhere(along), self.longer(carried, left, (again, last, facet), mirrored));
     }
 
     /// A direction of the ways that are taken together: spread along the fibre, even about it.
@@ -424,8 +448,8 @@ fn tilted(angle: f32, tilt: f32) -> Vec3A {
     Vec3A::new(s * across, along, c * across)
 }
 
-/// True if a facet and the normal that it is about are seen from both directions.
-fn see(from: [Vec3A; 2], normal: Vec3A, facet: Vec3A) -> bool {
+/// True if a facet and the normal that it is about are seen from all directions.
+fn see<const N: usize>(from: [Vec3A; N], normal: Vec3A, facet: Vec3A) -> bool {
     from.iter().all(|w| w.dot(facet) > 0.0 && w.dot(normal) > 0.0)
 }
 
