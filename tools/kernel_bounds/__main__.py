@@ -27,6 +27,13 @@ def measured(table: str, category: str) -> list[str]:
     return [cells[4], cells[7]]
 
 
+def short(error: float) -> str:
+    """Two digits; 0 for what the decimals alone have lost."""
+    if error < 1e-9:
+        return "0"
+    return f"{error:.1f}" if error < 10 else f"{error:.0f}"
+
+
 def in_words(text: str) -> str:
     """Powers of two as such."""
     powers = {f"{2.0**-n:.10f}".rstrip("0"): f"2^-{n}" for n in range(2, 11)} | {"0.5": "1/2", "0.0999": "0.1"}
@@ -50,11 +57,7 @@ def table(all_cases: list[Case]) -> list[str]:
         place, _, category = case.head("measured").partition(", ")
         for name, (_, of) in case.goals.items():
             row = found.setdefault((title, domain, f"{name}, {of}"), {})
-            row[case.precision] = (
-                f"{case.claims[name]} | {errors[name]:.2g}"
-                if errors[name] < 100
-                else f"{case.claims[name]} | {errors[name]:.0f}"
-            )
+            row[case.precision] = f"{case.claims[name]} | {short(errors[name])}"
             row["measured"] = (
                 " | ".join(measured(place, category)) if name == place.lower().removesuffix("s") else " | "
             )

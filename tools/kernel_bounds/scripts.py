@@ -141,6 +141,6 @@ def failures(case: Case) -> list[str]:
         if claim is None:
             found.append(f"{case.name}: no bound of {name} is claimed: {expression}")
         elif bound is None or bound > claim:
-            least = "none" if bound is None else f"{bound:.6g} u"
+            least = "none" if bound is None else f"{bound:.9g} u"
             found.append(f"{case.name}: {name} is not proved to be within {claim} u, but {least}: {expression}")
     return found
