@@ -176,7 +176,8 @@ numerics: ## hold the lens tracer against exact numbers, and write docs/numerics
 	@began=$$(date +%s) && cargo run --quiet --locked -p petzval-optics --example numerics && \
 	PYTHONPATH=tools python3 -m pages stamp docs/numerics.md --began $$began
 
-proofs: build ## prove of every shipped lens which rays pass, check the proofs, into docs/proofs.md; PROOFS_OPTIONS="--only NAME"
+proofs: build ## prove the kernels' rounding errors, and of every shipped lens which rays pass, into docs/proofs.md; PROOFS_OPTIONS="--only NAME"
+	@PYTHONPATH=tools $(dir $(PETZVAL))python -m kernel_bounds --if-there
 	@$(dir $(PETZVAL))python tools/proofs.py $(PROOFS_OPTIONS)
 
 figures: $(ENGINE) ## the paper's figures and three more, measured, into docs/figures.md; FIGURES_OPTIONS="--only fig-10" to try

@@ -57,7 +57,8 @@ impl Outcome {
 impl SingleSurface {
     /// Traces the ray `origin` + t `direction` (of any length but 0) in numbers `R`, by the tracer's own code.
     ///
-    /// The ray is carried to its point nearest the vertex in f64, whatever `R` is, as in the tracer.
+    /// The ray is carried to its point nearest the vertex in f64, whatever `R` is, as in the tracer. All numbers of the outcome are finite,
+    /// whatever was given: a hit beyond the numbers of `R` is missed, and media between which it has no refracted direction reflect.
     pub fn trace<R: Real>(&self, origin: DVec3, direction: DVec3) -> Outcome {
         let direction = direction.normalize();
         let carried = -origin.dot(direction);
@@ -70,6 +71,9 @@ impl SingleSurface {
         };
         let unit = at.normal.of(0) / at.normal_squared.to_f64().sqrt();
         let hit = Hit { t_mm: carried + at.t.to_f64(), point: at.point.of(0), normal: unit };
+        if !(hit.t_mm.is_finite() && hit.normal.is_finite()) {
+            return Outcome::lost(Failure::Missed);
+        }
         let squared = at.point.x * at.point.x + at.point.y * at.point.y;
         let direction = match self.let_through(squared) {
             Err(reason) => Err(reason),
@@ -80,7 +84,12 @@ impl SingleSurface {
                 (_, false) => Err(Failure::TotalInternalReflection),
             },
         };
-        Outcome { hit: Some(hit), direction: direction.map(|d| d.of(0)) }
+        match direction.map(|d| d.of(0)) {
+            Ok(direction) if direction.is_finite() => Outcome { hit: Some(hit), direction: Ok(direction) },
+            Ok(_) if self.is_mirror => Outcome::lost(Failure::Missed),
+            Ok(_) => Outcome { hit: Some(hit), direction: Err(Failure::TotalInternalReflection) },
+            Err(reason) => Outcome { hit: Some(hit), direction: Err(reason) },
+        }
     }
 
     /// Traces the ray by the equations that the paper prints; `None` if it has none for this shape.

@@ -5,6 +5,7 @@ mod common;
 mod diffraction;
 mod drawing;
 mod elements;
+mod every_exponent;
 mod eyes;
 mod flood;
 mod focus_scale;
