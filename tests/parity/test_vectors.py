@@ -21,7 +21,7 @@ WIDTH, HEIGHT, SAMPLES = 64, 48, 32
 #: When the shutter is open, and what has no surface: nothing of these is in the pass.
 OF_THE_SHUTTER = {"shutter_start", "shutter_end", "shutter_curve", "rolling_shutter", "moving_lamp"}
 #: Strands are thinner than pixels; of a ball Cycles tells the way of its middle, we that of the place that is seen.
-OF_SMALL_THINGS = {"hair_goes_along", "points_move", "flies"}
+OF_SMALL_THINGS = {"hair_goes_along", "hair_sways", "hair_sways_round", "points_move", "flies"}
 MOVING = [name for name, one in SCENES.items() if one.chapter == "motion" and name not in OF_THE_SHUTTER]
 
 
@@ -54,7 +54,7 @@ def test_a_frame_and_its_vectors(blender, tmp_path, name):
     assert worst < 0.06
     if name in OF_SMALL_THINGS:
         # Before Blender 5 Cycles has another way for points that go by themselves.
-        if name == "hair_goes_along" or blender.app.version >= (5, 0, 0):
+        if name.startswith("hair") or blender.app.version >= (5, 0, 0):
             length = np.abs(own[moved]).mean(0).max()
             # A ball's front is nearer than its middle by 4 % of the distance.
             assert np.abs((mine[moved] - own[moved]).mean(0)).max() < 0.04 * length
