@@ -225,11 +225,6 @@ impl Curves {
         self.poses[time][key].lerp(self.poses[time + 1][key], pose.part)
     }
 
-    /// Number of shapes over the time that the shutter is open; 0 where nothing changes.
-    pub fn pose_count(&self) -> usize {
-        self.poses.len()
-    }
-
     /// The control points of a segment of a strand, as they are in a pose.
     pub fn controls(&self, strand: u32, segment: u32, pose: Pose) -> Controls {
         let range = self.keys_of(strand);
