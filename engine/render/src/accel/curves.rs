@@ -254,7 +254,7 @@ impl Primitives for Segments {
                 let mut controls = four(&self.keys, capsules.controls[lane]);
                 if let Some((part, later)) = change {
                     let to = four(&later.keys, capsules.controls[lane]);
-                    (0..4).for_each(|i| controls[i] = controls[i].lerp(to[i], part));
+                    controls = Controls(controls).towards(&Controls(to), part).0;
                 }
                 let both = meet(simd, ray, controls, (segment.cut, &segment.part), end);
                 for (way, met) in both.into_iter().enumerate() {

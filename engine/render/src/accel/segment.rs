@@ -15,6 +15,8 @@ use std::ops::Range;
 const LANES: usize = 8;
 /// Pieces of a round segment at most.
 const MOST_PIECES: f32 = 64.0;
+/// Even parts of the way from a shape to the next, between which its bends are looked at.
+const ON_THE_WAY: u32 = 8;
 /// Ribbons are hit from twice their radius away on, as in Embree: nearer ones of other strands would show cuts.
 const RIBBON_ROOM: f32 = 2.0;
 
@@ -96,7 +98,14 @@ impl SegmentCut {
     pub(super) fn new(shape: CurveShape, shapes: &[Controls]) -> Self {
         match shape {
             CurveShape::Ribbon { pieces } => Self::Ribbon(pieces.max(1)),
-            CurveShape::Thick => Self::Round(shapes.iter().map(round_pieces).max().unwrap_or(LANES as u16)),
+            CurveShape::Thick => {
+                // A strand may bend most on its way from one shape to the next.
+                let on_the_way = shapes
+                    .windows(2)
+                    .flat_map(|pair| (1..ON_THE_WAY).map(|i| pair[0].towards(&pair[1], i as f32 / ON_THE_WAY as f32)));
+                let pieces = shapes.iter().copied().chain(on_the_way).map(|controls| round_pieces(&controls)).max();
+                Self::Round(pieces.unwrap_or(LANES as u16))
+            }
             CurveShape::ThickLinear => Self::Straight,
         }
     }
@@ -115,8 +124,9 @@ impl SegmentCut {
         let pieces = self.pieces();
         // The edges between round pieces stick out.
         let reach = if matches!(self, Self::Round(_)) { 1.04 } else { 1.0 };
-        // As far as a curve is from the chord of a piece: an eighth of the second difference. A ribbon, whose pieces end at right angles to
-        // the curve and not to their chords, is hit less far outside of them.
+        // As far as a curve is from the chord of a piece: an eighth of the second difference. A ribbon's pieces end at right angles to the curve
+        // and not to their chords: at the part s of a piece the ray is s (1 - s) ΔP·ΔT / |T| past the chord's place there, along the curve's
+        // direction T; up to a quarter of the second difference, and within the radius across it.
         let [_, _, c, d] = if self == Self::Straight { [Vec4::ZERO; 4] } else { controls.coefficients() };
         let second = (2.0 * c).truncate().length().max((2.0 * c + 6.0 * d).truncate().length());
         let bend = second / (8.0 * f32::from(pieces) * f32::from(pieces));
@@ -126,7 +136,9 @@ impl SegmentCut {
                 joint if joint == pieces => controls.0[2],
                 joint => controls.at(f32::from(joint) / f32::from(pieces)),
             };
-            ball.with_w(ball.w.abs() * reach + bend)
+            let radius = ball.w.abs();
+            let across_and_along = if matches!(self, Self::Ribbon(_)) { radius.hypot(2.0 * bend) } else { 0.0 };
+            ball.with_w((radius * reach + bend).max(across_and_along))
         }));
     }
 }

@@ -93,6 +93,14 @@ impl Controls {
         [a, 0.5 * (b - p), p - 2.5 * a + 2.0 * b - 0.5 * q, 0.5 * (q - p) + 1.5 * (a - b)]
     }
 
+    /// A part of the way to other control points.
+    #[inline(always)]
+    pub fn towards(&self, to: &Self, part: f32) -> Self {
+        let mut now = *self;
+        (0..4).for_each(|i| now.0[i] = now.0[i].lerp(to.0[i], part));
+        now
+    }
+
     /// Place and radius, `u` from 0 to 1.
     #[inline]
     pub fn at(&self, u: f32) -> Vec4 {
