@@ -53,6 +53,23 @@ def test_programs_agree_beyond_noise_where_only_noise_parts_them():
     assert compare.difference(ours, brighter).beyond_noise == pytest.approx(0.03, abs=0.006)
 
 
+def test_more_pictures_leave_less_noise_in_the_difference():
+    spread = np.zeros(SHAPE)
+    spread[::7, ::5] = 2.0
+    found = {
+        count: [
+            compare.difference(pictures(count, spread, seed), pictures(count, spread, 100 + seed)) for seed in range(20)
+        ]
+        for count in (2, 8)
+    }
+    said = {count: np.mean([one.of_noise for one in all_of_it]) for count, all_of_it in found.items()}
+    beyond = {count: np.mean([one.beyond_noise for one in all_of_it]) for count, all_of_it in found.items()}
+    assert said[8] == pytest.approx(said[2] / 2, rel=0.2) and beyond[8] < 0.7 * beyond[2]
+    # A true difference stays, of the means of both and a twentieth.
+    brighter = [1.2 * one for one in pictures(8, spread, 300)]
+    assert compare.difference(brighter, pictures(8, spread, 301)).beyond_noise == pytest.approx(0.2 / 1.15, abs=0.012)
+
+
 def test_a_folder_that_is_called_like_a_scene_is_not_one(tmp_path):
     """Poly Haven's archives of textures unpack into `worn_planks_2k.blend/textures`."""
     (tmp_path / "planks.blend" / "textures").mkdir(parents=True)

@@ -2,7 +2,7 @@
 """`python -m other_scenes FOLDER [--samples N] [--size WxH] [--only NAME ...] [--look]`, tools/ on the path, by a Python with bpy's
 environment.
 
-Renders every .blend under the folder by both programs, each render in a process of its own, and writes docs/other-scenes.md; with --only
+Renders every .blend under the folder by both programs, each scene in a Blender of its own, and writes docs/other-scenes.md; with --only
 the page stays as it is. With --look many scenes are rendered in one process, some seconds each, those without a camera too, and those are
 told that are apart. Scripts of the files are never run, and nothing is written beside them.
 """
@@ -10,11 +10,12 @@ told that are apart. Scripts of the files are never run, and nothing is written 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import json
 import math
 import os
-import resource
+import select
 import subprocess
 import sys
 import tempfile
@@ -91,7 +92,7 @@ def main() -> int:
         name = path.stem if path.stem not in rows else f"{path.parent.name}/{path.stem}"
         try:
             rows[name] = compared(path, width, height, options.samples)
-        except (Failed, subprocess.TimeoutExpired) as why:
+        except Failed as why:
             rows[name] = {"left_out": str(why)}
         if rows[name].get("left_out") == NO_CAMERA:
             # A part of another file.
@@ -140,53 +141,64 @@ def look(scenes: list[Path], width: int, height: int, samples: int) -> int:
     return 0
 
 
-def run(*command: object) -> float:
-    """Processor seconds of a command that ends well."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    environment = os.environ | {"PYTHONPATH": str(TOP / "tools")}
-    done = subprocess.run(
-        [*map(str, command)],
-        capture_output=True,
-        text=True,
-        errors="replace",
-        timeout=LONGEST_S,
-        env=environment,
-        check=False,
-    )
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode and "Failed to read blend file" in done.stderr:
-        raise Failed("Blender cannot read it")
-    if done.returncode:
-        raise Failed((done.stderr.strip().splitlines() or [f"exit {done.returncode}"])[-1][:200])
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+class Renders:
+    """A Blender with a scene, which renders it by both programs."""
+
+    def __init__(self, scene: Path, width: int, height: int, told: Path) -> None:
+        """`told`: a file for what Blender prints, which may be more than a pipe holds."""
+        environment = os.environ | {
+            "PYTHONPATH": os.pathsep.join([str(TOP / "tools"), os.environ.get("PYTHONPATH", "")])
+        }
+        self._told = told
+        with told.open("w") as stderr:
+            self._blender = subprocess.Popen(
+                [sys.executable, "-m", "other_scenes.job", str(scene), str(width), str(height)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=stderr,
+                text=True,
+                env=environment,
+            )
+
+    def __enter__(self) -> Renders:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._blender.kill()
+        self._blender.communicate()
+
+    def ask(self, **what: object) -> dict:
+        """The answer to a request."""
+        assert self._blender.stdin is not None and self._blender.stdout is not None
+        with contextlib.suppress(BrokenPipeError):
+            self._blender.stdin.write(json.dumps(what) + "\n")
+            self._blender.stdin.flush()
+        if not select.select([self._blender.stdout], [], [], LONGEST_S)[0]:
+            raise Failed(f"a render took longer than {LONGEST_S} s")
+        if line := self._blender.stdout.readline():
+            return json.loads(line)
+        told = self._told.read_text(errors="replace")
+        if "Failed to read blend file" in told:
+            raise Failed("Blender cannot read it")
+        raise Failed((told.strip().splitlines() or [f"Blender ended with {self._blender.wait()}"])[-1][:200])
 
 
 def compared(path: Path, width: int, height: int, samples: int) -> dict:
     """The comparison of both programs on a scene."""
-    python = Path(sys.executable)
-    job = (python, "-m", "other_scenes.job")
-    size = (str(width), str(height))
     #: Processor times of renders, by program and samples.
     seconds: dict[tuple[str, int], list[float]] = {}
-    with tempfile.TemporaryDirectory() as folder:
-        # Beside the scene its images would be found without a change; so are they by paths that are rewritten.
-        ready = Path(folder) / "scene.blend"
-        run(*job, "prepare", path, ready)
+    with tempfile.TemporaryDirectory() as folder, Renders(path, width, height, Path(folder) / "told.txt") as renders:
 
         def render(program: str, name: str, count: int, seed: int) -> Path:
             """A picture; its processor time joins those of the same length."""
             out = Path(folder) / f"{program}_{name}.exr"
-            command = [*job, "cycles", ready, out, *size, count, seed]
-            if program == "petzval":
-                command = [python, "-m", "petzval", "render", ready, "--camera", "pinhole"]
-                command += ["--resolution", "x".join(size)]
-                command += ["--samples", count, "--seed", seed, "--blue-noise", "off", "--checkpoint", "off", "-o", out]
-            seconds.setdefault((program, count), []).append(run(*command))
+            took = renders.ask(program=program, picture=str(out), samples=count, seed=seed)["seconds"]
+            seconds.setdefault((program, count), []).append(took)
             return out
 
         seeds = [1, 2]
         pictures = {program: [render(program, str(seed), samples, seed) for seed in seeds] for program in PROGRAMS}
-        noises = measured_noise(job, Path(folder) / "all.npz", pictures)
+        noises = measured_noise(renders, Path(folder) / "all.npz", pictures)
         while (
             len(seeds) < MOST_SEEDS
             and max(one.error for one in noises.values()) > NOISE_WITHIN
@@ -196,7 +208,7 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
             for program in PROGRAMS:
                 pictures[program] += [render(program, str(seed), samples, seed) for seed in more]
             seeds += more
-            noises = measured_noise(job, Path(folder) / "all.npz", pictures)
+            noises = measured_noise(renders, Path(folder) / "all.npz", pictures)
         # The machine is slower at one time than at another: the programs take turns, and the quickest of each counts.
         for seed in range(1, TURNS + 1):
             for program in PROGRAMS:
@@ -217,7 +229,7 @@ def compared(path: Path, width: int, height: int, samples: int) -> dict:
             taken_s = min(seconds[program, most[program]]) - once[program]
             sample_us[program] = taken_s / (width * height * (most[program] - FEW)) * 1e6
         of = pixels_of(Path(folder) / "all.npz", pictures)
-    found = compare.difference(*(of[program][:2] for program in PROGRAMS))
+    found = compare.difference(*(of[program] for program in PROGRAMS))
     result = {"beyond_noise": found.beyond_noise, "of_noise": found.of_noise, "mean": found.mean, "seeds": len(seeds)}
     for program, noise in noises.items():
         result[program] = {"sample_us": sample_us[program], "noise": noise.variance}
@@ -233,9 +245,9 @@ def pixels_of(file: Path, pictures: dict[str, list[Path]]) -> dict[str, list[np.
     return {program: [found[one.stem].astype(np.float64) for one in own] for program, own in pictures.items()}
 
 
-def measured_noise(job: tuple, file: Path, pictures: dict[str, list[Path]]) -> dict[str, compare.Noise]:
-    """The noise of each program; `file` is written by the way."""
-    run(*job, "read", file, *(one for own in pictures.values() for one in own))
+def measured_noise(renders: Renders, file: Path, pictures: dict[str, list[Path]]) -> dict[str, compare.Noise]:
+    """The noise of each program; their pixels are written to `file`."""
+    renders.ask(pixels=str(file), pictures=[str(one) for own in pictures.values() for one in own])
     of = pixels_of(file, pictures)
     mean = np.maximum(np.mean([one for own in of.values() for one in own], axis=0), 0.0)
     return {program: compare.noise(own, mean) for program, own in of.items()}

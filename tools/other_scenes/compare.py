@@ -38,12 +38,14 @@ def blocks(picture: np.ndarray) -> np.ndarray:
 
 
 def difference(ours: list[np.ndarray], theirs: list[np.ndarray]) -> Difference:
-    """The difference of two programs, by two pictures each."""
-    (a, b), (c, d) = [list(map(blocks, one)) for one in (ours, theirs)]
-    first, second = (a + b) / 2, (c + d) / 2
+    """The difference of two programs, by two pictures of each or more: the more there are, the less of their noise is left in it."""
+    a, b = (np.array([blocks(one) for one in own]) for own in (ours, theirs))
+    first, second = a.mean(0), b.mean(0)
     scale = 0.5 * (first + second) + FLOOR * second.mean() + 1e-12
     apart = np.sort(np.abs((first - second) / scale).ravel())
-    own = np.sort((np.hypot(a - b, c - d) / 2 / scale).ravel())
+    # The standard error of both means together.
+    of_means = a.var(0, ddof=1) / len(a) + b.var(0, ddof=1) / len(b)
+    own = np.sort((np.sqrt(of_means) / scale).ravel())
     kept = int(len(apart) * BLOCKS_KEPT)
     squares = [float(np.mean(one[:kept] ** 2)) for one in (apart, own)]
     return Difference(

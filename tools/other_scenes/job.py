@@ -1,37 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One step inside of bpy: `python -m other_scenes.job STEP ...`.
+"""A scene inside of bpy: `python -m other_scenes.job SCENE WIDTH HEIGHT` renders it by both programs, as its standard input asks.
 
-prepare SCENE COPY                     the scene without the parts that the comparison leaves out
-cycles SCENE OUT.exr WIDTH HEIGHT SAMPLES SEED
-read OUT.npz PICTURE.exr ...           pixels of pictures, (height, width, 3), by their stems
+{"program": "cycles", "picture": "OUT.exr", "samples": 64, "seed": 1}      answered by {"seconds": of the processor}
+{"pixels": "OUT.npz", "pictures": ["ONE.exr", ...]}                        (height, width, 3) by their stems
 """
 
 from __future__ import annotations
 
+import json
 import os
 import sys
-from collections.abc import Callable
+import time
 from pathlib import Path
-from typing import NoReturn
 
 import bpy
 import numpy as np
 
+import petzval
 from petzval import blender_faults
+
+#: The reason why a file that is a part of others is left out.
+NO_CAMERA = "it has no camera"
+
+
+class LeftOut(Exception):
+    """A scene cannot be compared; the message says why."""
 
 
 def opened(path: str) -> bpy.types.Scene:
     bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
     return bpy.context.scene
-
-
-def prepare(path: str, copy: str) -> None:
-    """Saves a copy of a scene without the parts that differ."""
-    scene = opened(path)
-    if scene.camera is None:
-        raise SystemExit("it has no camera")
-    without_what_differs(scene)
-    bpy.ops.wm.save_as_mainfile(filepath=copy, relative_remap=True, copy=True)
 
 
 def without_what_differs(scene: bpy.types.Scene) -> None:
@@ -58,24 +56,52 @@ def without_what_differs(scene: bpy.types.Scene) -> None:
         light.cycles.is_caustics_light = False
 
 
-def cycles(path: str, out: str, width: str, height: str, samples: str, seed: str) -> None:
-    scene = opened(path)
-    render, own = scene.render, scene.cycles
-    render.engine, own.device = "CYCLES", "CPU"
-    own.samples, own.seed, own.time_limit = int(samples), int(seed), 0.0
-    own.use_denoising = own.use_adaptive_sampling = False
+def set_up(scene: bpy.types.Scene, size: tuple[int, int]) -> None:
+    """Sets both programs to what they are compared by."""
+    if scene.camera is None:
+        raise LeftOut(NO_CAMERA)
+    if scene.camera.data.type == "PANO":
+        raise LeftOut("its camera is panoramic")
+    without_what_differs(scene)
+    render, own, petzval = scene.render, scene.cycles, scene.petzval
     render.threads_mode, render.threads = "FIXED", os.cpu_count() or 1
-    render.resolution_x, render.resolution_y, render.resolution_percentage = int(width), int(height), 100
+    render.resolution_x, render.resolution_y, render.resolution_percentage = *size, 100
+    render.use_persistent_data = False
+    own.device, own.time_limit = "CPU", 0.0
+    own.use_denoising = own.use_adaptive_sampling = False
+    petzval.use_noise_threshold = petzval.use_blue_noise = petzval.use_checkpoints = False
+    scene.camera.data.petzval.model = "PINHOLE"
     settings = render.image_settings
     if hasattr(settings, "media_type"):
         settings.media_type = "IMAGE"
     settings.file_format, settings.color_depth = "OPEN_EXR", "32"
-    render.filepath = out
+
+
+def rendered(scene: bpy.types.Scene, program: str, picture: str, samples: int, seed: int) -> float:
+    """Renders a picture by a program; gives the processor seconds that it took."""
+    scene.render.engine, scene.render.filepath = program.upper(), picture
+    for own in (scene.cycles, scene.petzval):
+        own.samples, own.seed = samples, seed
+    before = time.process_time()
     bpy.ops.render.render(write_still=True)
+    return time.process_time() - before
 
 
-def read(out: str, *pictures: str) -> None:
-    np.savez(out, **{Path(path).stem: pixels_of(path) for path in pictures})
+def serve(path: str, width: str, height: str) -> None:
+    """Does in one Blender, with one scene, what the lines of standard input ask for, in JSON; each is answered by a line."""
+    answers = os.fdopen(os.dup(1), "w", buffering=1)
+    # Blender prints there, too.
+    os.dup2(2, 1)
+    petzval.load_addon().register()
+    scene = opened(path)
+    set_up(scene, (int(width), int(height)))
+    for line in sys.stdin:
+        asked = json.loads(line)
+        if "pixels" in asked:
+            np.savez(asked["pixels"], **{Path(one).stem: pixels_of(one) for one in asked["pictures"]})
+            print(json.dumps({}), file=answers)
+        else:
+            print(json.dumps({"seconds": rendered(scene, **asked)}), file=answers)
 
 
 def pixels_of(path: str) -> np.ndarray:
@@ -89,13 +115,12 @@ def pixels_of(path: str) -> np.ndarray:
     return flat.reshape(height, width, -1)[..., :3]
 
 
-def ended(steps: dict[str, Callable[..., None]]) -> NoReturn:
-    """Does the step that the command line names, and ends the process."""
+def main() -> None:
     code = 1
     try:
-        steps[sys.argv[1]](*sys.argv[2:])
+        serve(*sys.argv[1:])
         code = 0
-    except SystemExit as why:
+    except LeftOut as why:
         print(why, file=sys.stderr, flush=True)
     except Exception as error:  # noqa: BLE001 (its last line is shown)
         print(f"{type(error).__name__}: {error}", file=sys.stderr, flush=True)
@@ -105,4 +130,4 @@ def ended(steps: dict[str, Callable[..., None]]) -> NoReturn:
 
 
 if __name__ == "__main__":
-    ended({"prepare": prepare, "cycles": cycles, "read": read})
+    main()

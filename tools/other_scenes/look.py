@@ -21,7 +21,7 @@ from mathutils import Vector
 import petzval
 
 from . import compare
-from .job import opened, pixels_of, without_what_differs
+from .job import LeftOut, opened, pixels_of, rendered, set_up
 
 SEEDS = (1, 2)
 #: The distance from the middle of the seen objects to the camera.
@@ -34,28 +34,18 @@ def look(path: str, size: tuple[int, int], samples: int, folder: Path) -> dict[s
     scene = opened(path)
     if scene.camera is None:
         give_camera(scene)
-    without_what_differs(scene)
-    render, own = scene.render, scene.cycles
-    render.resolution_x, render.resolution_y, render.resolution_percentage = *size, 100
-    own.device, own.samples, own.time_limit = "CPU", samples, 0.0
-    own.use_denoising = own.use_adaptive_sampling = False
-    scene.petzval.samples, scene.petzval.use_noise_threshold = samples, False
-    scene.petzval.use_blue_noise = scene.petzval.use_checkpoints = False
-    scene.camera.data.petzval.model = "PINHOLE"
-    settings = render.image_settings
-    if hasattr(settings, "media_type"):
-        settings.media_type = "IMAGE"
-    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
-    shown = {engine: [taken(scene, engine, seed, folder) for seed in SEEDS] for engine in ("PETZVAL", "CYCLES")}
-    return dataclasses.asdict(compare.difference(shown["PETZVAL"], shown["CYCLES"]))
+    set_up(scene, size)
+    shown = {
+        program: [taken(scene, program, samples, seed, folder) for seed in SEEDS] for program in ("petzval", "cycles")
+    }
+    return dataclasses.asdict(compare.difference(shown["petzval"], shown["cycles"]))
 
 
-def taken(scene: bpy.types.Scene, engine: str, seed: int, folder: Path) -> np.ndarray:
+def taken(scene: bpy.types.Scene, program: str, samples: int, seed: int, folder: Path) -> np.ndarray:
     """A picture, (height, width, 3)."""
-    scene.render.engine, scene.render.filepath = engine, str(folder / "picture.exr")
-    scene.cycles.seed = scene.petzval.seed = seed
-    bpy.ops.render.render(write_still=True)
-    return pixels_of(scene.render.filepath)
+    picture = str(folder / "picture.exr")
+    rendered(scene, program, picture, samples, seed)
+    return pixels_of(picture)
 
 
 def give_camera(scene: bpy.types.Scene) -> None:
@@ -96,7 +86,7 @@ def main() -> None:
             found: dict[str, object] = {"scene": path}
             try:
                 found |= look(path, (int(width), int(height)), int(samples), Path(folder))
-            except (RuntimeError, ValueError, SystemExit) as why:
+            except (RuntimeError, ValueError, LeftOut) as why:
                 found["left_out"] = str(why).strip().splitlines()[-1]
             print(json.dumps(found), file=said, flush=True)
         with contextlib.suppress(OSError):
