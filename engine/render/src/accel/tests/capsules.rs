@@ -81,8 +81,8 @@ proptest! {
         }
     }
 
-    /// The same of segments that change their shape, at any part of the way, from one that lies elsewhere and runs another way, by up to a right
-    /// angle.
+    /// Hits of segments that change their shape lie in the capsules on their way, at any part of it, where the second shape lies elsewhere and
+    /// runs another way, by up to a right angle.
     #[test]
     fn capsules_on_their_way_hold_segments_on_theirs(
         seed in 0u32..60000, far in prop::sample::select(vec![0.0, 100.0, 10000.0]), part in 0f32..=1.0,
