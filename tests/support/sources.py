@@ -37,16 +37,15 @@ def digest(file: Path, chapter: Path | None = None) -> str:
     """A digest of the sources of a file of tests; of the modules beside `chapter`, in a package, only those that the chapter imports, or the
     file by name."""
     made, fixtures = hashlib.blake2b(), fixtures_of(file)
-    known: set[Path] = set() if chapter is None else _beside(file, chapter)
+    beside = set() if chapter is None else _beside(file, chapter)
+    known = set(beside)
     waiting = [file, *imported(fixtures)]
     while waiting:
         one = waiting.pop()
         if one not in known and one not in _KEEPERS:
             known.add(one)
             waiting += imported([_tree(one)])
-    if chapter is not None:
-        known -= _beside(file, chapter)
-    for one in sorted(known, key=lambda one: (one.name, one.read_bytes())):
+    for one in sorted(known - beside, key=lambda one: (one.name, one.read_bytes())):
         made.update(one.name.encode() + one.read_bytes())
     for text in sorted(fixtures.values()):
         made.update(text.encode())

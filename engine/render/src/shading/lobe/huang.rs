@@ -121,7 +121,7 @@ impl Huang {
             return Rgb::ZERO;
         }
         let edge = (-slope * tangent(wo)).max(0.0);
-        if edge.is_nan() || edge > 1.0 {
+        if edge > 1.0 {
             return Rgb::ZERO;
         }
         let half = edge.acos() - Self::MARGIN_RAD;
