@@ -316,6 +316,7 @@ impl<R: Real> Diaphragm<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use petzval_testkit::sampling;
 
     #[test]
     fn corners_touch_the_circle_and_sides_cut_it() {
@@ -396,6 +397,31 @@ mod tests {
             let all = f64::from(n * n);
             assert!((4.0 * count / all / shape.area_mm2() - 1.0).abs() < 5e-3);
             assert!((sampled / all - counted / count).abs() < 2e-3);
+        }
+    }
+
+    /// Points of samples fill every shape of opening evenly.
+    #[test]
+    fn openings_are_filled_evenly() {
+        let side = 32;
+        let ring = (0..side * side).map(|i| {
+            let [x, y] = [i % side, i / side].map(|k| (2 * k + 1) as f32 / side as f32 - 1.0);
+            if (0.4..0.9).contains(&x.hypot(y)) { 1.0 } else { 0.0 }
+        });
+        let ring = ApertureMask::new(side, &ring.collect::<Vec<f32>>()).unwrap();
+        for (name, shape) in [
+            ("round opening", Diaphragm::round(1.0)),
+            ("polygon", Diaphragm::polygon(1.0, 5, 0.4)),
+            ("curved blades", Diaphragm::bladed(1.0, 7, 0.6, 0.2)),
+            ("mask", Diaphragm::masked(1.0, ring.into(), 0.3)),
+        ] {
+            sampling::places(
+                name,
+                1 << 16,
+                [[-1.0, 1.0]; 2],
+                |random| Some(shape.sample([random.number(), random.number()]).map(|x| x as f32)),
+                |[x, y]| if shape.is_open(x.into(), y.into()) { 1.0 / shape.area_mm2() } else { 0.0 },
+            );
         }
     }
 

@@ -1,6 +1,6 @@
 //! Shared parts of the tests of Petzval, on plain numbers: it knows nothing of the engine that it judges.
 //!
-//! [`chi_square`] tests that samples follow the density that they claim. [`exact`] traces a ray through one surface in 320-bit numbers, and
+//! [`sampling`] tests that samples follow the density that is said of them, by [`chi_square`], and means. [`exact`] traces a ray through one surface in 320-bit numbers, and
 //! [`hard_rays`] generates the rays that are worth it. [`lenses`] lists lens files, and [`is_thorough`] is true if a test takes all of its
 //! cases.
 
@@ -11,6 +11,7 @@ pub mod chi_square;
 pub mod exact;
 pub mod hard_rays;
 pub mod lenses;
+pub mod sampling;
 
 /// True where tests take their full numbers of cases: the environment variable `PETZVAL_TEST_ALL` is set, as by `make test-all`.
 pub fn is_thorough() -> bool {

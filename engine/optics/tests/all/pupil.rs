@@ -78,10 +78,12 @@ impl Camera {
     }
 }
 
-/// n² points, one in each cell of a grid, placed in it by a fixed hash.
+/// n² points, one in each cell of a grid, placed in it by a hash of the run's seed.
 fn points(n: u32) -> impl Iterator<Item = [f64; 2]> {
     let random = |seed: u32| {
-        let mut x = u64::from(seed).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66;
+        let run = petzval_testkit::sampling::seed();
+        let mut x =
+            u64::from(seed).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66 ^ run.wrapping_mul(0xD6E8_FEB8_6659_FD93);
         x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
@@ -165,6 +167,27 @@ fn few_rays_are_lost() {
             println!("{} ({u}, {v}): {:.1} %", camera.name, 100.0 * rate);
             assert!(rate > least, "{} ({u}, {v}): {rate}", camera.name);
         }
+    }
+}
+
+/// Targets of samples follow the density that is said of them.
+#[test]
+fn targets_follow_their_density() {
+    for camera in cameras() {
+        let point = camera.film.point(0.5 * camera.half[0], 0.4 * camera.half[1]);
+        // The outline's margin may reach past the glass.
+        let radius = 1.03 * camera.map.glass_radius_mm();
+        let at = |[x, y]: [f64; 2]| DVec3::new(x, y, camera.map.reference_plane_z());
+        petzval_testkit::sampling::places(
+            &format!("pupil map of {}", camera.name),
+            1 << 16,
+            [[-radius, radius]; 2],
+            |random| {
+                let target = camera.map.sample(point, [random.number(), random.number()]).target;
+                Some([target.x as f32, target.y as f32])
+            },
+            |place| camera.map.pdf(point, at(place.map(f64::from))),
+        );
     }
 }
 

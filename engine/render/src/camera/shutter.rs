@@ -6,8 +6,6 @@ use crate::scene::motion::AnimatedTransform;
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DVec3};
 use serde::{Deserialize, Deserializer};
 
-/// Entries of the table of times.
-const TIMES: usize = 256;
 /// Places of a camera that moves, as bits of the exposure's moments.
 const WAY_BITS: u32 = 12;
 
@@ -33,8 +31,8 @@ fn all_by_rows<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<DMat4>, D::Erro
 /// The time of an exposure.
 #[derive(Clone, Debug)]
 pub struct Exposure {
-    /// Parts of the exposure by which equal parts of the light have come in.
-    times: Option<Vec<f32>>,
+    /// The openness over time; `None` where it is even.
+    openness: Option<Openness>,
     rolling: Option<f32>,
     /// The transform from the camera's place in the middle of the exposure to its place at each moment, render space.
     way: Option<Vec<Affine3A>>,
@@ -50,7 +48,7 @@ impl Exposure {
     /// The exposure of a camera that stands still.
     pub fn new(shutter: &Shutter) -> Self {
         let rolling = shutter.rolling.map(|part| part.clamp(0.0, 1.0));
-        Self { times: times(&shutter.openness), rolling, way: None }
+        Self { openness: Openness::new(&shutter.openness), rolling, way: None }
     }
 
     /// The exposure of a camera whose axes are taken to the world by these matrices, at keys that lie evenly over the exposure; `origin` is
@@ -84,14 +82,7 @@ impl Exposure {
     /// The time of a sample, as a part of the exposure: by a uniform number, and its height above the picture's middle, as a part of the
     /// picture's height.
     pub fn part(&self, u: f32, up: f32) -> f32 {
-        let mut part = match &self.times {
-            None => u,
-            Some(times) => {
-                let along = u * (times.len() - 1) as f32;
-                let i = (along as usize).min(times.len() - 2);
-                times[i] + (times[i + 1] - times[i]) * (along - i as f32)
-            }
-        };
+        let mut part = self.openness.as_ref().map_or(u, |openness| openness.time(u));
         if let Some(row_part) = self.rolling {
             part = 0.5 + (part - 0.5) * row_part - up * (1.0 - row_part);
         }
@@ -137,29 +128,41 @@ fn unscaled(m: &DMat4) -> DMat4 {
     DMat4::from_mat3_translation(unit_axes(m).unwrap_or(DMat3::IDENTITY), m.w_axis.truncate())
 }
 
-/// The inverse of the part of light that has come in by a time, at even parts of the light; `None` where that is even.
-fn times(openness: &[f32]) -> Option<Vec<f32>> {
-    let open: Vec<f64> =
-        openness.iter().map(|v| f64::from(if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 })).collect();
-    if open.len() < 2 || open.iter().all(|v| *v == open[0]) {
-        return None;
+/// The openness of a shutter, straight between times that lie evenly over the exposure.
+#[derive(Clone, Debug)]
+struct Openness {
+    values: Vec<f64>,
+    /// The light that has come in by each time, in any unit.
+    sums: Vec<f64>,
+}
+
+impl Openness {
+    /// `None` where it is even.
+    fn new(values: &[f32]) -> Option<Self> {
+        let values: Vec<f64> =
+            values.iter().map(|v| f64::from(if v.is_finite() { v.clamp(0.0, 1.0) } else { 0.0 })).collect();
+        if values.len() < 2 || values.iter().all(|v| *v == values[0]) {
+            return None;
+        }
+        let mut sums = vec![0.0];
+        for pair in values.windows(2) {
+            sums.push(sums[sums.len() - 1] + 0.5 * (pair[0] + pair[1]));
+        }
+        Some(Self { values, sums })
     }
-    let mut sums = vec![0.0];
-    for pair in open.windows(2) {
-        sums.push(sums[sums.len() - 1] + 0.5 * (pair[0] + pair[1]));
-    }
-    let total = sums[sums.len() - 1];
-    let time = |i: usize| {
-        let wanted = total * i as f64 / (TIMES - 1) as f64;
-        let next = sums.partition_point(|sum| *sum < wanted).clamp(1, sums.len() - 1);
-        let within = wanted - sums[next - 1];
+
+    /// The time by which a part of the light has come in, as a part of the exposure.
+    fn time(&self, light: f32) -> f32 {
+        let last = self.sums.len() - 1;
+        let wanted = self.sums[last] * f64::from(light);
+        let next = self.sums.partition_point(|sum| *sum < wanted).clamp(1, last);
+        let within = wanted - self.sums[next - 1];
         // Light comes in as a straight line says: its sum is a parabola.
-        let (a, b) = (open[next - 1], open[next]);
+        let (a, b) = (self.values[next - 1], self.values[next]);
         let root = (a * a + 2.0 * within * (b - a)).max(0.0).sqrt();
         let part = if root + a > 0.0 { 2.0 * within / (root + a) } else { 0.0 };
-        (((next - 1) as f64 + part.clamp(0.0, 1.0)) / (open.len() - 1) as f64) as f32
-    };
-    Some((0..TIMES).map(time).collect())
+        (((next - 1) as f64 + part.clamp(0.0, 1.0)) / last as f64) as f32
+    }
 }
 
 #[cfg(test)]
@@ -167,6 +170,7 @@ mod tests {
     use super::*;
     use crate::scene::motion::MIDDLE;
     use glam::Vec3A;
+    use petzval_testkit::sampling;
     use std::f64::consts::FRAC_PI_2;
 
     /// A shutter that opens as a triangle: as many samples in each part as it lets light in.
@@ -179,9 +183,11 @@ mod tests {
         };
         let triangle = Exposure::new(&Shutter { openness: vec![0.0, 1.0, 0.0], ..Shutter::default() });
         for (until, want) in [(0.25, 0.125), (0.5, 0.5), (0.75, 0.875)] {
-            // The table has 256 entries.
-            assert!((share(&triangle, until) - want).abs() < 2e-3, "{until}: {}", share(&triangle, until));
+            assert!((share(&triangle, until) - want).abs() < 1e-3, "{until}: {}", share(&triangle, until));
         }
+        let sample = |random: &mut sampling::Random| Some(triangle.part(random.numbers::<1>()[0], 0.0).into());
+        let openness = |time: f64| 2.0 - 4.0 * (time - 0.5).abs();
+        sampling::values("shutter", 1 << 14, [0.0, 1.0], sample, openness);
         let even = Exposure::new(&Shutter { openness: vec![0.7; 5], ..Shutter::default() });
         assert!((share(&even, 0.3) - 0.3).abs() < 1e-3);
     }

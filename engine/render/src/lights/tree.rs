@@ -211,6 +211,7 @@ fn sum(weights: &[f32; WIDTH]) -> f32 {
 mod tests {
     use super::*;
     use crate::sampler::warp::sample_sphere;
+    use petzval_testkit::sampling;
     use std::f32::consts::{FRAC_PI_2, PI};
 
     fn emitters(n: u32) -> Vec<LightBounds> {
@@ -272,6 +273,10 @@ mod tests {
                     assert!((*c as f32 / samples as f32 - p).abs() < 2e-3, "{c} {p}");
                 }
                 assert!((total + refused as f32 / samples as f32 - 1.0).abs() < 2e-3);
+                let probabilities: Vec<f64> = p.iter().copied().map(f64::from).collect();
+                sampling::choices(&format!("light tree of {n}, {to:?}"), 1 << 14, &probabilities, |random| {
+                    Some(tree.sample(&to, random.numbers::<1>()[0])?.0)
+                });
             }
         }
     }

@@ -196,7 +196,8 @@ impl Context for VolumePoint<'_> {
                 MeshNormal | Parametric | Backfacing | Pointiness | Reflection | FootprintX | FootprintY => Vec3A::ZERO,
                 RayLength => Vec3A::ZERO,
                 // Of hair and of points.
-                IsStrand | StrandIntercept | StrandLength | StrandThickness | StrandNormal | StrandRandom => Vec3A::ZERO,
+                IsStrand | StrandIntercept | StrandLength | StrandThickness | StrandNormal | StrandRandom | StrandAxis
+                | StrandOffset => Vec3A::ZERO,
                 PointPosition | PointRadius | PointRandom => Vec3A::ZERO,
                 _ => [AlongRay<'_>: AlongRay(self), PathState: self.way],
             }
@@ -376,4 +377,31 @@ pub fn within_box(scene: &Scene, instance: u32, part: [f32; 3]) -> Vec3A {
     let [low, high] = mesh_of(scene, instance).bounds;
     let at = low + (high - low) * Vec3::from(part);
     scene.instances[instance as usize].to_render.transform_point3a(at.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use petzval_testkit::sampling;
+
+    /// Cosines of samples follow the density of all lobes together, for light of a colour that one lobe scatters more than the others.
+    #[test]
+    fn cosines_follow_their_density() {
+        let mut medium = Medium::default();
+        medium.scatter(Rgb::new(0.7, 0.2, 0.1), PhaseLobe::henyey_greenstein(0.7));
+        medium.scatter(Rgb::new(0.1, 0.2, 0.7), PhaseLobe::henyey_greenstein(-0.4));
+        medium.scatter(Rgb::splat(0.2), PhaseLobe::RAYLEIGH);
+        for light in [Rgb::ONE, Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.1, 2.0)] {
+            sampling::values(
+                &format!("medium of three lobes in {light}"),
+                1 << 16,
+                [-1.0, 1.0],
+                |random| {
+                    let [u_lobe, u] = random.numbers();
+                    medium.sample(light, u_lobe, u).map(f64::from)
+                },
+                |cos| std::f64::consts::TAU * f64::from(medium.phase(cos as f32, light).1),
+            );
+        }
+    }
 }

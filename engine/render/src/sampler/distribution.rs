@@ -173,6 +173,7 @@ impl Cumulative {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use petzval_testkit::sampling;
 
     #[test]
     fn alias_choices_follow_the_weights() {
@@ -191,6 +192,10 @@ mod tests {
             // Stratified input: counts are within one or two of their share per piece of the table.
             assert!((c as f32 / n as f32 - table.probability(i)).abs() < 1e-4, "{i}: {c}");
         }
+        let probabilities: Vec<f64> = (0..7).map(|i| table.probability(i).into()).collect();
+        sampling::choices("alias table", 1 << 16, &probabilities, |random| {
+            Some(table.sample(random.numbers::<1>()[0]).0)
+        });
         assert!((rest_sum / n as f64 - 0.5).abs() < 1e-2);
         assert_eq!(counts[0] + counts[3] + counts[5], 0);
         assert!(AliasTable::new(&[0.0, -1.0]).is_none());
@@ -206,11 +211,17 @@ mod tests {
             let p = [(i % 3) as f32 / 3.0 + 0.1, (i / 3) as f32 / 3.0 + 0.1];
             assert!((grid.pdf(p) - 9.0 * w / total).abs() < 1e-4);
         }
-        for k in 0..10_000 {
-            let u = [(k % 100) as f32 / 100.0, (k / 100) as f32 / 100.0];
-            let (p, pdf) = grid.sample(u);
-            assert!(pdf > 0.0 && (pdf - grid.pdf(p)).abs() < 1e-4 * pdf, "{u:?} {p:?}");
-        }
+        sampling::places(
+            "grid",
+            1 << 16,
+            [[0.0, 1.0]; 2],
+            |random| {
+                let (p, pdf) = grid.sample(random.numbers());
+                assert!(pdf > 0.0 && (pdf - grid.pdf(p)).abs() < 1e-4 * pdf, "{p:?}");
+                Some(p)
+            },
+            |p| grid.pdf(p).into(),
+        );
         assert!(Grid2d::new(&[0.0; 4], 2, 2).is_none());
     }
 }

@@ -286,6 +286,7 @@ impl Columns {
 mod tests {
     use super::super::warp::Filter;
     use super::*;
+    use petzval_testkit::sampling;
 
     /// Light of the same amount at every place of the plane makes every pixel one, to the edge, whatever the filter.
     #[test]
@@ -358,21 +359,20 @@ mod tests {
     /// Places of samples have the density that is said.
     #[test]
     fn places_have_their_density() {
-        let raster = Raster::new(3, 1, PixelFilter::new(Filter::BlackmanHarris(1.5)));
-        let n = 300_000;
-        let mut counts = [0u32; 30];
-        for i in 0..n {
-            let place = raster.place(i % 3, 0, [(i as f64 * 0.618_033_988_7).fract() as f32, 0.5]);
-            let bin = (place.x + 0.5) * 30.0;
-            if (0.0..30.0).contains(&bin) {
-                counts[bin as usize] += 1;
-            }
-        }
-        for (bin, count) in counts.iter().enumerate() {
-            let across = |part: f32| raster.along_the_edge((bin as f32 + part) * 0.1, 3, 0.0).unwrap().1;
-            let expected = (across(0.17) + across(0.5) + across(0.83)) / 3.0 * 0.1;
-            let seen = *count as f32 / (n / 3) as f32;
-            assert!((seen - expected).abs() < 2e-3, "{bin}: {seen} {expected}");
+        for filter in [Filter::Box, Filter::Gaussian(0.9), Filter::BlackmanHarris(1.5)] {
+            let raster = Raster::new(3, 1, PixelFilter::new(filter));
+            sampling::values(
+                &format!("places of {filter:?}"),
+                1 << 16,
+                [0.0, 3.0],
+                |random| {
+                    let [pixel, u] = random.numbers();
+                    let place = raster.place((pixel * 3.0) as u32, 0, [u, 0.5]).x;
+                    let at = f64::from(place + 0.5) * 3.0;
+                    (0.0..3.0).contains(&at).then_some(at)
+                },
+                |at| f64::from(raster.along_the_edge(at as f32, 3, 0.0).unwrap().1) / 3.0,
+            );
         }
     }
 

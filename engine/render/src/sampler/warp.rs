@@ -141,6 +141,8 @@ impl Filter {
 pub struct PixelFilter {
     // Inverse of the cumulative distribution at equal steps: offsets in pixels.
     inverse: Vec<f32>,
+    // The same within the first step, where the inverse is steep; empty for the box.
+    tail: Vec<f32>,
     reach: f32,
     // Densities at equal steps from the centre to the reach.
     densities: Vec<f32>,
@@ -154,7 +156,13 @@ impl PixelFilter {
     pub fn new(filter: Filter) -> Self {
         let reach = filter.reach();
         if filter == Filter::Box {
-            return Self { inverse: vec![-0.5, 0.5], reach, densities: vec![1.0; 2], steps_per_pixel: 2.0 };
+            return Self {
+                inverse: vec![-0.5, 0.5],
+                tail: Vec::new(),
+                reach,
+                densities: vec![1.0; 2],
+                steps_per_pixel: 2.0,
+            };
         }
         let fine = 8192;
         let mut cumulative = vec![0.0];
@@ -162,18 +170,19 @@ impl PixelFilter {
             cumulative.push(cumulative[i] + filter.value((2.0 * i as f64 + 1.0) / fine as f64 - 1.0));
         }
         let total = cumulative[fine];
-        let inverse = (0..=Self::STEPS)
-            .map(|k| {
-                let target = total * k as f64 / Self::STEPS as f64;
-                let i = cumulative.partition_point(|&c| c < target).clamp(1, fine);
-                let part = (target - cumulative[i - 1]) / (cumulative[i] - cumulative[i - 1]);
-                (((i - 1) as f64 + part.clamp(0.0, 1.0)) / fine as f64 - 0.5) as f32 * 2.0 * reach
-            })
-            .collect();
+        let offset = |share: f64| {
+            let target = total * share;
+            let i = cumulative.partition_point(|&c| c < target).clamp(1, fine);
+            let part = (target - cumulative[i - 1]) / (cumulative[i] - cumulative[i - 1]);
+            (((i - 1) as f64 + part.clamp(0.0, 1.0)) / fine as f64 - 0.5) as f32 * 2.0 * reach
+        };
+        let up_to =
+            |most: f64| (0..=Self::STEPS).map(move |k| most * k as f64 / Self::STEPS as f64).map(offset).collect();
+        let (inverse, tail) = (up_to(1.0), up_to(1.0 / Self::STEPS as f64));
         let mean = total / fine as f64;
         let density = |k: usize| filter.value(k as f64 / Self::STEPS as f64) / (mean * 2.0 * f64::from(reach));
         let densities = (0..=Self::STEPS).map(|k| density(k) as f32).collect();
-        Self { inverse, reach, densities, steps_per_pixel: Self::STEPS as f32 / reach }
+        Self { inverse, tail, reach, densities, steps_per_pixel: Self::STEPS as f32 / reach }
     }
 
     /// Largest offset of a sample from its pixel's centre along an axis, pixels.
@@ -206,10 +215,30 @@ impl PixelFilter {
         let steps = self.inverse.len() - 1;
         let x = u * steps as u32 as f32;
         let i = (x as i32).clamp(0, steps as i32 - 1);
-        let part = x - i as f32;
-        let [here, next] = [0, 1].map(|step| self.inverse[i as usize + step]);
-        here * (1.0 - part) + next * part
+        if i == 0 || i == steps as i32 - 1 {
+            return self.outermost(x, steps as f32);
+        }
+        between(&self.inverse, x)
     }
+
+    /// The offset in the first and the last of the steps.
+    #[cold]
+    fn outermost(&self, x: f32, steps: f32) -> f32 {
+        if self.tail.is_empty() {
+            return between(&self.inverse, x);
+        }
+        let last = (self.tail.len() - 1) as f32;
+        if x < 1.0 { between(&self.tail, x * last) } else { -between(&self.tail, (steps - x).max(0.0) * last) }
+    }
+}
+
+/// The value of a table at a place in steps, straight between two.
+#[inline(always)]
+fn between(table: &[f32], x: f32) -> f32 {
+    let i = (x as i32).clamp(0, table.len() as i32 - 2);
+    let part = x - i as f32;
+    let [here, next] = [0, 1].map(|step| table[i as usize + step]);
+    here * (1.0 - part) + next * part
 }
 
 /// [`Vec3`] to the aligned form used in shading.
@@ -221,6 +250,7 @@ pub fn aligned(v: Vec3) -> Vec3A {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use petzval_testkit::sampling::{self, Random};
 
     fn grid() -> impl Iterator<Item = [f32; 2]> {
         (0..128 * 128).map(|i| [(i % 128) as f32 / 128.0 + 1.0 / 256.0, (i / 128) as f32 / 128.0 + 1.0 / 256.0])
@@ -240,6 +270,31 @@ mod tests {
         assert!((z2 - 1.0 / 3.0).abs() < 1e-3, "sphere {z2}");
         let zc = grid().map(|u| sample_cone(u, 0.2).z).sum::<f32>() / n;
         assert!((zc - 0.9).abs() < 1e-3, "cone {zc}");
+    }
+
+    #[test]
+    fn shapes_are_filled_by_their_density() {
+        let disk = |p: [f32; 2]| if Vec2::from_array(p).length() < 1.0 { f64::from(FRAC_1_PI) } else { 0.0 };
+        sampling::places("disk", 1 << 16, [[-1.0, 1.0]; 2], |r| Some(sample_disk(r.numbers()).to_array()), disk);
+        let corner = |p: [f32; 2]| if p[0] + p[1] < 1.0 { 2.0 } else { 0.0 };
+        sampling::places("triangle", 1 << 16, [[0.0, 1.0]; 2], |r| Some(sample_triangle(r.numbers())), corner);
+        let even = |_: [f32; 3]| SPHERE_PDF.into();
+        sampling::directions("sphere", 1 << 16, |r| Some(sample_sphere(r.numbers()).to_array()), even);
+        let cosine = |d: [f32; 3]| cosine_hemisphere_pdf(d[2]).into();
+        let hemisphere = |r: &mut Random| Some(sample_cosine_hemisphere(r.numbers()).to_array());
+        sampling::directions("hemisphere", 1 << 16, hemisphere, cosine);
+        for one_minus_cos in [0.02, 0.5, 1.7] {
+            let sample = |r: &mut Random| Some(sample_cone(r.numbers(), one_minus_cos).to_array());
+            let inside = |d: [f32; 3]| if d[2] > 1.0 - one_minus_cos { cone_pdf(one_minus_cos).into() } else { 0.0 };
+            sampling::directions(&format!("cone of {one_minus_cos}"), 1 << 16, sample, inside);
+        }
+        for filter in [Filter::Box, Filter::Gaussian(0.7), Filter::BlackmanHarris(1.5), Filter::BlackmanHarris(0.01)] {
+            let table = PixelFilter::new(filter);
+            let reach = f64::from(table.reach());
+            let sample = |r: &mut Random| Some(table.sample(r.numbers::<1>()[0]).into());
+            let density = |x: f64| table.density(x as f32).into();
+            sampling::values(&format!("{filter:?}"), 1 << 16, [-reach, reach], sample, density);
+        }
     }
 
     #[test]

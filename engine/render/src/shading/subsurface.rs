@@ -251,6 +251,18 @@ fn diffusion(albedo: Rgb, ior: f32) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use petzval_testkit::sampling;
+
+    /// Distances of samples follow the profile, of one channel and of three that reach differently far.
+    #[test]
+    fn distances_follow_their_density() {
+        for scale in [Rgb::new(0.0, 1.0, 0.0), Rgb::new(1.0, 0.3, 0.05)] {
+            let profile = Profile { scale };
+            let sample = |random: &mut sampling::Random| Some(profile.sample(random.numbers::<1>()[0]).0.into());
+            let density = |distance: f64| profile.pdf(distance as f32).into();
+            sampling::values(&format!("profile of {scale}"), 1 << 16, [0.0, 16.0], sample, density);
+        }
+    }
 
     /// The brighter a body, the whiter its medium; and black and white stay the same.
     #[test]

@@ -3,6 +3,7 @@
 use super::*;
 use crate::scene::closure::Principled;
 use crate::scene::material::Material;
+use petzval_testkit::sampling;
 
 struct Case {
     metallic: f32,
@@ -74,35 +75,16 @@ fn sampled_and_uniform_albedos_agree() {
     for (k, c) in CASES.iter().enumerate() {
         for wo in directions() {
             let b = bsdf(c, wo);
-            let n = 1 << 15;
-            let sampled: f64 =
-                points(n, 3).filter_map(|u| b.sample(u[0], [u[1], u[2]])).map(|s| s.weight.x as f64).sum::<f64>()
-                    / n as f64;
-            let m = 1 << 20;
-            let uniform: f64 = points(m, 5)
-                .map(|u| b.evaluate(warp::sample_sphere([u[0], u[1]])).0.x as f64 / warp::SPHERE_PDF as f64)
-                .sum::<f64>()
-                / m as f64;
-            // Uniform directions resolve a lobe of alpha 0.16 to about a percent with 131072 points.
-            assert!((sampled - uniform).abs() < 0.02, "case {k} from {wo}: {sampled} {uniform}");
-        }
-    }
-}
-
-/// The density integrates to one over the sphere, less the samples below the horizon.
-#[test]
-fn densities_do_not_exceed_one() {
-    for (k, c) in CASES.iter().enumerate() {
-        for wo in directions() {
-            let b = bsdf(c, wo);
-            let m = 1 << 20;
-            let total: f64 = points(m, 9)
-                .map(|u| b.evaluate(warp::sample_sphere([u[0], u[1]])).1 as f64 / warp::SPHERE_PDF as f64)
-                .sum::<f64>()
-                / m as f64;
-            let kept = points(1 << 14, 3).filter(|u| b.sample(u[0], [u[1], u[2]]).is_some()).count();
-            let expected = kept as f64 / (1 << 14) as f64;
-            assert!((total - expected).abs() < 0.02, "case {k} from {wo}: {total} {expected}");
+            sampling::means_agree(
+                &format!("albedo of plain Principled {k} from {wo}"),
+                1 << 17,
+                |random| {
+                    let [u_choice, u, v] = random.numbers();
+                    b.sample(u_choice, [u, v]).map_or(0.0, |s| s.weight.x.into())
+                },
+                |random| (b.evaluate(warp::sample_sphere(random.numbers())).0.x / warp::SPHERE_PDF).into(),
+                0.0,
+            );
         }
     }
 }
@@ -185,44 +167,21 @@ fn smooth_glass_is_a_mirror_lobe() {
     assert!((through as f32 / 1000.0 - expected).abs() < 0.01);
 }
 
-/// Pearson's test of every mixture: counts of samples by cell of the sphere against the density's integrals.
+/// Directions of samples follow the density that is said of them.
 #[test]
 fn samples_follow_their_density() {
-    const ROWS: usize = 12;
-    const COLUMNS: usize = 24;
-    const FINE: usize = 24;
-    let n = 1 << 16;
     for (k, c) in CASES.iter().enumerate() {
         for wo in directions() {
             let b = bsdf(c, wo);
-            let mut observed = vec![0u64; ROWS * COLUMNS];
-            for u in points(n, 21) {
-                if let Some(s) = b.sample(u[0], [u[1], u[2]]) {
-                    let row = ((0.5 - 0.5 * s.wi.z) * ROWS as f32) as usize;
-                    let turn = s.wi.y.atan2(s.wi.x) / std::f32::consts::TAU + 0.5;
-                    let column = (turn * COLUMNS as f32) as usize;
-                    observed[row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)] += 1;
-                }
-            }
-            // Even steps of the polar angle resolve lobes at the poles, where even steps of z do not.
-            let cell_pdf = |row: usize, column: usize| {
-                let theta_of = |row: usize| (1.0 - 2.0 * row as f64 / ROWS as f64).acos();
-                let (start, step) = (theta_of(row), (theta_of(row + 1) - theta_of(row)) / FINE as f64);
-                let turn = std::f64::consts::TAU / (COLUMNS * FINE) as f64;
-                let mut sum = 0.0f64;
-                for i in 0..FINE * FINE {
-                    let theta = start + ((i / FINE) as f64 + 0.5) * step;
-                    let phi = ((column * FINE + i % FINE) as f64 + 0.5) * turn - std::f64::consts::PI;
-                    let d = glam::DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-                    sum += b.evaluate(d.as_vec3a()).1 as f64 * theta.sin() * step * turn;
-                }
-                sum
-            };
-            let expected: Vec<f64> =
-                (0..ROWS * COLUMNS).map(|i| cell_pdf(i / COLUMNS, i % COLUMNS) * n as f64).collect();
-            // Stratified points scatter less than independent ones, which only raises the value.
-            let p = petzval_testkit::chi_square::p_value(&observed, &expected);
-            assert!(p > 0.01 / 24.0, "case {k} from {wo}: p = {p}");
+            sampling::directions(
+                &format!("plain Principled {k} from {wo}"),
+                1 << 16,
+                |random| {
+                    let [u_choice, u, v] = random.numbers();
+                    b.sample(u_choice, [u, v]).map(|s| s.wi.to_array())
+                },
+                |wi| b.evaluate(Vec3A::from_array(wi)).1.into(),
+            );
         }
     }
 }

@@ -465,3 +465,22 @@ impl ShadowMedia {
         free * dim(&stack, from, ray.t_max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use petzval_testkit::sampling;
+
+    /// Distances of samples follow their density, beside the point, before it and behind it.
+    #[test]
+    fn distances_to_a_point_follow_their_density() {
+        for (point, length) in [([0.3, 0.0, 2.0], 5.0f32), ([0.02, 0.0, 1.0], 1.0), ([1.0, 0.0, -1.0], 3.0)] {
+            let mut ray = Ray::new(Vec3A::ZERO, Vec3A::Z);
+            ray.t_max = length;
+            let pivot = Pivot::new(&ray, Vec3A::from_array(point)).unwrap();
+            let sample = |random: &mut sampling::Random| Some(pivot.sample(random.numbers::<1>()[0]).into());
+            let density = |distance: f64| pivot.density(distance as f32).into();
+            sampling::values(&format!("pivot {point:?}"), 1 << 16, [0.0, length.into()], sample, density);
+        }
+    }
+}
