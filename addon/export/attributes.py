@@ -14,6 +14,8 @@ from ..native import engine
 
 #: The engine's name for the coordinates of the undeformed mesh in its texture space.
 GENERATED = ".generated"
+#: The engine's name for the normals of curves, which orient elliptical hair.
+CURVE_NORMAL = ".curve_normal"
 #: Texture nodes that do not ask for those where nothing is linked to their vector.
 _WITHOUT_GENERATED = {"ShaderNodeTexImage", "ShaderNodeTexEnvironment", "ShaderNodeTexCoord"}
 #: The inputs of a shader node for stretched facets, which lie about a generated tangent where none is linked.
@@ -47,6 +49,8 @@ def wanted(graph: dict[str, Any]) -> frozenset[str]:
             names.add(options["layer_name"])
         elif kind == "ShaderNodeRaycast":
             names |= of_raycast(options)
+        elif _is_elliptical(kind, node):
+            names.add(CURVE_NORMAL)
         elif _takes_generated(kind, node["inputs"]):
             names.add(GENERATED)
     if "Generated" in _shown(graph, "ShaderNodeTexCoord"):
@@ -57,6 +61,12 @@ def wanted(graph: dict[str, Any]) -> frozenset[str]:
 def of_raycast(options: dict[str, Any]) -> set[str]:
     """The names of the attributes that a Raycast node asks of a hit surface."""
     return {name for key, name in options.items() if key.startswith("attribute_") and not key.endswith("_kind")}
+
+
+def _is_elliptical(kind: str, node: dict[str, Any]) -> bool:
+    """True of hair whose cross-section is no circle."""
+    is_huang = kind == "ShaderNodeBsdfHairPrincipled" and node["options"].get("model") == "HUANG"
+    return is_huang and node["inputs"].get("Aspect Ratio", 1.0) != 1.0
 
 
 def _takes_generated(kind: str, inputs: dict[str, Any]) -> bool:

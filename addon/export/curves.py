@@ -74,6 +74,9 @@ def extract(curves: bpy.types.Curves, wanted: Iterable[str], drawn: dict[str, An
         if attribute.domain == "CURVE" and attribute.data_type == "FLOAT2":
             arrays.uv_maps[attribute.name] = _read(attribute, "vector", 2, np.float32)
     for name in sorted(wanted):
+        if name == attributes.CURVE_NORMAL:
+            arrays.attributes[name] = (True, _normals(curves))
+            continue
         attribute = curves.attributes.get(name) if name else None
         if attribute is not None and attribute.data_type in attributes.KINDS:
             arrays.attributes[name] = (attribute.domain == "POINT", attributes.four(attribute))
@@ -93,6 +96,15 @@ def keys(curves: bpy.types.Curves) -> np.ndarray:
 def positions(curves: bpy.types.Curves) -> np.ndarray:
     """The points, (points, 3), object space."""
     return _read(curves.attributes["position"], "vector", 3, np.float32)
+
+
+def _normals(curves: bpy.types.Curves) -> np.ndarray:
+    """The normals by which Blender orients the curves, (points, 4), object space."""
+    found = np.zeros((len(curves.points), 4), np.float32)
+    normals = np.empty((len(curves.points), 3), np.float32)
+    curves.normals.foreach_get("vector", normals.reshape(-1))
+    found[:, :3] = normals
+    return found
 
 
 def _is_straight(curves: bpy.types.Curves) -> bool:

@@ -75,6 +75,10 @@ choices! {
         StrandThickness = "strand_thickness",
         StrandNormal = "strand_normal",
         StrandRandom = "strand_random",
+        /// The axis of a strand's cross-section, of length 1; a strand is oriented by attributes that Blender makes.
+        StrandAxis = "strand_axis",
+        /// The place of the hit across the strand's width, -1 to 1.
+        StrandOffset = "strand_offset",
         PointPosition = "point_position",
         PointRadius = "point_radius",
         PointRandom = "point_random",

@@ -504,3 +504,33 @@ fn bump_looks_at_three_places() {
     let input = |layer: &Layer| layer.input("Normal").is_some();
     assert!(input(&program.surface[0]));
 }
+
+/// A strand is as wide as the major axis of its fibre: the fibre covers a part of it, and beside that the strand is transparent.
+#[test]
+fn elliptical_hair_is_transparent_beside_the_fibre() {
+    let hair =
+        |model: &str, aspect: f32| node("BsdfHairPrincipled", json!({"model": model}), json!({"Aspect Ratio": aspect}));
+    for round in [hair("HUANG", 1.0), hair("CHIANG", 0.5)] {
+        assert_eq!(program(&[round]).0.surface.len(), 1);
+    }
+    let add = node("AddShader", json!({}), json!({"Shader": link(0, "BSDF"), "Shader_001": link(0, "BSDF")}));
+    // The view at 60 degrees to the axis: half of the width that is seen is the root of 1 - (1 - 0.25) 0.25 = 0.8125, and of
+    // 1 - (1 - 0.25) 0.75 = 0.4375 where the axis is the minor one.
+    for (aspect, offset, covered) in [(0.5, 0.9, 1.0), (0.5, -0.91, 0.0), (2.0, 0.66, 1.0), (2.0, 0.67, 0.0)] {
+        let (program, reports) = program(&[hair("HUANG", aspect), add.clone()]);
+        assert!(reports.is_empty(), "{reports:?}");
+        let mut points = points();
+        for (field, value) in [
+            ("strand_normal", Vec3A::new(0.5, 0.75f32.sqrt(), 0.0)),
+            ("strand_axis", Vec3A::X),
+            ("strand_offset", Vec3A::splat(offset)),
+        ] {
+            assert!(points.add(field, Column { values: vec![value.extend(1.0)], ..Column::default() }), "{field}");
+        }
+        let mut registers = Registers::default();
+        program.run(&points.point(0, &program.attributes), &Vec::<Pixels>::new(), &mut registers);
+        let layers = program.surface.iter().map(|layer| (layer.kind, program.value(layer.weight, &registers).x));
+        let expected = [(LayerKind::Transparent, 2.0 * (1.0 - covered)), (LayerKind::PrincipledHair, 2.0 * covered)];
+        assert_eq!(layers.collect::<Vec<_>>(), expected, "{aspect} {offset}");
+    }
+}

@@ -14,7 +14,7 @@ impl At<'_, '_> {
     }
 
     /// Reads a field that is constant within a footprint.
-    fn read_once(&mut self, field: Field) -> Operand {
+    pub(super) fn read_once(&mut self, field: Field) -> Operand {
         self.emit(Operation::Read(field, Shift::NONE), &[])
     }
 

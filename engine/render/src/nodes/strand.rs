@@ -1,8 +1,9 @@
 //! A point of hair as shader graphs ask for it.
 
+use crate::accel::Across;
 use crate::accel::curves::radius_scale;
 use crate::scene::Instance;
-use crate::scene::curves::Curves;
+use crate::scene::curves::{CURVE_NORMAL, Curves};
 use crate::surface::{SurfacePoint, strand_slope, tangent_of_strand};
 use glam::{Vec2, Vec3A, Vec4};
 use petzval_nodes::{AttributeKind, Field, answers};
@@ -40,10 +41,27 @@ impl Hair<'_> {
                     let along = tangent_of_strand(self.instance, curves, self.surface);
                     (-self.direction).reject_from_normalized(along).normalize_or_zero()
                 }),
+                StrandOffset => self.number(|_| {
+                    let Across { sine, is_within, .. } = Across::of(self.surface.barycentric[1]);
+                    if is_within { sine } else { -sine }
+                }),
+                StrandAxis => self.curves.map_or(Vec3A::ZERO, |curves| {
+                    let along = tangent_of_strand(self.instance, curves, self.surface);
+                    let normal = curves.attribute(CURVE_NORMAL, segment, u).unwrap_or(Vec4::ZERO);
+                    let normal = self.instance.normal_to_render * Vec3A::from_vec4(normal);
+                    normal.reject_from_normalized(along).try_normalize().unwrap_or_else(|| any_axis(along))
+                }),
                 _ => [],
             }
         }
     }
+}
+
+/// The axis of a strand without one, as in Cycles.
+fn any_axis(along: Vec3A) -> Vec3A {
+    let [x, y, z] = along.to_array();
+    let minor = Vec3A::new(z - y, x - z, y - x).try_normalize().unwrap_or_else(|| along.any_orthonormal_vector());
+    along.cross(minor)
 }
 
 /// A value of curves by name: an attribute, or the root's place in a UV map.

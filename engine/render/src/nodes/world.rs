@@ -64,7 +64,8 @@ impl Context for Infinity<'_> {
                 ParticleIndex | ParticleAge | ParticleLifetime | ParticleSize => Vec3A::ZERO,
                 ParticleLocation | ParticleVelocity | ParticleAngularVelocity => Vec3A::ZERO,
                 // no hair, no point of a cloud and no grid.
-                IsStrand | StrandIntercept | StrandLength | StrandThickness | StrandNormal | StrandRandom => Vec3A::ZERO,
+                IsStrand | StrandIntercept | StrandLength | StrandThickness | StrandNormal | StrandRandom | StrandAxis
+                | StrandOffset => Vec3A::ZERO,
                 PointPosition | PointRadius | PointRandom => Vec3A::ZERO,
                 VolumeColour | VolumeDensity | VolumeFlame | VolumeTemperature => Vec3A::ZERO,
                 _ => [PathState: self.way],

@@ -221,7 +221,7 @@ pub enum HairModel {
     /// Chiang et al. 2016: lobes about the fibre.
     #[default]
     Chiang,
-    /// Huang et al. 2022: facets on a round fibre.
+    /// Huang et al. 2022: facets on a fibre, round or elliptical.
     Huang,
 }
 
@@ -250,6 +250,8 @@ pub struct PrincipledHair<C, N> {
     pub transmission: N,
     /// Factor on light that is mirrored inside; Huang's.
     pub secondary_reflection: N,
+    /// The minor axis of the cross-section over the major one, or the other way round; Huang's.
+    pub aspect: N,
     /// Index of refraction of the fibre.
     pub ior: N,
     /// Radians by which the fibre's scales are tilted.
@@ -469,6 +471,7 @@ impl<C, N> Closure<C, N> {
                 reflection: n(&hair.reflection),
                 transmission: n(&hair.transmission),
                 secondary_reflection: n(&hair.secondary_reflection),
+                aspect: n(&hair.aspect),
                 ior: n(&hair.ior),
                 offset: n(&hair.offset),
                 random_color: n(&hair.random_color),

@@ -7,6 +7,9 @@ use super::SceneError;
 use super::motion::Pose;
 use glam::{Vec2, Vec3, Vec4};
 
+/// The engine's name for the attribute that orients strands about themselves, object space.
+pub const CURVE_NORMAL: &str = ".curve_normal";
+
 /// The shape of a strand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveShape {

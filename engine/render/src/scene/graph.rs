@@ -96,14 +96,6 @@ impl Graph {
             .filter_map(|layer| LayerInputs(layer).layer(&mut report))
             .map(|layer| layer.settled(&program))
             .collect();
-        let is_round = |layer: &Layer| {
-            let aspect = layer.input("Aspect Ratio").map(Source::Of);
-            layer.option("model") != Some("HUANG")
-                || aspect.is_none_or(|one| one.constant(&program) == Some(Vec3A::ONE))
-        };
-        if !program.surface.iter().all(is_round) {
-            report("hair is round: the Aspect Ratio of Principled Hair is not supported yet");
-        }
         for field in program.reads().filter(|&field| !(answered.on_surfaces)(field)) {
             report(&format!("{} is not supported yet, it is 0", in_words(field)));
         }
@@ -402,6 +394,7 @@ impl LayerInputs<'_> {
             reflection: self.input("R lobe", 1.0),
             transmission: self.input("TT lobe", 1.0),
             secondary_reflection: self.input("TRT lobe", 1.0),
+            aspect: self.input("Aspect Ratio", 1.0),
             ior: self.input("IOR", 1.55),
             offset: self.input("Offset", 0.0),
             random_color: self.input("Random Color", 0.0),

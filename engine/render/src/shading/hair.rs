@@ -11,6 +11,9 @@ use glam::Vec3A;
 const EUMELANIN: Rgb = Rgb::new(0.506, 0.841, 1.653);
 const PHEOMELANIN: Rgb = Rgb::new(0.343, 0.733, 1.924);
 
+/// Flatter fibres have no more digits.
+const LEAST_ASPECT: f32 = 1e-2;
+
 impl Mixture {
     /// Adds the lobe of the Hair shader.
     pub(super) fn add_hair(&mut self, weight: Rgb, roughness: [f32; 2], tilt: f32, through: bool) {
@@ -27,15 +30,21 @@ impl Mixture {
     }
 
     pub(super) fn add_principled_hair(&mut self, weight: f32, hair: &PrincipledHair<Rgb, f32>) {
-        let Some((strand, _)) = self.strand() else { return };
+        let Some((strand, axis)) = self.strand() else { return };
         let wo = self.here.wo;
-        let frame = frame(strand.along, wo);
+        let mut frame = frame(strand.along, wo);
         // The sine of the angle between the view and the normal, across the fibre.
         let offset = strand.offset.unwrap_or_else(|| -self.here.geometric_normal.dot(frame[1]));
         let vary = 1.0 + 2.0 * (hair.random - 0.5) * hair.random_roughness;
         if hair.model == HairModel::Huang {
             let roughness = (hair.roughness * vary).clamp(0.0, 1.0);
             let coverage = if self.pixel_width > 0.0 { 0.5 * self.pixel_width / strand.radius } else { 1.0 };
+            let mut aspect = hair.aspect.max(LEAST_ASPECT);
+            if let Some(axis) = axis.filter(|_| aspect != 1.0 && strand.offset.is_some()) {
+                let minor = axis.cross(strand.along);
+                frame = if aspect > 1.0 { [-axis, minor, strand.along] } else { [minor, axis, strand.along] };
+                aspect = aspect.min(1.0 / aspect);
+            }
             let fibre = RoughFibre {
                 sigma: absorption(hair, roughness),
                 alpha: roughness,
@@ -44,6 +53,7 @@ impl Mixture {
                 parts: [hair.reflection, hair.transmission, hair.secondary_reflection].map(|part| part.max(0.0)),
                 offset,
                 coverage: if strand.radius.is_finite() { coverage } else { 1.0 },
+                aspect,
             };
             self.push(Lobe::huang(Rgb::splat(weight), &fibre, frame, wo));
             return;

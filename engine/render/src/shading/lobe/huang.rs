@@ -1,12 +1,14 @@
-//! Hair of Huang, Hullin and Hanika 2022 ("A Microfacet-based Hair Scattering Model", Computer Graphics Forum 41(4)): a round fibre of glass
-//! whose scales are facets of GGX. Light is mirrored, passes straight through, or is mirrored once inside; all longer ways are taken
+//! Hair of Huang, Hullin and Hanika 2022 ("A Microfacet-based Hair Scattering Model", Computer Graphics Forum 41(4)): a fibre of glass, round
+//! or elliptical, whose scales are facets of GGX. Light is mirrored, passes straight through, or is mirrored once inside; all longer ways are taken
 //! together, as Chiang et al. 2016 do. Numbers and limits are those of Cycles (`bsdf_principled_hair_huang.h`).
 //!
 //! No sum in closed form says how much light goes from one direction to another: it is integrated across the fibre by Simpson's rule, with a
 //! random facet at each place for the ways through. So a direction has no density either. Samples carry their weight, and count in multiple
 //! importance sampling with [`Huang::PDF`], as in Cycles.
 //!
-//! Directions here are (across the fibre, along it, towards the viewer), angles about the fibre are from the viewer's side.
+//! Directions here are (along the major axis, along the fibre, along the minor axis); of a round fibre the last is towards the viewer. Angles
+//! about the fibre are from the minor axis. Places of the cross-section are by their eccentric angle g: (sin g, aspect cos g) in major
+//! semi-axes.
 
 use super::hair::{across, along_fibre, exp};
 use crate::sampler::hashed::HashedNumbers;
@@ -14,7 +16,7 @@ use crate::sampler::warp;
 use crate::shading::microfacet::{Ggx, reflect, refract};
 use crate::shading::{energy, fresnel};
 use crate::{Rgb, average};
-use glam::Vec3A;
+use glam::{Vec2, Vec3A};
 use std::f32::consts::{PI, TAU};
 
 /// The properties of a fibre with rough scales.
@@ -29,10 +31,12 @@ pub(in crate::shading) struct RoughFibre {
     pub(in crate::shading) tilt: f32,
     /// Factors on light that is mirrored, that passes straight through, and that is mirrored once inside.
     pub(in crate::shading) parts: [f32; 3],
-    /// The place across the width where the fibre is hit, -1 to 1.
+    /// The place across the width where the fibre is hit, -1 to 1 in major semi-axes.
     pub(in crate::shading) offset: f32,
-    /// Half the width of a pixel over the radius; from 1 on the whole width is seen at once.
+    /// Half the width of a pixel over the major semi-axis; where that is not less than the half width seen, the whole width is seen at once.
     pub(in crate::shading) coverage: f32,
+    /// Minor axis over major axis.
+    pub(in crate::shading) aspect: f32,
 }
 
 /// A fibre seen from one direction.
@@ -40,6 +44,8 @@ pub(in crate::shading) struct RoughFibre {
 pub(super) struct Huang {
     fibre: RoughFibre,
     wo: Vec3A,
+    /// Half of the width that is seen, major semi-axes.
+    radius: f32,
 }
 
 /// Places across a fibre for Simpson's rule.
@@ -70,7 +76,7 @@ impl Places {
 struct Inside {
     /// The direction of the refracted ray.
     way: Vec3A,
-    /// The angle of its direction about the fibre, and of the scale that it meets.
+    /// The angle of its direction about the fibre, and the eccentric angle of the scale that it meets, less half a turn.
     turn: f32,
     far: f32,
     /// The normal of that scale, on the side of the ray.
@@ -87,10 +93,45 @@ impl Huang {
     /// The smallest rest of a geometric series' ratio.
     const LEAST: f32 = 1e-5;
 
-    /// `wo` in the fibre's frame: z along it, x across it on the viewer's side.
+    /// `wo` in the fibre's frame: z along it, y along the major axis; of a round one x is across it on the viewer's side.
     pub(super) fn new(fibre: &RoughFibre, wo: Vec3A) -> Self {
-        let (alpha, offset) = (fibre.alpha.clamp(1e-3, 1.0), fibre.offset.clamp(-1.0, 1.0));
-        Self { fibre: RoughFibre { alpha, offset, tilt: -fibre.tilt, ..*fibre }, wo: to_section(wo) }
+        let (alpha, wo) = (fibre.alpha.clamp(1e-3, 1.0), to_section(wo));
+        let across2 = (wo.x * wo.x + wo.z * wo.z).max(f32::MIN_POSITIVE);
+        let is_round = fibre.aspect == 1.0;
+        let radius =
+            if is_round { 1.0 } else { (1.0 - squared_eccentricity(fibre.aspect) * wo.x * wo.x / across2).sqrt() };
+        let offset = fibre.offset.clamp(-radius, radius);
+        Self { fibre: RoughFibre { alpha, offset, tilt: -fibre.tilt, ..*fibre }, wo, radius }
+    }
+
+    fn is_round(&self) -> bool {
+        self.fibre.aspect == 1.0
+    }
+
+    /// The eccentric angle of what is seen at a place across the half width, -1 to 1.
+    fn eccentric(&self, place: f32) -> f32 {
+        let aspect = self.fibre.aspect;
+        if self.is_round() { -place.asin() } else { self.wo.z.atan2(-aspect * self.wo.x) - (-place).acos() }
+    }
+
+    /// The normal of the smooth fibre at an eccentric angle.
+    fn normal(&self, angle: f32) -> Vec3A {
+        tilted(squeezed(angle, self.fibre.aspect), 0.0)
+    }
+
+    /// The length of the outline by eccentric angle, major semi-axes.
+    fn arc(&self, angle: f32) -> f32 {
+        if self.is_round() {
+            return 1.0;
+        }
+        let sin = angle.sin();
+        (1.0 - squared_eccentricity(self.fibre.aspect) * sin * sin).max(0.0).sqrt()
+    }
+
+    /// The distance of two places of the outline, major semi-axes.
+    fn chord(&self, from: f32, to: f32) -> f32 {
+        let place = |angle: f32| Vec2::new(angle.sin(), self.fibre.aspect * angle.cos());
+        place(from).distance(place(to))
     }
 
     /// Makes the facets' distribution at least so wide.
@@ -100,17 +141,19 @@ impl Huang {
 
     /// Albedo of the fibre, about: that of smooth scales.
     pub(super) fn albedo(&self) -> Rgb {
-        let RoughFibre { sigma, ior, offset, .. } = self.fibre;
-        let normal = Vec3A::new(offset, 0.0, across(offset));
+        let RoughFibre { sigma, ior, offset, aspect, .. } = self.fibre;
+        let angle = self.eccentric((offset / self.radius).clamp(-1.0, 1.0));
+        let normal = self.normal(angle);
         let Some(way) = refract(self.wo, normal, ior) else { return Rgb::ONE };
         let mirrored = fresnel::dielectric(normal.dot(self.wo).abs(), ior);
-        let left = exp(-sigma * (2.0 * way.dot(normal).abs() / (1.0 - way.y * way.y).max(1e-6)));
+        let far = 2.0 * squeezed(way.x.atan2(way.z), aspect) - angle;
+        let left = exp(-sigma * (self.chord(angle, far + PI) / cosine(way).max(1e-6)));
         (left - 2.0 * mirrored * left + mirrored) / (Rgb::ONE - mirrored * left).max(Rgb::splat(Self::LEAST))
     }
 
     /// True if a pixel sees a part of the fibre's width alone.
     fn is_near(&self) -> bool {
-        self.fibre.coverage < 1.0
+        self.fibre.coverage < self.radius
     }
 
     /// Value times cosine; `wi` in the frame of [`Self::new`].
@@ -124,15 +167,18 @@ impl Huang {
         if edge > 1.0 {
             return Rgb::ZERO;
         }
-        let half = edge.acos() - Self::MARGIN_RAD;
-        let (mut seen, mut width) = ([-half, half], 2.0);
+        let mut seen = self.seen(edge.acos());
+        let mut width = 2.0 * self.radius;
         if self.is_near() {
             // Of the scales those that the pixel sees (Yan, Jensen and Ramamoorthi 2017, "An Efficient and Practical Near and Far Field
             // Fur Reflectance Model").
             let RoughFibre { offset, coverage, .. } = self.fibre;
-            let [low, high] = [(offset - coverage).max(-1.0), (offset + coverage).min(1.0)];
+            let [low, high] = [(offset - coverage).max(-self.radius), (offset + coverage).min(self.radius)];
             width = high - low;
-            seen = [seen[0].max(-high.asin()), seen[1].min(-low.asin())];
+            let near = rising([high, low].map(|place| self.eccentric(place / self.radius)));
+            // Both ranges in one turn.
+            let turns = ((seen[0] + seen[1] - near[0] - near[1]) / (2.0 * TAU)).round() * TAU;
+            seen = [seen[0].max(near[0] + turns), seen[1].min(near[1] + turns)];
         }
         if seen[1] <= seen[0] || width <= 0.0 {
             return Rgb::ZERO;
@@ -140,6 +186,14 @@ impl Huang {
         let light = Rgb::splat(self.mirrored(wi, seen)) + self.through(wi, seen);
         let value = light / (cosine(wo) * width);
         if value.is_finite() { value } else { Rgb::ZERO }
+    }
+
+    /// The eccentric angles of the scales whose normals are within an angle of the view, but for a margin.
+    fn seen(&self, half: f32) -> [f32; 2] {
+        let aspect = self.fibre.aspect;
+        let view = if self.is_round() { 0.0 } else { self.wo.x.atan2(self.wo.z) };
+        let [low, high] = rising([view - half, view + half].map(|angle| stretched(angle, aspect)));
+        [low + Self::MARGIN_RAD, high - Self::MARGIN_RAD]
     }
 
     /// The integral of light that scales mirror.
@@ -152,13 +206,13 @@ impl Huang {
         }
         let light = |(angle, weight): (f32, f32)| {
             let scale = self.scale(angle);
-            let is_seen = see([wo, wi], round(angle), facet);
+            let is_seen = see([wo, wi], self.normal(angle), facet);
             let [from, to] = [wo, wi].map(|w| w.dot(scale));
             if !is_seen {
                 return 0.0;
             }
             let masking = 1.0 / (1.0 + lambda(alpha, from) + lambda(alpha, to));
-            weight * density(alpha, facet.dot(scale)) * masking * self.restored(from, ior)
+            weight * density(alpha, facet.dot(scale)) * masking * self.restored(from, ior) * self.arc(angle)
         };
         let sum: f32 = Places::between(seen, 0.7 * alpha).weighted().map(light).sum();
         0.25 * parts[0] * fresnel::dielectric(wo.dot(facet), ior) * sum
@@ -186,7 +240,7 @@ impl Huang {
             let Some(inside) = self.inside(facet, angle) else { continue };
             let back = -inside.way;
             // The facet is one of its scale's, and of the fibre's own side.
-            if !(see([wo, back], scale, facet) && see([wo, back], round(angle), facet)) {
+            if !(see([wo, back], scale, facet) && see([wo, back], self.normal(angle), facet)) {
                 continue;
             }
             let below = back.dot(scale);
@@ -197,7 +251,7 @@ impl Huang {
             if straight > 0.0
                 && let Some(out) = self.out(back, inside.scale, wi, None)
             {
-                bent += inside.left * (straight * entered * into * restored * out);
+                bent += inside.left * (straight * entered * into * restored * out * self.arc(inside.far));
             }
             if inner <= 0.0 {
                 continue;
@@ -233,16 +287,17 @@ impl Huang {
         let carried = left * (entered * mirrored * self.restored(again.dot(last), index));
         let to = -again.dot(inside.scale);
         let mut longer = Rgb::ZERO;
-        if there > 0.0 && again.dot(last) > 0.0 && back.dot(round(inside.far)) > 0.0 {
+        if there > 0.0 && again.dot(last) > 0.0 && back.dot(self.normal(inside.far)) > 0.0 {
             let facet = self.facet(again, last, [numbers.next(), numbers.next()]);
             // By its place across the width.
-            let share = self.wo.dot(round(angle)) * gone(alpha, there, to);
+            let share = self.wo.dot(self.normal(angle)) * self.arc(angle) * gone(alpha, there, to);
             longer = self.longer(carried, left, (again, last, facet), mirrored) * share;
         }
-        let is_seen = see([back, -again], inside.scale, mirror) && see([back, -again], round(inside.far), mirror);
+        let is_seen = see([back, -again], inside.scale, mirror) && see([back, -again], self.normal(inside.far), mirror);
         let out = is_seen.then(|| self.out(again, last, wi, Some(last_angle))).flatten().unwrap_or(0.0);
         // Where nothing comes out the cosine may be 0.
-        let once = if out > 0.0 { carried * (gone(alpha, there, to) * there / to * out) } else { Rgb::ZERO };
+        let passed = gone(alpha, there, to) * there / to * self.arc(last_angle);
+        let once = if out > 0.0 { carried * (passed * out) } else { Rgb::ZERO };
         (once, longer)
     }
 
@@ -264,27 +319,27 @@ impl Huang {
         let RoughFibre { alpha, ior, parts, offset, .. } = self.fibre;
         let wo = self.wo;
         let mut numbers = HashedNumbers::new([u_choice, u[0], u[1]]);
-        let angle = -(if self.is_near() { offset } else { 2.0 * u[0] - 1.0 }).asin();
-        let scale = self.scale(angle);
+        let angle = self.eccentric(if self.is_near() { offset / self.radius } else { 2.0 * u[0] - 1.0 });
+        let (scale, normal) = (self.scale(angle), self.normal(angle));
         let from = wo.dot(scale);
-        if from < 0.0 || wo.dot(round(angle)) < 0.0 {
+        if from < 0.0 || wo.dot(normal) < 0.0 {
             return None;
         }
         let facet = self.facet(wo, scale, [u[1], numbers.next()]);
-        if !(wo.dot(facet) > 0.0 && wo.dot(round(angle)) > 0.0) {
+        if !(wo.dot(facet) > 0.0 && wo.dot(normal) > 0.0) {
             return None;
         }
         let restored = self.restored(from, ior);
         let mirrored = fresnel::dielectric(wo.dot(facet), ior);
         let first = reflect(wo, facet);
-        let is_seen = first.dot(facet) > 0.0 && first.dot(round(angle)) > 0.0;
+        let is_seen = first.dot(facet) > 0.0 && first.dot(normal) > 0.0;
         let amount = if is_seen { parts[0] * mirrored * restored * gone(alpha, from, first.dot(scale)) } else { 0.0 };
         let mut ways = [(Vec3A::ZERO, Rgb::ZERO); 4];
         ways[0] = (first, Rgb::splat(amount));
         if let Some(inside) = self.inside(facet, angle) {
             let entered = (1.0 - mirrored) * restored * gone(alpha, from, inside.way.dot(scale));
             let back = -inside.way;
-            if back.dot(facet) > 0.0 && back.dot(round(angle)) > 0.0 {
+            if back.dot(facet) > 0.0 && back.dot(normal) > 0.0 {
                 self.sample_inside(&inside, angle, entered, &mut numbers, &mut ways);
             }
         }
@@ -315,14 +370,14 @@ impl Huang {
         let (index, back) = (1.0 / ior, -inside.way);
         let there = back.dot(inside.scale);
         let mirror = self.facet(back, inside.scale, [numbers.next(), numbers.next()]);
-        if !(there > 0.0 && see([back], round(inside.far), mirror)) {
+        if !(there > 0.0 && see([back], self.normal(inside.far), mirror)) {
             return;
         }
         let mirrored = fresnel::dielectric(back.dot(mirror), index);
         let entered = entered * self.restored(there, index);
         if let Some(out) = refract(back, mirror, index)
             && -out.dot(inside.scale) > 0.0
-            && see([-out], round(inside.far), mirror)
+            && see([-out], self.normal(inside.far), mirror)
         {
             let amount = parts[1] * entered * (1.0 - mirrored) * gone(alpha, there, out.dot(inside.scale));
             ways[1] = (out, inside.left * amount);
@@ -338,7 +393,7 @@ impl Huang {
         let carried = left * (entered * mirrored * self.restored(at_last, index) * passed);
         let facet = self.facet(again, last, [numbers.next(), numbers.next()]);
         if let Some(out) = refract(again, facet, index)
-            && see([again, -out], round(last_angle), facet)
+            && see([again, -out], self.normal(last_angle), facet)
         {
             let through = 1.0 - fresnel::dielectric(again.dot(facet), index);
             ways[2] = (out, carried * (parts[2] * through * gone(alpha, at_last, out.dot(last))));
@@ -357,9 +412,14 @@ impl Huang {
         Vec3A::new(s * across(sin), sin, c * across(sin))
     }
 
-    /// The normal of the scale at an angle.
+    /// The normal of the scale at an eccentric angle, on which light falls from without.
     fn scale(&self, angle: f32) -> Vec3A {
-        tilted(angle, self.fibre.tilt)
+        tilted(squeezed(angle, self.fibre.aspect), self.fibre.tilt)
+    }
+
+    /// The normal of the scale opposite an eccentric angle, on which light falls from within.
+    fn inner_scale(&self, angle: f32) -> Vec3A {
+        tilted(squeezed(angle, self.fibre.aspect), -self.fibre.tilt)
     }
 
     /// A facet that is seen from a direction, of those about a scale.
@@ -370,21 +430,24 @@ impl Huang {
 
     /// Light through a facet to the far side; `None` where it is all mirrored.
     fn inside(&self, facet: Vec3A, angle: f32) -> Option<Inside> {
-        let RoughFibre { sigma, ior, tilt, .. } = self.fibre;
+        let RoughFibre { sigma, ior, aspect, .. } = self.fibre;
         let way = refract(self.wo, facet, ior)?;
         let turn = way.x.atan2(way.z);
-        let far = 2.0 * turn - angle;
-        let left = exp(sigma * (2.0 * (angle - turn).cos() / cosine(way).max(1e-6)));
-        Some(Inside { way, turn, far, scale: tilted(far, -tilt), left })
+        // An ellipse is a circle that was squeezed, and a ray in it with it.
+        let far = 2.0 * squeezed(turn, aspect) - angle;
+        let length = if self.is_round() { -2.0 * (angle - turn).cos() } else { self.chord(angle, far + PI) };
+        let left = exp(-sigma * (length / cosine(way).max(1e-6)));
+        Some(Inside { way, turn, far, scale: self.inner_scale(far), left })
     }
 
     /// The scale at which a ray arrives that was mirrored inside, the scale's angle, and the part of light that is not absorbed on the way.
     fn last_scale(&self, inside: &Inside, again: Vec3A, angle: f32) -> (Vec3A, f32, Rgb) {
-        let RoughFibre { sigma, tilt, .. } = self.fibre;
+        let RoughFibre { sigma, aspect, .. } = self.fibre;
         let turn = again.x.atan2(again.z);
-        let last = angle - 2.0 * (inside.turn - turn) + PI;
-        let left = exp(-sigma * (2.0 * (turn - inside.far).cos().abs() / cosine(again).max(1e-6)));
-        (tilted(last, -tilt), last, left)
+        let last = angle - 2.0 * (squeezed(inside.turn, aspect) - squeezed(turn, aspect)) + PI;
+        let length = if self.is_round() { 2.0 * (turn - inside.far).cos().abs() } else { self.chord(last, inside.far) };
+        let left = exp(-sigma * (length / cosine(again).max(1e-6)));
+        (self.inner_scale(last), last, left)
     }
 
     /// The factor on light out of the fibre along `wi` by facets of a scale that it hits from within, from the direction `back`. With `angle`, that
@@ -401,7 +464,7 @@ impl Huang {
         let facet = half / length;
         let normal = facet.dot(scale);
         let is_seen = normal >= 0.0
-            && angle.is_none_or(|angle| see([back, -wi], scale, facet) && see([back, -wi], round(angle), facet));
+            && angle.is_none_or(|angle| see([back, -wi], scale, facet) && see([back, -wi], self.normal(angle), facet));
         if !is_seen {
             return None;
         }
@@ -437,12 +500,35 @@ fn tangent(w: Vec3A) -> f32 {
     w.y / cosine(w)
 }
 
-/// The normal of a round fibre at an angle.
-fn round(angle: f32) -> Vec3A {
-    tilted(angle, 0.0)
+/// 1 less the square of the aspect.
+fn squared_eccentricity(aspect: f32) -> f32 {
+    1.0 - aspect * aspect
 }
 
-/// That normal, tilted along the fibre.
+/// The angle of a direction when the plane is squeezed along the major axis; of an ellipse's eccentric angle that of its normal.
+fn squeezed(angle: f32, aspect: f32) -> f32 {
+    if aspect == 1.0 {
+        return angle;
+    }
+    let (sin, cos) = angle.sin_cos();
+    (aspect * sin).atan2(cos)
+}
+
+/// The inverse of [`squeezed`].
+fn stretched(angle: f32, aspect: f32) -> f32 {
+    if aspect == 1.0 {
+        return angle;
+    }
+    let (sin, cos) = angle.sin_cos();
+    sin.atan2(aspect * cos)
+}
+
+/// A range of angles, of which the last is not below the first.
+fn rising([first, last]: [f32; 2]) -> [f32; 2] {
+    [first, if last < first { last + TAU } else { last }]
+}
+
+/// The direction at an angle about the fibre, tilted along it.
 fn tilted(angle: f32, tilt: f32) -> Vec3A {
     let ((s, c), (along, across)) = (angle.sin_cos(), tilt.sin_cos());
     Vec3A::new(s * across, along, c * across)
@@ -479,7 +565,7 @@ mod tests {
 
     fn fibre(alpha: f32, tilt: f32, sigma: f32) -> RoughFibre {
         let sigma = Rgb::new(sigma, 0.3 * sigma, 0.0);
-        RoughFibre { sigma, alpha, ior: 1.55, tilt, parts: [1.0; 3], offset: 0.2, coverage: 1.0 }
+        RoughFibre { sigma, alpha, ior: 1.55, tilt, parts: [1.0; 3], offset: 0.2, coverage: 1.0, aspect: 1.0 }
     }
 
     /// A direction of the fibre's frame.
@@ -508,11 +594,19 @@ mod tests {
     /// Sampled directions carry the light that is evaluated, of the whole width and of the part of it that a pixel sees.
     #[test]
     fn samples_carry_what_is_scattered() {
-        for (alpha, tilt, coverage) in
-            [(0.2, 0.0, 1.0), (0.5, 0.06, 1.0), (0.3, 0.035, 1.0), (0.3, 0.0, 1e-2), (0.4, 0.05, 1e-2)]
-        {
+        for (alpha, tilt, coverage, aspect, about) in [
+            (0.2, 0.0, 1.0, 1.0, 0.0),
+            (0.5, 0.06, 1.0, 1.0, 0.0),
+            (0.3, 0.035, 1.0, 1.0, 0.0),
+            (0.3, 0.0, 1e-2, 1.0, 0.0),
+            (0.4, 0.05, 1e-2, 1.0, 0.0),
+            (0.3, 0.0, 1.0, 0.85, 0.7),
+            (0.4, 0.04, 1.0, 0.6, -2.0),
+            (0.4, 0.0, 1e-2, 0.7, 2.9),
+        ] {
             for along in [0.0f32, 0.6, -1.1] {
-                let lobe = Huang::new(&RoughFibre { coverage, ..fibre(alpha, tilt, 0.4) }, direction(along, 0.0));
+                let lobe =
+                    Huang::new(&RoughFibre { coverage, aspect, ..fibre(alpha, tilt, 0.4) }, direction(along, about));
                 let n = 1 << 15;
                 let mut sums = [Rgb::ZERO; 8];
                 for i in 0..n {
@@ -528,11 +622,11 @@ mod tests {
                 // Longer ways are estimated in one way where directions are sampled, and in another where they are evaluated, as published.
                 assert!(
                     (found - all).abs().max_element() < 0.05,
-                    "{alpha} {tilt} {coverage} {along}: {found} for {all}"
+                    "{alpha} {tilt} {coverage} {aspect} {along}: {found} for {all}"
                 );
                 for (which, (found, want)) in sums.iter().zip(want).enumerate() {
                     let off = (*found - want).abs().max_element();
-                    assert!(off < 0.03, "{alpha} {tilt} {coverage} {along}, {which}: {found} for {want}");
+                    assert!(off < 0.03, "{alpha} {tilt} {coverage} {aspect} {along}, {which}: {found} for {want}");
                 }
             }
         }
@@ -542,9 +636,17 @@ mod tests {
     /// series.
     #[test]
     fn a_clear_fibre_keeps_about_all_light() {
-        for (alpha, along) in [(0.1, 0.0), (0.3, 0.0), (0.3, 0.7), (0.6, -0.4)] {
-            let light: Rgb = integrals(&Huang::new(&fibre(alpha, 0.0, 0.0), direction(along, 0.0))).iter().sum();
-            assert!((light.x - 1.0).abs() < 0.12, "{alpha} {along}: {light}");
+        for (alpha, along, aspect, about) in [
+            (0.1, 0.0, 1.0, 0.0),
+            (0.3, 0.0, 1.0, 0.0),
+            (0.3, 0.7, 1.0, 0.0),
+            (0.6, -0.4, 1.0, 0.0),
+            (0.3, 0.0, 0.85, 0.0),
+            (0.3, 0.3, 0.6, 1.2),
+        ] {
+            let fibre = RoughFibre { aspect, ..fibre(alpha, 0.0, 0.0) };
+            let light: Rgb = integrals(&Huang::new(&fibre, direction(along, about))).iter().sum();
+            assert!((light.x - 1.0).abs() < 0.12, "{alpha} {along} {aspect}: {light}");
         }
     }
 
