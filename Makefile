@@ -29,8 +29,9 @@ WHEELS_ALL_OPTIONS =
 TEST_PLATFORMS_OPTIONS =
 FIGURES_OPTIONS =
 PROOFS_OPTIONS =
+SOAK_OPTIONS =
 
-.PHONY: help demo test test-all test-platforms lint setup build wheels wheels-all extension extensions-all release speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index reality other-programs coatings diffraction ghosts figures gpu instructions numerics proofs pages pages-again docs clean
+.PHONY: help demo test test-all test-long test-platforms lint setup build wheels wheels-all extension extensions-all release speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index reality other-programs coatings diffraction ghosts figures gpu instructions numerics proofs soak pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -46,6 +47,9 @@ test: ## everything: Rust, Python, bpy 5.2 and 4.5, the real Blender; sets up wh
 
 test-all: ## the same, and bpy 5.0 and 4.2 too
 	@tools/test.sh --all
+
+test-long: ## hours of it, with other random numbers each time: all cases of the Rust tests, and the soak
+	@tools/test-long.sh
 
 test-platforms: .venv-tools ## the engine's Rust tests for Windows by Wine, for Linux on ARM by QEMU
 	@tools/setup-python.sh wheels
@@ -179,6 +183,9 @@ numerics: ## hold the lens tracer against exact numbers, and write docs/numerics
 proofs: build ## prove the kernels' rounding errors, and of every shipped lens which rays pass, into docs/proofs.md; PROOFS_OPTIONS="--only NAME"
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m kernel_bounds --if-there
 	@$(dir $(PETZVAL))python tools/proofs.py $(PROOFS_OPTIONS)
+
+soak: $(ENGINE) ## what thousands of edits, renders, frames and kills leave behind, into docs/robustness.md; SOAK_OPTIONS="--only edits" to try
+	@PYTHONPATH=tools $(dir $(PETZVAL))python -m soak $(SOAK_OPTIONS)
 
 figures: $(ENGINE) ## the paper's figures and three more, measured, into docs/figures.md; FIGURES_OPTIONS="--only fig-10" to try
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m figures $(FIGURES_OPTIONS)

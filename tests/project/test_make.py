@@ -19,6 +19,8 @@ pytestmark = pytest.mark.once
 RUN_ELSEWHERE = {
     "test",
     "test-all",
+    # Hours of what the others run.
+    "test-long",
     "lint",
     "setup",
     "build",
@@ -55,6 +57,7 @@ RECIPES = {
     "proofs": ["PROOFS_OPTIONS=--only biconvex-50mm --seconds 5"],
     "profile": ["SCENES=tests/scenes", "PROFILE_OPTIONS=--only demo"],
     "settings": ["SETTINGS_OPTIONS=--only scene.cycles.film_exposure world.color --samples 8 --looks 1"],
+    "soak": ["SOAK_OPTIONS=--edits 60 --renders 20 --frames 20 --kills 1"],
     "speed": ["SPEED_OPTIONS=--quick"],
     "ui-pictures": ["UI_SAMPLES=4"],
     "viewport-price": ["VIEWPORT_PRICE_OPTIONS=--divide 16 --repeats 1"],
