@@ -504,3 +504,12 @@ fn bump_looks_at_three_places() {
     let input = |layer: &Layer| layer.input("Normal").is_some();
     assert!(input(&program.surface[0]));
 }
+
+/// Names of nodes and sockets may hold line ends; a message has one line.
+#[test]
+fn a_message_about_a_graph_has_one_line() {
+    for node in [json!({"type": "x", "name": "a\nb", "inputs": {"c\nd": "e"}}), json!({"name": "a\nb"})] {
+        let error = Graph::from_json(&json!({"nodes": [node]}).to_string()).unwrap_err().to_string();
+        assert!(!error.contains('\n'), "{error}");
+    }
+}
