@@ -21,6 +21,9 @@ SETTINGS_OPTIONS =
 DENOISING_OPTIONS =
 INSTRUCTIONS_OPTIONS =
 GPU_OPTIONS =
+# Of each target; FUZZ_OPTIONS names some of them, and --keep keeps what they find new.
+FUZZ_SECONDS = 60
+FUZZ_OPTIONS =
 # Of a 3D view in the pictures of Blender's window, which is denoised there.
 UI_SAMPLES = 16
 GHOSTS_OPTIONS =
@@ -31,7 +34,7 @@ FIGURES_OPTIONS =
 PROOFS_OPTIONS =
 SOAK_OPTIONS =
 
-.PHONY: help demo test test-all test-long test-platforms lint setup build wheels wheels-all extension extensions-all release speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index reality other-programs coatings diffraction ghosts figures gpu instructions numerics proofs soak pages pages-again docs clean
+.PHONY: help demo test test-all test-long test-platforms lint setup build wheels wheels-all extension extensions-all release speed price accuracy-cost bench parity other-scenes growth settings denoising profile viewport-price newcomer ui-pictures panel-pictures lens-index reality other-programs coatings diffraction ghosts figures fuzz gpu instructions numerics proofs soak pages pages-again docs clean
 
 help: ## what there is to make
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/\1\t\2/p' Makefile | expand -t 12
@@ -171,6 +174,9 @@ gpu: ## the lens on a graphics processor: lints, tests, rays a second (docs/gpu.
 	@cargo fmt --manifest-path engine/gpu/Cargo.toml --check
 	@cd engine/gpu && cargo clippy $(GPU_BUILD) --all-targets -- -D warnings && cargo test $(GPU_BUILD) && \
 	cargo run $(GPU_BUILD) --example lens_bench -- --if-any $(GPU_OPTIONS)
+
+fuzz: ## break the readers of files and the lens tracer, FUZZ_SECONDS=60 for each target; needs nightly Rust and cargo-fuzz (docs/robustness.md)
+	@FUZZ_SECONDS=$(FUZZ_SECONDS) python3 tools/fuzz.py $(FUZZ_OPTIONS)
 
 instructions: ## count the instructions of a sample, beside those kept; INSTRUCTIONS_OPTIONS=--keep keeps them
 	@cargo build --quiet --release --locked -p petzval-render --example path_kernel

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 
 import demo_report
+import fuzz
 import pytest
 
 from support.places import ROOT
@@ -41,6 +42,7 @@ RECIPES = {
     "denoising": ["DENOISING_OPTIONS=--only demo --samples 4 --reference 16 --height 36"],
     "diffraction": ["DIFFRACTION_OPTIONS=--quick"],
     "figures": ["FIGURES_OPTIONS=--size smallest --only fig-14 --check"],
+    "fuzz": ["FUZZ_SECONDS=1", "FUZZ_OPTIONS=coating ies"],
     "ghosts": ["GHOSTS_OPTIONS=--only price --samples 2 --rounds 1"],
     "growth": ["GROWTH_OPTIONS=--only triangles lens-surfaces --most 1000 --samples 2 --rounds 1"],
     "gpu": ["GPU_OPTIONS=--quick"],
@@ -130,6 +132,8 @@ def test_a_small_run_ends_well(target, docs_put_back):
     needs = {"instructions": "valgrind", "profile": "perf"}.get(target)
     if needs is not None and shutil.which(needs) is None:
         pytest.skip(f"no {needs}: install it")
+    if target == "fuzz" and (why := fuzz.missing()):
+        pytest.skip(why)
     done = make(target, *RECIPES[target], timeout_s=2400.0)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
 

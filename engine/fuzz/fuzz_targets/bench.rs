@@ -1,4 +1,4 @@
-//! The Optical Bench: whatever the bytes, an answer or an error of one line.
+//! The Optical Bench: the property is `petzval_fuzz::TARGETS`'.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::lens(bytes, "x.txt"));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("bench")(bytes));

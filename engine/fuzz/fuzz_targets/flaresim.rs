@@ -1,4 +1,4 @@
-//! FlareSim: whatever the bytes, an answer or an error of one line.
+//! FlareSim: the property is `petzval_fuzz::TARGETS`'.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::lens(bytes, "flare.lens"));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("flaresim")(bytes));

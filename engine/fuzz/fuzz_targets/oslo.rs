@@ -1,4 +1,4 @@
-//! OSLO: whatever the bytes, an answer or an error of one line.
+//! OSLO: the property is `petzval_fuzz::TARGETS`'.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::lens(bytes, "x.len"));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("oslo")(bytes));

@@ -1,4 +1,4 @@
-//! pbrt: whatever the bytes, an answer or an error of one line.
+//! pbrt: the property is `petzval_fuzz::TARGETS`'.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::lens(bytes, "x.dat"));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("pbrt")(bytes));

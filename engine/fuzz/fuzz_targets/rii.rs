@@ -1,4 +1,4 @@
-//! Glasses of refractiveindex.info: whatever the bytes, an answer or an error of one line.
+//! Glasses of refractiveindex.info: the property is `petzval_fuzz::TARGETS`'.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::glass_page(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("rii")(bytes));

@@ -1,4 +1,4 @@
-//! CODE V: whatever the bytes, an answer or an error of one line.
+//! CODE V: the property is `petzval_fuzz::TARGETS`'.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::lens(bytes, "x.seq"));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("seq")(bytes));

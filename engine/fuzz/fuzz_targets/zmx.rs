@@ -1,4 +1,4 @@
-//! Zemax: whatever the bytes, an answer or an error of one line.
+//! Zemax: the property is `petzval_fuzz::TARGETS`'.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::lens(bytes, "x.zmx"));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("zmx")(bytes));

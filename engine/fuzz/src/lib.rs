@@ -1,42 +1,96 @@
-//! The properties that every target tests of a reader.
+//! The properties that fuzz targets test, by the targets' names. No target knows of libFuzzer: a test of the stable compiler replays the kept
+//! corpora through the same functions.
+//!
+//! A reader of anything gives an answer or an error of one line, and never panics; an answer then does what it is for, with finite numbers.
 
-use std::path::Path;
+// Each of its users, the targets and the test, leaves some of it unused.
+#![allow(dead_code, unreachable_pub)]
 
-use petzval_optics::formats::{self, agf, lens, rii, zmx};
-use petzval_optics::glass::Catalogue;
-use petzval_optics::system::{LensSettings, System};
+pub mod bytes;
+pub mod calibrations;
+pub mod films;
+pub mod graphs;
+pub mod lenses;
+pub mod pictures;
+pub mod scenes;
+pub mod sensors;
+pub mod systems;
 
-/// A lens is read or refused in one line; a lens that is read can be set up, and comes back from its written file.
-pub fn lens(bytes: &[u8], name: &str) {
-    let bytes = if name == "flare.lens" { &[b"surfaces:\n", bytes].concat()[..] } else { bytes };
-    match formats::parse_bytes(bytes, Path::new(name), Catalogue::shipped(), None) {
-        Ok(reading) => {
-            let _ = System::new(&reading.prescription, &LensSettings::default());
-            for (write, name) in [(lens::write as fn(&_, &_) -> _, "x.lens"), (zmx::write, "x.zmx")] {
-                let (text, lost): (String, Vec<String>) = write(&reading.prescription, Catalogue::shipped());
-                let back = formats::parse_bytes(text.as_bytes(), Path::new(name), Catalogue::shipped(), None);
-                if lost.is_empty() {
-                    let back = back.unwrap_or_else(|error| panic!("{error}\n{text}")).prescription;
-                    assert_eq!(back.surfaces.len(), reading.prescription.surfaces.len(), "{text}");
-                }
-            }
-        }
-        Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+use std::fmt::Display;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A property of an input's bytes.
+pub type Property = fn(&[u8]);
+
+/// The targets, in the order of their names.
+pub const TARGETS: [(&str, Property); 30] = [
+    ("agf", lenses::catalogue),
+    ("bench", |bytes| lenses::lens(bytes, "x.txt")),
+    ("calibration", calibrations::calibration),
+    ("camera", sensors::camera),
+    ("checkpoint", films::checkpoint),
+    ("coating", lenses::coating),
+    ("convert", lenses::convert),
+    ("flaresim", lenses::flaresim),
+    ("gradient", systems::gradient),
+    ("graph", graphs::graph),
+    ("ies", graphs::ies),
+    ("lens", |bytes| lenses::lens(bytes, "x.lens")),
+    ("lensfun", calibrations::lensfun),
+    ("mask", lenses::mask),
+    ("merge", pictures::merge_inputs),
+    ("nodes", graphs::nodes),
+    ("oslo", |bytes| lenses::lens(bytes, "x.len")),
+    ("pbrt", |bytes| lenses::lens(bytes, "x.dat")),
+    ("rays", lenses::rays),
+    ("rii", lenses::glass_page),
+    ("scene", scenes::scene),
+    ("sensor", sensors::sensor),
+    ("seq", |bytes| lenses::lens(bytes, "x.seq")),
+    ("settings", sensors::settings),
+    ("share", films::share),
+    ("st_map", calibrations::st_map),
+    ("surface", lenses::surface),
+    ("system", systems::system),
+    ("texture", scenes::texture),
+    ("zmx", |bytes| lenses::lens(bytes, "x.zmx")),
+];
+
+/// The property of a target.
+///
+/// # Panics
+/// If there is no such target.
+pub fn property(target: &str) -> Property {
+    let found = TARGETS.iter().find(|(name, _)| *name == target);
+    found.unwrap_or_else(|| panic!("there is no target {target}")).1
+}
+
+/// Asserts that a message is one line.
+pub(crate) fn one_line(message: &dyn Display) {
+    let text = message.to_string();
+    assert!(!text.contains('\n'), "{text}");
+}
+
+/// A folder of its own, removed at the end.
+pub(crate) struct Scratch(PathBuf);
+
+impl Scratch {
+    pub(crate) fn new(name: &str) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("petzval-fuzz-{}-{name}-{number}", std::process::id()));
+        assert!(std::fs::create_dir_all(&folder).is_ok(), "{}", folder.display());
+        Self(folder)
+    }
+
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
     }
 }
 
-/// A glass catalogue is read or refused in one line; its indices are finite.
-pub fn catalogue(bytes: &[u8]) {
-    match agf::parse_bytes(bytes, "x.agf") {
-        Ok((media, _)) => media.iter().for_each(|medium| assert!(medium.index(587.6).is_finite())),
-        Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
-    }
-}
-
-/// A glass of refractiveindex.info is read or refused in one line; its index is finite.
-pub fn glass_page(bytes: &[u8]) {
-    match rii::parse_bytes(bytes, "x.yml", "X") {
-        Ok(medium) => assert!(medium.index(587.6).is_finite()),
-        Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
     }
 }

@@ -61,7 +61,8 @@ pub struct Graph {
 }
 
 fn shape(what: impl Into<String>) -> Parsing {
-    Parsing::Shape(what.into())
+    // Names of nodes and sockets may hold line ends; a message has one line.
+    Parsing::Shape(what.into().chars().map(|c| if c.is_control() { ' ' } else { c }).collect())
 }
 
 impl Graph {

@@ -534,3 +534,12 @@ fn elliptical_hair_is_transparent_beside_the_fibre() {
         assert_eq!(layers.collect::<Vec<_>>(), expected, "{aspect} {offset}");
     }
 }
+
+/// Names of nodes and sockets may hold line ends; a message has one line.
+#[test]
+fn a_message_about_a_graph_has_one_line() {
+    for node in [json!({"type": "x", "name": "a\nb", "inputs": {"c\nd": "e"}}), json!({"name": "a\nb"})] {
+        let error = Graph::from_json(&json!({"nodes": [node]}).to_string()).unwrap_err().to_string();
+        assert!(!error.contains('\n'), "{error}");
+    }
+}

@@ -114,7 +114,12 @@ impl Calibration {
         let plane = self.chart.point(unit).ok_or(Outside::Projection)?;
         let distorted = if self.is_from_picture { self.warp.back(plane) } else { self.warp.forth(plane) };
         let on_film = self.film * distorted.ok_or(Outside::Fold)?.extend(1.0);
-        if on_film.z > 0.0 { Ok(on_film.truncate() / on_film.z) } else { Err(Outside::Horizon) }
+        let point = on_film.truncate() / on_film.z;
+        match on_film.z > 0.0 {
+            true if point.is_finite() => Ok(point),
+            true => Err(Outside::NotFinite),
+            false => Err(Outside::Horizon),
+        }
     }
 
     /// The unit direction that is seen at a point, pixels from the picture's upper left corner; the point may lie outside of the picture.
@@ -146,7 +151,8 @@ impl Calibration {
         let step = 1e-4;
         let at = |x: f64, y: f64| self.project(DVec3::new(x, y, 1.0)).ok();
         let [right, left, down, up] = [at(step, 0.0)?, at(-step, 0.0)?, at(0.0, step)?, at(0.0, -step)?];
-        Some([(right - left).length() / (2.0 * step), (down - up).length() / (2.0 * step)])
+        let focal = [(right - left).length() / (2.0 * step), (down - up).length() / (2.0 * step)];
+        focal.iter().all(|f| f.is_finite()).then_some(focal)
     }
 }
 

@@ -8,6 +8,7 @@ mod recipes;
 
 use std::sync::Arc;
 
+use petzval_files::one_line;
 use serde::Deserialize;
 
 use crate::glass::{Medium, line_nm};
@@ -84,6 +85,10 @@ impl Coating {
     pub fn parse(text: &str) -> Result<Self, CoatingError> {
         if let Some(recipe) = Recipe::named(text) {
             return Ok(recipe.coating());
+        }
+        // A message has one line.
+        if text.contains(char::is_control) {
+            return Err(CoatingError::Recipe(one_line(text)));
         }
         if !text.contains(':') {
             return Err(CoatingError::Recipe(text.to_owned()));

@@ -10,6 +10,7 @@ use crate::channels::replace;
 use crate::error::MergeError;
 use crate::mattes;
 use crate::part::{COUNTS, PicturePart};
+use petzval_files::one_line;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -106,7 +107,7 @@ fn check(parts: &[PicturePart]) -> Result<(), MergeError> {
     let first = &parts[0];
     let names: BTreeSet<&String> = first.names().collect();
     for part in &parts[1..] {
-        let unlike = |what: String| MergeError::Unlike { file: part.file.clone(), what };
+        let unlike = |what: String| MergeError::Unlike { file: part.file.clone(), what: one_line(&what) };
         if part.size() != first.size() {
             let ([w, h], [w0, h0]) = (part.size(), first.size());
             return Err(unlike(format!("it has {w} x {h} pixels, not {w0} x {h0}")));

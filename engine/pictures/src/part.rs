@@ -245,5 +245,21 @@ fn whole_name(layer: &Layer<AnyChannels<FlatSamples>>, channel: &Text) -> String
 fn range(text: &str) -> Option<(u64, u64, u64)> {
     let (seed, rest) = text.split_once(':')?;
     let (first, count) = rest.split_once('+')?;
-    Some((seed.parse().ok()?, first.parse().ok()?, count.parse().ok()?))
+    let (first, count): (u64, u64) = (first.parse().ok()?, count.parse().ok()?);
+    // Its end is a number, too.
+    first.checked_add(count)?;
+    Some((seed.parse().ok()?, first, count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::range;
+
+    #[test]
+    fn ranges_end_at_numbers() {
+        assert_eq!(range("3:10+5"), Some((3, 10, 5)));
+        for none in ["3:10", "3+5", "3:18446744073709551615+5", "3:1+18446744073709551616", "-3:1+1"] {
+            assert_eq!(range(none), None, "{none}");
+        }
+    }
 }

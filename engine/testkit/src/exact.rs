@@ -27,7 +27,7 @@ pub use big::{Big, PRECISION_BITS, Vector, dot, norm, to_f64};
 pub use case::{Case, Profile, Shape};
 pub use margins::Margins;
 pub use sensitivity::{Sensitivity, sensitivity};
-pub use trace::{Hit, Status, Truth, trace};
+pub use trace::{Hit, Status, Truth, trace, trace_from};
 pub use ulp::{
     Precision, error_norm, ulp_error_f32, ulp_error_f64, ulp_error_vector_f32, ulp_error_vector_f64, ulp_of,
 };

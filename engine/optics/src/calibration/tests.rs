@@ -439,3 +439,14 @@ fn a_survey_says_what_the_picture_shows() {
     assert!((survey.covered - circle).abs() < 0.03, "{survey:?} {circle}");
     assert!((survey.largest_angle_rad - 1.2).abs() < 0.1 && survey.reason == Some(Outside::Fold), "{survey:?}");
 }
+
+/// A place beyond the largest number is none.
+#[test]
+fn places_are_finite() {
+    let calibration =
+        Calibration::new(Model::OpenCv, SIZE, &Model::OpenCv.undistorted([1e308, 1e308], [650.0, 470.0]).unwrap());
+    let calibration = calibration.unwrap();
+    assert_eq!(calibration.project(DVec3::new(1.0, 0.0, 1e-3)), Err(Outside::NotFinite));
+    assert!(calibration.project(DVec3::Z).is_ok());
+    assert!(calibration.focal_px().is_none_or(|focal| focal.iter().all(|f| f.is_finite())));
+}

@@ -15,6 +15,7 @@ mod write;
 
 use crate::calibration::{Calibration, Model};
 use crate::prescription::Place;
+use petzval_files::one_line;
 use problem::Placed;
 use std::path::Path;
 
@@ -186,7 +187,9 @@ fn made(
     parameters: &[f64],
     place: Place,
 ) -> Result<CalibratedCamera, Placed> {
-    let calibration = Calibration::new(model, size_px, parameters)
-        .map_err(|problem| (place, CalibrationProblem::Calibration { camera: name.to_owned(), problem }))?;
-    Ok(CalibratedCamera { name: name.to_owned(), calibration })
+    let name = one_line(name);
+    match Calibration::new(model, size_px, parameters) {
+        Ok(calibration) => Ok(CalibratedCamera { name, calibration }),
+        Err(problem) => Err((place, CalibrationProblem::Calibration { camera: name, problem })),
+    }
 }

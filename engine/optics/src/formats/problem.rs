@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use petzval_files::one_line;
 use thiserror::Error;
 
 use crate::coating::CoatingError;
@@ -191,14 +192,14 @@ impl std::error::Error for LensFileError {}
 const LONGEST_PROBLEM: usize = 300;
 
 /// Writes a problem with its place as one line, `FILE:LINE:COLUMN: problem`. A file may repeat itself in its error, and a line of a file may be a
-/// million letters long: a long text is cut.
+/// million letters long: a long text is cut, and its line ends are blanks.
 pub(super) fn write_placed(
     f: &mut fmt::Formatter<'_>,
     file: &str,
     Place { line, column }: Place,
     problem: &dyn fmt::Display,
 ) -> fmt::Result {
-    let problem = problem.to_string();
+    let problem = one_line(&problem.to_string());
     match problem.char_indices().nth(LONGEST_PROBLEM) {
         None => write!(f, "{file}:{line}:{column}: {problem}"),
         Some((end, _)) => write!(f, "{file}:{line}:{column}: {}…", &problem[..end]),

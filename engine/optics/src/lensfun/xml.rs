@@ -1,5 +1,6 @@
 //! A lensfun database's XML, versions 1 and 2, as lenses and camera bodies.
 
+use petzval_files::one_line;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::calibrated_lens::{CalibratedLens, CalibrationSet, DistortionRow, LateralColourRow, VignettingRow};
@@ -10,6 +11,10 @@ use super::{Body, LensfunError, Projection, Sensor};
 
 /// The most elements, attributes and texts of a file: 40 times those of lensfun's largest.
 const MOST_NODES: u32 = 2_000_000;
+
+/// The largest number of a lens, and the smallest of those above zero: the formulae's powers of them are numbers, too.
+const LARGEST: f64 = 1e9;
+const SMALLEST: f64 = 1e-9;
 
 /// A file that is being read.
 struct Reader<'a> {
@@ -22,7 +27,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<(Vec<CalibratedLens>, Vec<
     let options = ParsingOptions { allow_dtd: true, nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| {
         let at = error.pos();
-        let what = format!("this is no XML ({error}); give a lensfun database");
+        let what = one_line(&format!("this is no XML ({error}); give a lensfun database"));
         LensfunError::Content { file: file.to_owned(), line: at.row, column: at.col, what }
     })?;
     let reader = Reader { file, document: &document };
@@ -53,17 +58,24 @@ fn text<'a>(node: Node<'a, '_>, name: &'static str) -> Option<&'a str> {
     plain.or_else(|| named().next())?.text().map(str::trim)
 }
 
+/// A name, its words parted by single blanks however the file breaks its lines.
+fn name_of(text: Option<&str>) -> String {
+    text.unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 impl Reader<'_> {
     fn wrong(&self, node: Node<'_, '_>, what: String) -> LensfunError {
         let at = self.document.text_pos_at(node.range().start);
-        LensfunError::Content { file: self.file.to_owned(), line: at.row, column: at.col, what }
+        LensfunError::Content { file: self.file.to_owned(), line: at.row, column: at.col, what: one_line(&what) }
     }
 
     /// An attribute that is a number.
     fn number(&self, node: Node<'_, '_>, name: &str) -> Result<Option<f64>, LensfunError> {
         let Some(given) = node.attribute(name) else { return Ok(None) };
-        let value = given.trim().parse::<f64>().ok().filter(|value| value.is_finite());
-        let what = || format!("{name}=\"{given}\" of <{}> is not a finite number; write one", node.tag_name().name());
+        let value = given.trim().parse::<f64>().ok().filter(|value| value.abs() <= LARGEST);
+        let what = || {
+            format!("{name}=\"{given}\" of <{}> is not a finite number up to 1e9; write one", node.tag_name().name())
+        };
         value.map(Some).ok_or_else(|| self.wrong(node, what()))
     }
 
@@ -73,12 +85,12 @@ impl Reader<'_> {
 
     /// An attribute that is a number above zero.
     fn positive(&self, node: Node<'_, '_>, name: &str) -> Result<f64, LensfunError> {
-        let value = self.number(node, name)?.filter(|value| *value > 0.0);
+        let value = self.number(node, name)?.filter(|value| *value >= SMALLEST);
         value.ok_or_else(|| self.wrong(node, format!("<{}> needs {name} above zero", node.tag_name().name())))
     }
 
     fn lens(&self, node: Node<'_, '_>) -> Result<CalibratedLens, LensfunError> {
-        let model = text(node, "model").unwrap_or_default().to_owned();
+        let model = name_of(text(node, "model"));
         let sensor = Sensor {
             crop_factor: self.positive_text(node, "cropfactor", 1.0)?,
             aspect_ratio: self.positive_text(node, "aspect-ratio", 1.5)?,
@@ -102,7 +114,7 @@ impl Reader<'_> {
         };
         let focal_range_mm = focal_range_mm.or_else(|| focal_range_of_name(&model)).unwrap_or_else(|| of_rows(&sets));
         Ok(CalibratedLens {
-            maker: text(node, "maker").unwrap_or_default().to_owned(),
+            maker: name_of(text(node, "maker")),
             model,
             mounts: children(node, "mount").filter_map(|mount| Some(mount.text()?.trim().to_owned())).collect(),
             projection,
@@ -115,8 +127,8 @@ impl Reader<'_> {
 
     fn body(&self, node: Node<'_, '_>) -> Result<Body, LensfunError> {
         Ok(Body {
-            maker: english_text(node, "maker").unwrap_or_default().to_owned(),
-            model: english_text(node, "model").unwrap_or_default().to_owned(),
+            maker: name_of(english_text(node, "maker")),
+            model: name_of(english_text(node, "model")),
             crop_factor: self.positive_text(node, "cropfactor", 1.0)?,
         })
     }
@@ -124,7 +136,7 @@ impl Reader<'_> {
     fn focal_range(&self, node: Node<'_, '_>) -> Result<Option<[f64; 2]>, LensfunError> {
         let both = self.number(node, "value")?;
         let (low, high) = (self.number(node, "min")?.or(both), self.number(node, "max")?.or(both));
-        Ok(low.zip(high).map(|(low, high)| [low, high]).filter(|[low, high]| *low > 0.0 && high >= low))
+        Ok(low.zip(high).map(|(low, high)| [low, high]).filter(|[low, high]| *low >= SMALLEST && high >= low))
     }
 
     /// A child's text that is a number above zero, or a ratio of two such.
@@ -137,6 +149,7 @@ impl Reader<'_> {
         let (above, below) = given.split_once(':').unwrap_or((given, "1"));
         let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite() && *value > 0.0);
         let value = number(above).zip(number(below)).map(|(above, below)| above / below);
+        let value = value.filter(|value| (SMALLEST..=LARGEST).contains(value));
         value.ok_or_else(|| self.wrong(node, format!("{name} '{given}' is not a number above zero; write one")))
     }
 
@@ -174,7 +187,7 @@ impl Reader<'_> {
             return Err(self.wrong(row, "this distortion leaves no picture on the axis; check its terms".to_owned()));
         }
         let focal_mm = self.positive(row, "focal")?;
-        let measured = self.number(row, "real-focal")?.filter(|focal| *focal > 0.0);
+        let measured = self.number(row, "real-focal")?.filter(|focal| *focal >= SMALLEST);
         let real_focal_mm = measured.unwrap_or(focal_mm * model.central_scale());
         Ok(DistortionRow { focal_mm, real_focal_mm, model })
     }
@@ -233,7 +246,7 @@ fn focal_range_of_name(model: &str) -> Option<[f64; 2]> {
         let number = text.rsplit(other).next()?.trim_matches('-');
         let (low, high) = number.split_once('-').unwrap_or((number, number));
         let (low, high) = (low.parse::<f64>().ok()?, high.parse::<f64>().ok()?);
-        (low > 0.0 && high >= low && high.is_finite()).then_some([low, high])
+        (low >= SMALLEST && high >= low && high <= LARGEST).then_some([low, high])
     };
     before.filter_map(range).next()
 }

@@ -227,7 +227,7 @@ fn what_is_no_database_is_told_with_its_place() {
     };
     assert_eq!(
         message(&lens("<distortion model=\"ptlens\" focal=\"35\" a=\"abc\"/>")),
-        "my.xml:3:1: a=\"abc\" of <distortion> is not a finite number; write one"
+        "my.xml:3:1: a=\"abc\" of <distortion> is not a finite number up to 1e9; write one"
     );
     assert_eq!(
         message(&lens("<vignetting model=\"pa\" focal=\"35\" aperture=\"0\" distance=\"1\"/>")),
@@ -239,4 +239,44 @@ fn what_is_no_database_is_told_with_its_place() {
     );
     let nowhere = Database::read(Path::new("/nowhere/at/all")).unwrap_err().to_string();
     assert!(nowhere.starts_with("/nowhere/at/all: cannot be read"), "{nowhere}");
+}
+
+/// Names have single blanks, however the file breaks its lines, and a message has one line.
+#[test]
+fn line_ends_are_blanks() {
+    let lens = |inside: &str| {
+        let text =
+            format!("<lensdatabase><lens><maker>A\n  B</maker><model>\n C\n D </model>{inside}</lens></lensdatabase>");
+        Database::parse(&text, "x.xml")
+    };
+    assert_eq!(lens("").unwrap().lenses()[0].name(), "A B C D");
+    for wrong in [
+        "<type>fish\neye</type>",
+        "<cropfactor>1\n2</cropfactor>",
+        "<cropfactor>1e300:1e-300</cropfactor>",
+        "<center x=\"1&#10;2\"/>",
+        "<a\n",
+    ] {
+        let message = lens(wrong).unwrap_err().to_string();
+        assert!(!message.contains('\n'), "{message}");
+    }
+}
+
+/// Numbers whose powers are none are refused: a picture's places would be.
+#[test]
+fn numbers_have_bounds() {
+    let row = |row: &str| {
+        let text =
+            format!("<lensdatabase><lens><model>x</model><calibration>{row}</calibration></lens></lensdatabase>");
+        Database::parse(&text, "x.xml").map(|_| ())
+    };
+    assert!(row("<tca model=\"poly3\" focal=\"35\" br=\"1e-5\"/>").is_ok());
+    for wrong in [
+        "<tca model=\"poly3\" focal=\"35\" br=\"1e308\"/>",
+        "<tca model=\"linear\" focal=\"1e-300\"/>",
+        "<distortion model=\"poly3\" focal=\"35\" k1=\"-1e300\"/>",
+        "<vignetting model=\"pa\" focal=\"35\" aperture=\"1e-200\" distance=\"1\"/>",
+    ] {
+        assert!(row(wrong).is_err(), "{wrong}");
+    }
 }

@@ -4,7 +4,7 @@
 //! Each ray that gets through the lens counts alike, as for the other passes of data, so that a matte is blurred as the
 //! picture is. A name is known by its hash, a number whose bits also are those of an ordinary float.
 
-use super::packed::Row;
+use super::packed::{MOST_ROWS, Row};
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -155,6 +155,8 @@ pub(super) struct Count {
 
 impl Row for Count {
     const COLUMNS: usize = 3;
+    // Several names of each pixel.
+    const MOST: usize = MOST_ROWS;
     const ZERO: Self = Self { pixel: 0, id: 0, rays: 0 };
     fn bits(&self, column: usize) -> u64 {
         u64::from([self.pixel, self.id, self.rays][column])
@@ -217,10 +219,12 @@ impl MatteSums {
         let (Some(Counts(counts)), Some(&rays)) = (self.counts.get(at), self.rays.get(pixel)) else { return 0 };
         let start = counts.partition_point(|c| (c.pixel as usize) < pixel);
         let of_pixel = counts[start..].iter().take_while(|c| c.pixel as usize == pixel);
-        let met: u32 = of_pixel.clone().map(|c| c.rays).sum();
-        let nothing = rays - met + of_pixel.clone().filter(|c| c.id == 0).map(|c| c.rays).sum::<u32>();
+        let met: u64 = of_pixel.clone().map(|c| u64::from(c.rays)).sum();
+        let unnamed: u64 = of_pixel.clone().filter(|c| c.id == 0).map(|c| u64::from(c.rays)).sum();
+        // Of a file that was not written by a render, more may be met than there are.
+        let nothing = u64::from(rays).saturating_sub(met) + unnamed;
         let most = of_pixel.filter(|c| c.id != 0).max_by_key(|c| (c.rays, std::cmp::Reverse(c.id)));
-        most.filter(|c| c.rays > nothing).map_or(0, |c| c.id)
+        most.filter(|c| u64::from(c.rays) > nothing).map_or(0, |c| c.id)
     }
 
     /// Ids and coverages of a pixel, strongest first; zero where there are no more.

@@ -27,7 +27,7 @@ use glam::{DVec4, Vec4};
 use halves::{BLOCK_SIZE, BLOCK_SPREAD, Half, half_of};
 pub use kept::FilmState;
 use parked::Parked;
-pub use pieces::{FilmPiece, KeptFilm, NotThisFilm};
+pub use pieces::{FilmPiece, KeptFilm, KeptTile, NotThisFilm};
 use serde::{Deserialize, Serialize};
 use splats::SplatSums;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -14,6 +14,8 @@ use serde::{Deserializer, Serializer};
 
 /// Rows of the longest list.
 pub(super) const MOST_ROWS: usize = 1 << 16;
+/// Rows of the longest list of a tile's pixels, with those that its light spreads to.
+const MOST_PIXELS: usize = 1 << 12;
 const HAS_ZEROS: u8 = 0x80;
 const IS_ALIKE: u8 = 0x40;
 
@@ -21,6 +23,8 @@ const IS_ALIKE: u8 = 0x40;
 pub(super) trait Row: Copy {
     /// Number of columns.
     const COLUMNS: usize;
+    /// Rows of the longest list of such, which may come from a file that says anything.
+    const MOST: usize = MOST_PIXELS;
     /// A row of zeros.
     const ZERO: Self;
     /// The bits of a column's number.
@@ -31,6 +35,7 @@ pub(super) trait Row: Copy {
 
 impl Row for i64 {
     const COLUMNS: usize = 1;
+    const MOST: usize = MOST_ROWS;
     const ZERO: Self = 0;
     // Small numbers of both signs have zero bytes above.
     fn bits(&self, _: usize) -> u64 {
@@ -144,9 +149,9 @@ pub(super) fn deserialize<'de, T: Row, D: Deserializer<'de>>(from: D) -> Result<
     from.deserialize_bytes(Packed(std::marker::PhantomData))
 }
 
-/// The bytes of a list of at most [`MOST_ROWS`] rows.
+/// The bytes of a list of at most [`Row::MOST`] rows.
 fn pack<T: Row>(rows: &[T]) -> Vec<u8> {
-    debug_assert!(rows.len() <= MOST_ROWS);
+    debug_assert!(rows.len() <= T::MOST);
     let mut out = Vec::with_capacity(4 + size_of_val(rows));
     out.extend_from_slice(&(rows.len() as u32).to_le_bytes());
     for column in 0..T::COLUMNS {
@@ -206,7 +211,7 @@ fn unpack<T: Row>(bytes: &[u8]) -> Option<Vec<T>> {
 pub(super) fn unpack_into<T: Row>(bytes: &[u8], rows: &mut Vec<T>) -> Option<()> {
     let (count, mut bytes) = bytes.split_at_checked(4)?;
     let count = u32::from_le_bytes(count.try_into().ok()?) as usize;
-    if count > MOST_ROWS {
+    if count > T::MOST {
         return None;
     }
     rows.clear();
@@ -315,5 +320,10 @@ mod tests {
             }
         }
         assert!(unpack::<u32>(&[255, 255, 255, 255, 0]).is_none());
+        // Nor are a few bytes more pixels than a tile has.
+        let zeros = |rows: u32, columns: usize| [&rows.to_le_bytes()[..], &vec![0; columns]].concat();
+        assert_eq!(unpack::<[f64; 4]>(&zeros(2304, 4)).map(|list| list.len()), Some(2304));
+        assert!(unpack::<[f64; 4]>(&zeros(1 << 16, 4)).is_none());
+        assert_eq!(unpack::<i64>(&zeros(1 << 16, 1)).map(|list| list.len()), Some(1 << 16));
     }
 }

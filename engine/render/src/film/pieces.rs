@@ -19,6 +19,17 @@ pub struct KeptFilm {
     pub pieces: Vec<Vec<u8>>,
 }
 
+/// The passes and samples of a tile, as a file has them.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptTile {
+    /// The tile's number.
+    pub tile: usize,
+    /// Passes that were added.
+    pub passes: u32,
+    /// Samples of the pixels of each half; of a film whose counts do not differ, of all of them twice.
+    pub samples: [u32; 2],
+}
+
 /// The kept sums are those of a film of another size, of one that keeps other things, or of other tiles.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it is of another film")]
@@ -99,34 +110,45 @@ impl FilmState {
 }
 
 impl Film {
-    /// An empty film of the same kind takes the state that was kept.
+    /// An empty film of the same kind takes the state that was kept; `is_state` tells whether a render comes to passes and samples of a tile.
     ///
     /// # Errors
     /// [`NotThisFilm`], with the film unchanged.
-    pub fn restore(&mut self, kept: KeptFilm) -> Result<(), NotThisFilm> {
-        self.check(&kept, None)?;
+    pub fn restore(&mut self, kept: KeptFilm, is_state: &(dyn Fn(KeptTile) -> bool + Sync)) -> Result<(), NotThisFilm> {
+        self.check(&kept, None, is_state)?;
         self.add_pieces(kept.pieces);
         Ok(())
     }
 
-    /// Adds the sums of tiles that this film has not begun: `tiles`, all of them and no others. No other thread may add meanwhile.
+    /// Adds the sums of tiles that this film has not begun: `tiles`, all of them and no others. No other thread may add meanwhile. `is_state`
+    /// as of [`Self::restore`].
     ///
     /// # Errors
     /// [`NotThisFilm`], with the film unchanged.
-    pub fn join_kept(&self, kept: KeptFilm, tiles: &[usize]) -> Result<(), NotThisFilm> {
-        self.check(&kept, Some(tiles))?;
+    pub fn join_kept(
+        &self,
+        kept: KeptFilm,
+        tiles: &[usize],
+        is_state: &(dyn Fn(KeptTile) -> bool + Sync),
+    ) -> Result<(), NotThisFilm> {
+        self.check(&kept, Some(tiles), is_state)?;
         self.add_pieces(kept.pieces);
         Ok(())
     }
 
     /// Checks all pieces before the first is added: that they are of this film, and of the same tiles in each group, which are these if they
     /// are known.
-    fn check(&self, kept: &KeptFilm, tiles: Option<&[usize]>) -> Result<(), NotThisFilm> {
+    fn check(
+        &self,
+        kept: &KeptFilm,
+        tiles: Option<&[usize]>,
+        is_state: &(dyn Fn(KeptTile) -> bool + Sync),
+    ) -> Result<(), NotThisFilm> {
         let mut found = vec![Vec::new(); self.groups.len() + 1];
         if kept.films as usize != found.len() {
             return Err(NotThisFilm);
         }
-        let of_pieces = kept.pieces.par_iter().map(|bytes| self.tiles_of(bytes)).collect::<Option<Vec<_>>>();
+        let of_pieces = kept.pieces.par_iter().map(|bytes| self.tiles_of(bytes, is_state)).collect::<Option<Vec<_>>>();
         for (film, tiles) in of_pieces.ok_or(NotThisFilm)? {
             found[film].extend(tiles);
         }
@@ -141,11 +163,24 @@ impl Film {
     }
 
     /// The number of the film that a piece is of, and its tiles; `None` where it cannot be added.
-    fn tiles_of(&self, bytes: &[u8]) -> Option<(usize, Vec<usize>)> {
+    fn tiles_of(&self, bytes: &[u8], is_state: &(dyn Fn(KeptTile) -> bool + Sync)) -> Option<(usize, Vec<usize>)> {
+        // Before the lists are unpacked, which may be a thousand times as long as their bytes.
+        if tile_count_of(bytes).is_some_and(|count| count as usize > self.tiles.len()) {
+            return None;
+        }
         match piece(bytes)? {
             Piece::Tiles { film, tiles } => {
                 let of = self.numbered(film as usize)?;
-                let fits = |(tile, kept): &(u32, TileSums)| of.may_take(*tile as usize, kept);
+                // A group has its light by the samples of the film.
+                let is_whole = film == 0;
+                let fits = |(tile, kept): &(u32, TileSums)| {
+                    let samples = match &kept.halves {
+                        Some(halves) => [halves[0].samples, halves[1].samples],
+                        None => [kept.samples; 2],
+                    };
+                    let state = KeptTile { tile: *tile as usize, passes: kept.passes, samples };
+                    of.may_take(*tile as usize, kept) && (!is_whole || is_state(state))
+                };
                 tiles.iter().all(fits).then(|| (film as usize, tiles.iter().map(|(tile, _)| *tile as usize).collect()))
             }
             Piece::Splats { film, place, first, sums, .. } => {
@@ -220,6 +255,13 @@ impl Film {
 fn piece(bytes: &[u8]) -> Option<Piece> {
     let (piece, rest) = postcard::take_from_bytes(bytes).ok()?;
     rest.is_empty().then_some(piece)
+}
+
+/// The number of tiles of a piece of such.
+fn tile_count_of(bytes: &[u8]) -> Option<u32> {
+    // Variant, film, length of the list.
+    let ((variant, _, count), _) = postcard::take_from_bytes::<(u32, u32, u32)>(bytes).ok()?;
+    (variant == 0).then_some(count)
 }
 
 /// The number of the film that a piece is of.

@@ -67,3 +67,22 @@ fn light_beyond_an_edge_counts_once() {
         assert!((pixel[0] - expected).abs() < 1e-4, "{pixel:?} {expected}");
     }
 }
+
+/// A film takes up tiles of the passes and samples that a render comes to, and none of more tiles than it has.
+#[test]
+fn only_tiles_of_a_render_are_taken_up() {
+    let film = Film::new(40, 8, false, false);
+    let patch = film.patch(0);
+    film.add_pass(0, 0, patch, 2).unwrap();
+    let state = film.state();
+    let pieces: Vec<Vec<u8>> = state.pieces().iter().map(|piece| piece.bytes().unwrap()).collect();
+    let kept = |pieces: &[Vec<u8>]| KeptFilm { films: 1, pieces: pieces.to_vec() };
+    let empty = || Film::new(40, 8, false, false);
+    let is_state = |tile: KeptTile| (tile.tile, tile.passes, tile.samples) == (0, 1, [2; 2]);
+    assert_eq!(empty().restore(kept(&pieces), &is_state), Ok(()));
+    assert_eq!(empty().restore(kept(&pieces), &|_| false), Err(NotThisFilm));
+    assert_eq!(empty().join_kept(kept(&pieces), &[0], &is_state), Ok(()));
+    assert_eq!(empty().join_kept(kept(&pieces), &[0], &|_| false), Err(NotThisFilm));
+    // Variant, film, and the length of the list: 100 tiles of a film of two.
+    assert_eq!(empty().restore(kept(&[vec![0, 0, 100]]), &is_state), Err(NotThisFilm));
+}

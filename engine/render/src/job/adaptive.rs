@@ -8,7 +8,7 @@
 
 use super::lock;
 use super::settings::{MIN_SAMPLES, Settings};
-use crate::film::Film;
+use crate::film::{Film, KeptTile};
 use serde::{Deserialize, Serialize};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -129,6 +129,25 @@ impl Adaptive {
             done: self.done.load(Ordering::Relaxed),
             planned: self.planned.load(Ordering::Relaxed),
         }
+    }
+
+    /// True if a render comes to these passes and samples of a tile with the decisions of `state`; `is_together`: it decides all tiles at once,
+    /// after they have ended their passes.
+    pub(super) fn may_come_to(&self, state: &AdaptiveState, kept: KeptTile, is_together: bool) -> bool {
+        let (Some(plan), passes) = (state.plans.get(kept.tile), kept.passes as usize) else { return false };
+        let Some(last) = passes.checked_sub(1).and_then(|last| self.passes.get(last)) else { return false };
+        let first = self.passes.iter().find_map(|pass| pass.next_look.map(|_| pass.first + pass.count));
+        let look_after = |passes: usize| {
+            let looks = self.passes[..passes].iter().rev();
+            looks.filter_map(|pass| pass.next_look).next().or(first).unwrap_or(self.most)
+        };
+        let is_look = plan.look == look_after(passes) || (is_together && plan.look == look_after(passes - 1));
+        let done = last.first + last.count;
+        let is_plan = |half: usize| {
+            let (end, is_open) = (plan.ends[half], plan.open[half]);
+            end <= plan.look && (!is_open || end == plan.look) && kept.samples[half] == done.min(end)
+        };
+        is_look && is_plan(0) && is_plan(1)
     }
 
     /// Continues from `state`; false if that is of another picture.

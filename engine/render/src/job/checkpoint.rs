@@ -7,6 +7,7 @@
 
 pub use super::film_file::check_file;
 use super::film_file::{self, CheckpointBody, CheckpointHeader, KeptBody, Unusable};
+use super::joining::may_come_to;
 use super::share::Share;
 use super::{Shared, lock};
 use petzval_files::Identity;
@@ -104,7 +105,10 @@ impl Keeper {
 
     fn take_up(&mut self, whole: KeptBody, shared: &mut Shared) {
         let (whole, film) = (whole.progress, whole.film);
-        let fits = shared.film.restore(film).is_ok()
+        let (passes, is_together) = (&shared.passes, shared.settings.denoising.is_some());
+        let adaptive = shared.adaptive.as_ref().zip(whole.adaptive.as_ref());
+        let is_state = |tile| may_come_to(tile, passes, adaptive, is_together);
+        let fits = shared.film.restore(film, &is_state).is_ok()
             && match (&mut shared.adaptive, whole.adaptive) {
                 (Some(adaptive), Some(state)) => adaptive.restore(state),
                 (None, None) => true,

@@ -4,9 +4,11 @@
 //! its own samples alone and come in the order of its passes, light that falls far away is added in whole quanta, and counts of
 //! samples are decided block by block. So denoising and stray light follow as after one render.
 
+use super::adaptive::{Adaptive, AdaptiveState};
 use super::film_file::{self, CheckpointHeader, Unusable};
 use super::share::{self, Share};
 use super::{Job, Shared, lock};
+use crate::film::KeptTile;
 use std::path::Path;
 use std::time::Duration;
 
@@ -46,6 +48,21 @@ impl Job {
     }
 }
 
+/// True if a render of these passes comes to the state of a tile that is in a file: the first sample and the count of each pass, or the plans of
+/// one whose pixels get as many samples as they need, with the decisions that are in the file.
+pub(super) fn may_come_to(
+    tile: KeptTile,
+    passes: &[(u32, u32)],
+    adaptive: Option<(&Adaptive, &AdaptiveState)>,
+    is_together: bool,
+) -> bool {
+    if let Some((adaptive, state)) = adaptive {
+        return adaptive.may_come_to(state, tile, is_together);
+    }
+    let last = tile.passes.checked_sub(1).and_then(|last| passes.get(last as usize));
+    last.is_some_and(|(first, count)| tile.samples == [first + count; 2])
+}
+
 impl Shared {
     /// True if all passes of a tile are there.
     fn is_complete(&self, tile: usize) -> bool {
@@ -64,7 +81,10 @@ impl Shared {
         }
         let (tiles, _) = share::own(share, &self.film, &self.tiles);
         let is_adaptive = body.progress.adaptive.is_some() == self.adaptive.is_some();
-        if !is_adaptive || self.film.join_kept(body.film, &tiles).is_err() {
+        let adaptive = self.adaptive.as_ref().zip(body.progress.adaptive.as_ref());
+        let is_together = self.settings.denoising.is_some();
+        let is_state = |tile| may_come_to(tile, &self.passes, adaptive, is_together);
+        if !is_adaptive || self.film.join_kept(body.film, &tiles, &is_state).is_err() {
             return Err(Unusable::Damaged);
         }
         if let (Some(adaptive), Some(state)) = (&self.adaptive, &body.progress.adaptive)

@@ -172,15 +172,16 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Adds the counts of `other`.
+    /// Adds the counts of `other`. They may come from a file, and be any: the sum then stops at the largest number.
     pub fn add(&mut self, other: &Self) {
-        self.camera_rays += other.camera_rays;
-        self.camera_rays_lost += other.camera_rays_lost;
-        self.wavelengths_carried += other.wavelengths_carried;
-        self.rays += other.rays;
-        self.non_finite += other.non_finite;
-        self.camera_time += other.camera_time;
-        self.sample_time += other.sample_time;
+        let of = |sum: &mut u64, more: u64| *sum = sum.saturating_add(more);
+        of(&mut self.camera_rays, other.camera_rays);
+        of(&mut self.camera_rays_lost, other.camera_rays_lost);
+        of(&mut self.wavelengths_carried, other.wavelengths_carried);
+        of(&mut self.rays, other.rays);
+        of(&mut self.non_finite, other.non_finite);
+        self.camera_time = self.camera_time.saturating_add(other.camera_time);
+        self.sample_time = self.sample_time.saturating_add(other.sample_time);
     }
 }
 

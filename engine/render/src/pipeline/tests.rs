@@ -112,3 +112,13 @@ fn independent_pixels_share_no_noise() {
         assert!(is_apart || pipeline == Pipeline::SceneFirst, "{shared_spread} {shared}");
     }
 }
+
+/// Counts of a file may be any numbers: their sum is no panic.
+#[test]
+fn the_largest_counts_add_up() {
+    let most = std::time::Duration::MAX;
+    let mut sum = Counts { rays: u64::MAX, camera_time: most, sample_time: most, ..Counts::default() };
+    let other = sum;
+    sum.add(&other);
+    assert_eq!((sum.rays, sum.camera_time, sum.sample_time, sum.non_finite), (u64::MAX, most, most, 0));
+}

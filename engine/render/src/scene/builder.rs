@@ -260,13 +260,16 @@ impl SceneBuilder {
     /// Adds a lamp. `matrix` takes its axes to world space; it emits along its -z.
     ///
     /// # Errors
-    /// [`SceneError::BadMatrix`], [`SceneError::BadLight`].
+    /// [`SceneError::BadMatrix`], [`SceneError::BadLight`], [`SceneError::BadLightSize`].
     pub fn add_lamp(&mut self, lamp: Lamp, matrix: DMat4) -> Result<(), SceneError> {
         if !matrix.is_finite() {
             return Err(SceneError::BadMatrix { object: lamp.object_name });
         }
         if !lamp.color.is_finite() {
             return Err(SceneError::BadLight { object: lamp.object_name });
+        }
+        if let Some((what, value)) = lamp.kind.wrong_number() {
+            return Err(SceneError::BadLightSize { object: lamp.object_name, what, value });
         }
         if lamp.color == Rgb::ZERO {
             return Ok(());

@@ -43,6 +43,23 @@ pub enum LampKind {
     },
 }
 
+impl LampKind {
+    /// The size or angle that is no number of zero or more, and its name; `None` if all are.
+    pub(super) fn wrong_number(&self) -> Option<(&'static str, f32)> {
+        let numbers = match *self {
+            Self::Point { radius, .. } => vec![("radius", radius)],
+            Self::Spot { radius, half_angle_rad, blend, .. } => {
+                vec![("radius", radius), ("half of the spot's angle", half_angle_rad), ("blend", blend)]
+            }
+            Self::Sun { half_angle_rad } => vec![("half of the sun's angle", half_angle_rad)],
+            Self::Area { size: [x, y], half_spread_rad, .. } => {
+                vec![("size", x), ("size", y), ("half of the spread", half_spread_rad)]
+            }
+        };
+        numbers.into_iter().find(|(_, value)| !(*value >= 0.0 && value.is_finite()))
+    }
+}
+
 /// A lamp. In a finished scene its frame is in render space.
 #[derive(Clone, Debug)]
 pub struct Lamp {
@@ -98,5 +115,31 @@ impl Lamp {
         self.to_render =
             Affine3A { matrix3: glam::Mat3A::from_cols(axes[0], axes[1], axes[2]), translation: to_render.translation };
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{SceneBuilder, SceneError};
+    use glam::DMat4;
+
+    /// A light's size of no number, or below zero, is an error that names it; sampling such a rectangle would be a panic.
+    #[test]
+    fn sizes_of_lights_are_numbers_of_zero_or_more() {
+        let area =
+            |x: f32, y: f32, half_spread_rad: f32| LampKind::Area { size: [x, y], ellipse: false, half_spread_rad };
+        let point = |radius: f32| LampKind::Point { radius, soft: true };
+        let added = |kind: LampKind| {
+            let lamp = Lamp { object_name: "lamp".to_owned(), kind, ..Lamp::default() };
+            SceneBuilder::new().add_lamp(lamp, DMat4::IDENTITY)
+        };
+        for kind in [area(0.0, 2.0, 1.5), point(0.0), LampKind::Sun { half_angle_rad: 0.1 }] {
+            assert!(added(kind).is_ok(), "{kind:?}");
+        }
+        for kind in [area(-1.0, 3.0, 1.5), area(1.0, f32::NAN, 1.5), area(1.0, 1.0, f32::INFINITY), point(-0.1)] {
+            let error = added(kind).unwrap_err();
+            assert!(matches!(error, SceneError::BadLightSize { .. }), "{kind:?}: {error}");
+        }
     }
 }

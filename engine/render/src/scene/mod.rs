@@ -88,6 +88,16 @@ pub enum SceneError {
         /// The object's name.
         object: String,
     },
+    /// A light whose size or angle is none.
+    #[error("light '{object}': its {what} is {value}; give a number of zero or more, or look at its drivers")]
+    BadLightSize {
+        /// The object's name.
+        object: String,
+        /// The size or angle.
+        what: &'static str,
+        /// Its value.
+        value: f32,
+    },
     /// An image whose pixel array has another size than its width and height say.
     #[error("image '{image}': {pixels} values for {width} x {height} RGBA pixels; reload the image")]
     BadImage {

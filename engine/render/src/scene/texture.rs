@@ -37,6 +37,9 @@ enum TexturePixels {
     Floats(Vec<Vec4>),
 }
 
+/// The largest value of a pixel: differences of such are numbers, too.
+const BRIGHTEST: f32 = 1e30;
+
 /// An image, first row at the bottom as Blender stores it; or the tiles of one (UDIM). Lookups give scene-linear values.
 #[derive(Clone, Debug)]
 pub struct Texture {
@@ -73,9 +76,12 @@ impl Texture {
     pub fn from_floats(name: &str, width: usize, height: usize, rgba: &[f32], srgb: bool) -> Result<Self, SceneError> {
         check(name, width, height, rgba.len())?;
         let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
-        let decode = |x: f32| if srgb { srgb_to_linear(finite(x)) } else { finite(x) };
-        let texels =
-            rgba.chunks_exact(4).map(|p| Vec4::new(decode(p[0]), decode(p[1]), decode(p[2]), finite(p[3]))).collect();
+        let bounded = |x: f32| x.clamp(-BRIGHTEST, BRIGHTEST);
+        let decode = |x: f32| bounded(if srgb { srgb_to_linear(finite(x)) } else { finite(x) });
+        let texels = rgba
+            .chunks_exact(4)
+            .map(|p| Vec4::new(decode(p[0]), decode(p[1]), decode(p[2]), bounded(finite(p[3]))))
+            .collect();
         Ok(Self::of_pixels(name, width, height, TexturePixels::Floats(texels)))
     }
 
@@ -293,6 +299,17 @@ mod tests {
         assert_eq!(at(0.5, 0.625).x, 1.5);
         let closest = t.lookup(Vec2::new(0.49, 0.51), Interpolation::Closest, Extension::Extend);
         assert_eq!((closest.x, closest.y), (1.0, 2.0));
+    }
+
+    /// No number of an image is none, nor one between two pixels, whatever its values are.
+    #[test]
+    fn values_are_numbers() {
+        let rgba = [f32::MAX, f32::NAN, f32::NEG_INFINITY, 1.0, -f32::MAX, 0.0, f32::MIN, 1.0].repeat(2);
+        for srgb in [false, true] {
+            let texture = Texture::from_floats("x", 2, 2, &rgba, srgb).unwrap();
+            let value = texture.lookup(Vec2::new(0.4, 0.6), Interpolation::Linear, Extension::Repeat);
+            assert!(value.is_finite(), "{srgb}: {value}");
+        }
     }
 
     #[test]

@@ -131,7 +131,9 @@ impl Viewport {
             // Any place may be seen.
             ViewportProjection::Panoramic(_) => return self.pixel_angle_rad() * place.length(),
             ViewportProjection::Orthographic => {
-                let framed = Vec3A::new(place.x.clamp(left, right), place.y.clamp(bottom, top), place.z.max(0.0));
+                // A frame that is none, of no width or of no numbers, holds nothing back; `clamp` would panic.
+                let within = |at: f32, low: f32, high: f32| at.max(low).min(high);
+                let framed = Vec3A::new(within(place.x, left, right), within(place.y, bottom, top), place.z.max(0.0));
                 // In units of the frame's half diagonal over the square root of two.
                 let outside =
                     place.distance(framed) / (0.5 * (right * right + top * top)).sqrt().max(f32::MIN_POSITIVE);
@@ -213,5 +215,25 @@ mod tests {
             assert_eq!([viewport.pixel_width(place), viewport.diced_width(place, 4.0)], [0.01; 2]);
         }
         assert!(viewport.diced_width(Vec3A::new(3.0, 0.0, 1.0), 4.0) > 0.02);
+    }
+
+    /// Widths of pixels of a frame that is none are some number, and no panic.
+    #[test]
+    fn a_frame_that_is_none_is_no_panic() {
+        let sizes = [f64::NAN, f64::INFINITY, 0.0, -1.0, 2.0];
+        for (focal, center) in sizes.into_iter().flat_map(|focal| sizes.map(|center| (focal, center))) {
+            let projection = ViewportProjection::Orthographic;
+            let description = ViewportDescription {
+                focal: DVec2::splat(focal),
+                center: DVec2::splat(center),
+                projection,
+                ..ViewportDescription::default()
+            };
+            let width = Viewport::new(&description, DVec3::ZERO).diced_width(Vec3A::new(0.3, -0.2, 1.0), 4.0);
+            assert!(
+                focal != 2.0 || center.is_nan() || center.is_infinite() || width > 0.0,
+                "{focal} {center}: {width}"
+            );
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::SensorError;
 use super::mosaic::Mosaic;
+use petzval_files::one_line;
 use petzval_optics::sensitivity::Sensitivities;
 use serde::Deserialize;
 use std::path::Path;
@@ -136,7 +137,7 @@ impl SensorFile {
     /// # Errors
     /// [`SensorError::File`].
     pub fn parse(text: &str, file: &str) -> Result<Self, SensorError> {
-        let wrong = |what: String| SensorError::File { file: file.to_owned(), what };
+        let wrong = |what: String| SensorError::File { file: file.to_owned(), what: one_line(&what) };
         let read: Self = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
         read.check().map_err(wrong)?;
         Ok(read)

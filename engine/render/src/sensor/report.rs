@@ -68,6 +68,11 @@ const VISIBLE_NOISE: f64 = 0.01;
 pub fn report(response: &Response, iso: Option<f64>) -> Result<SensorReport, SensorError> {
     let sensor = response.sensor();
     ExposureRequest { iso, ..ExposureRequest::default() }.checked(sensor)?;
+    // What the file leaves open is found by visible light.
+    if ![response.base_iso, response.peak_quantum_efficiency].iter().all(|found| *found > 0.0 && found.is_finite()) {
+        let what = "its curves see nothing of visible light: give base_iso and peak_quantum_efficiency both";
+        return Err(SensorError::File { file: sensor.name.clone(), what: what.to_owned() });
+    }
     let iso = iso.unwrap_or(response.base_iso);
     let gain = response.gain_dn_per_e(iso);
     let read_noise_e = response.read_noise_e(iso);

@@ -127,3 +127,33 @@ fn mosaics_repeat() {
     }
     assert!(Mosaic::of_rows(&["RG", "G"]).is_err() && Mosaic::of_rows(&["RG", "GG"]).is_err());
 }
+
+/// A file's own words may hold line ends; a message has one line.
+#[test]
+fn a_message_about_a_file_has_one_line() {
+    for text in [r#"{"a\nb": 1}"#, r#"{"name": "x", "mosaic": "a\nb"}"#, r#"{"curves_per": "a\nb"}"#] {
+        let message = SensorFile::parse(text, "x.json").unwrap_err().to_string();
+        assert!(!message.contains('\n'), "{message}");
+    }
+}
+
+/// A sensor that sees no visible light has no film speed: an error, not a number that is none.
+#[test]
+fn a_sensor_sees_light() {
+    let text = |first_nm: f64| {
+        let mut file: serde_json::Value = serde_json::from_str(Sensitivities::file("nikon-d700").unwrap()).unwrap();
+        file["first_nm"] = first_nm.into();
+        file["base_iso"] = serde_json::Value::Null;
+        file["peak_quantum_efficiency"] = 0.5.into();
+        file.to_string()
+    };
+    let of = |first_nm: f64| {
+        super::report::report(&Response::new(SensorFile::parse(&text(first_nm), "x.json").unwrap()), None)
+    };
+    assert!(of(400.0).unwrap().dynamic_range_stops.is_finite());
+    let message = of(1900.0).unwrap_err().to_string();
+    assert!(
+        message.ends_with("see nothing of visible light: give base_iso and peak_quantum_efficiency both"),
+        "{message}"
+    );
+}

@@ -2,6 +2,7 @@
 
 mod adaptive_sampling;
 mod cameras;
+mod corpora;
 mod exact_pictures;
 mod light_paths;
 mod light_tracing;

@@ -1,6 +1,6 @@
 //! The outcome of a ray at one surface, in exact numbers.
 
-use super::big::{Big, Vector, dot, norm, plus_times, times, to_f64};
+use super::big::{Big, Vector, dot, norm, plus_times, times, to_f64, unit};
 use super::case::Case;
 use super::inputs::{BigConic, Inputs, Surface};
 use super::local::{Local, dot as dot_f64};
@@ -81,6 +81,15 @@ pub(super) enum Crossing {
 /// If a number of the case is not finite, or the direction is 0.
 pub fn trace(case: &Case) -> Truth {
     trace_inputs(&Inputs::new(case))
+}
+
+/// The outcome of the ray of `case` with another origin and direction, exact as given: one that comes from a surface before. The direction is
+/// of any length but 0; margins count the case's own origin and direction, which should be the nearest machine numbers.
+///
+/// # Panics
+/// As [`trace`].
+pub fn trace_from(case: &Case, origin: &Vector, direction: &Vector) -> Truth {
+    trace_inputs(&Inputs { origin: origin.clone(), direction: unit(direction), ..Inputs::new(case) })
 }
 
 pub(super) fn trace_inputs(inputs: &Inputs) -> Truth {

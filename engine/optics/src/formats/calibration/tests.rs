@@ -226,3 +226,20 @@ fn wrong_files_are_told_by_line_and_column() {
     assert!(colmap("1 PINHOLE 640 480 500 x 320 240").contains(":1:23: 'x' where a number belongs"));
     assert!(colmap("1 EQUIRECTANGULAR 640 480 640 320").contains("the picture's own size"));
 }
+
+/// A name may hold line ends; a message and a written file have their own.
+#[test]
+fn names_are_of_one_line() {
+    let ros = |fx: &str| {
+        format!(
+            "image_width: 640\nimage_height: 480\ncamera_name: \"a\\nb\"\ncamera_matrix: {{rows: 3, cols: 3, data: [{fx}, 0, 319.5, 0, 401, 239.5, 0, 0, 1]}}\ndistortion_model: plumb_bob\ndistortion_coefficients: {{rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}}\n"
+        )
+    };
+    let read = parse(&ros("400"), "x.yaml").unwrap();
+    assert_eq!(read.cameras[0].name, "a b");
+    assert_eq!(parse(&write(&read.cameras, Format::Ros).unwrap(), "y.yaml").unwrap().cameras[0].name, "a b");
+    for fx in ["-400", "\"4\\n5\""] {
+        let message = parse(&ros(fx), "x.yaml").unwrap_err().to_string();
+        assert!(!message.contains('\n'), "{message}");
+    }
+}

@@ -157,6 +157,13 @@ impl Extra {
         match self {
             Self::Obstruction => (2.0 * row.obstruction_mm).to_string(),
             Self::RadiusX => {
+                let profile = row.shape.profile();
+                let is_sphere = profile.base.conic == 0.0 && profile.terms().is_empty();
+                if row.shape.is_rotationally_symmetric() && !is_sphere {
+                    lost.push(format!(
+                        "surface {surface} is one of revolution, which beside a toroid comes back as one"
+                    ));
+                }
                 let text = radius_text(row.shape.curvature_at_vertex(Section::X));
                 if let Some(curvature) = text.strip_prefix("1/") {
                     lost.push(format!("surface {surface}: radius_x is rounded"));

@@ -133,3 +133,17 @@ fn what_is_rare_comes_back_too() {
         assert_same("curvature", &lens, &again(&lens, lens::write, "x.lens"));
     }
 }
+
+/// A hyperboloid beside a cylinder has no row of its own in a file with radii across: that is said. A sphere has.
+#[test]
+fn a_surface_of_revolution_beside_a_toroid_is_said_to_be_lost() {
+    let lost = |conic: f64| {
+        let text =
+            "#radius thickness glass diameter conic isstop radius_x\n50 3 N-BK7 10 0 1 0\n-40 50 air 10 0 0 -40\n";
+        let mut lens = parse("x.lens", text).unwrap().prescription;
+        lens.surfaces[1].shape = petzval_optics::surface::Shape::conic(-40.0, conic);
+        lens::write(&lens, Catalogue::shipped()).1
+    };
+    assert_eq!(lost(0.0), [] as [String; 0]);
+    assert!(lost(-1.5).iter().any(|what| what.contains("surface 1 is one of revolution")), "{:?}", lost(-1.5));
+}

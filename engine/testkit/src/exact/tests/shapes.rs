@@ -2,7 +2,7 @@
 
 use super::super::big::{dot, times};
 use super::super::inputs::Inputs;
-use super::super::{Big, Case, Profile, Shape, Status, Truth, Vector, norm, trace};
+use super::super::{Big, Case, Profile, Shape, Status, Truth, Vector, norm, trace, trace_from};
 use crate::hard_rays::Category;
 
 fn is_zero(x: &Big, scale: f64) -> bool {
@@ -144,4 +144,29 @@ fn what_is_aimed_at_is_met() {
             assert!(point[0].hypot(point[1]) < inside, "{} {index}: {point:?}", category.name());
         }
     }
+}
+
+/// A ray from a place that is no machine number starts there, and not at the nearest that is one.
+#[test]
+fn a_ray_from_elsewhere_starts_there() {
+    let shape = Shape::Conic { curvature: 0.0, conic: 0.0 };
+    let case = Case {
+        shape,
+        origin: [0.25, -1.0, -3.0],
+        direction: [0.0, 0.0, 1.0],
+        side: 1.0,
+        n1: 1.0,
+        n2: 1.5,
+        mirror: false,
+        semi_diameter: None,
+        obstruction: 0.0,
+    };
+    let (origin, direction) = (case.origin.map(Big::new), case.direction.map(Big::new));
+    assert!(is_same(&trace_from(&case, &origin, &direction), &trace(&case)));
+    let little = Big::new(2f64.powi(-200));
+    let beside = [&origin[0] + &little, origin[1].clone(), origin[2].clone()];
+    let twice = times(&direction, &Big::new(2.0));
+    let hit = trace_from(&case, &beside, &twice).hit.expect("a plane is met");
+    assert_eq!(hit.point, [Big::new(0.25) + little, Big::new(-1.0), Big::new(0.0)]);
+    assert_eq!(hit.t, Big::new(3.0));
 }

@@ -1,0 +1,4 @@
+//! Pictures that are merged: the property is `petzval_fuzz::TARGETS`'.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("merge")(bytes));

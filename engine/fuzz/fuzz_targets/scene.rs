@@ -1,0 +1,4 @@
+//! Scenes of arrays: the property is `petzval_fuzz::TARGETS`'.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("scene")(bytes));

@@ -1,0 +1,4 @@
+//! Films of shares of a picture: the property is `petzval_fuzz::TARGETS`'.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("share")(bytes));

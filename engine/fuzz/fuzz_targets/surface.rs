@@ -1,0 +1,4 @@
+//! Any rays at any surface: the property is `petzval_fuzz::TARGETS`'.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| petzval_fuzz::property("surface")(bytes));
