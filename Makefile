@@ -51,7 +51,7 @@ test: ## everything: Rust, Python, bpy 5.2 and 4.5, the real Blender; sets up wh
 test-all: ## the same, and bpy 5.0 and 4.2 too
 	@tools/test.sh --all
 
-test-long: ## hours of it, with other random numbers each time: all cases of the Rust tests, and the soak
+test-long: ## hours of it, with other random numbers each time: all cases of the Rust tests, fuzzing, and the soak
 	@tools/test-long.sh
 
 test-platforms: .venv-tools ## the engine's Rust tests for Windows by Wine, for Linux on ARM by QEMU

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Runs what takes hours, with other random numbers each time, and ends with a summary: all cases of the Rust tests by the seed of the day
-# (statistics: engine/testkit/src/sampling.rs; property tests), and the soak.
+# (statistics: engine/testkit/src/sampling.rs; property tests), a minute of fuzzing for each reader, and the soak.
 #
 #   tools/test-long.sh                          PETZVAL_TEST_SEED=20261130 tools/test-long.sh repeats a day's run
 set -u
@@ -26,5 +26,10 @@ make --no-print-directory build >"$logs/build.log" 2>&1 || { cat "$logs/build.lo
 PYO3_PYTHON=$PWD/.venv-tools/bin/python
 export PYO3_PYTHON
 step "Rust tests" .venv-tools/bin/python tools/rust_tests.py
+if why=$(PYTHONPATH=tools python3 -c 'import fuzz; print(fuzz.missing() or "")') && [ -z "$why" ]; then
+    step "fuzzing" make --no-print-directory fuzz
+else
+    echo "not run: fuzzing: $why"
+fi
 step "soak" make --no-print-directory ENGINE=build soak
 exit "$failed"

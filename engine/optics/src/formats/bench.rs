@@ -337,6 +337,7 @@ impl<'a> BenchReader<'a> {
         for i in 0..count {
             // Positions of near objects say no focal length: they repeat the zooms in their order.
             let focal = self.value("Focal Length", i).or_else(|| self.value("Focal Length", i % zooms.max(1)));
+            let focal = focal.filter(|mm| mm.is_finite() && *mm > 0.0);
             let object = self.value("d0", i).unwrap_or(if i < zooms.max(1) { f64::INFINITY } else { f64::NAN });
             let gaps = moving.iter().map(|(_, name, _)| self.value(name, i).filter(|x| x.is_finite()));
             let gaps: Option<Vec<f64>> = gaps.chain(stop.map(|_| opening(i))).collect();

@@ -111,7 +111,7 @@ impl Draft<'_> {
         states: &[State],
         stop: usize,
     ) -> Result<(), &'static str> {
-        if states.iter().any(|state| !state.focal_mm.is_finite()) {
+        if states.iter().any(|state| !(state.focal_mm.is_finite() && state.focal_mm > 0.0)) {
             return Err("one of them has no focal length");
         }
         let is_same = |a: f64, b: f64| (a - b).abs() <= SAME_FOCAL_LENGTH * a.abs();

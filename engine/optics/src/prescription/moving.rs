@@ -136,6 +136,14 @@ pub enum MovingError {
     /// Some positions have a zoom, others not.
     #[error("some positions have a zoom and others not; give it in all or in none")]
     ZoomMissing,
+    /// A zoom or a distance that is none.
+    #[error("zoom={zoom_mm} focus={focus_mm} is no position; write focal length and distance in mm, above zero")]
+    Place {
+        /// Focal length, mm; 1 of a prime.
+        zoom_mm: f64,
+        /// Distance from the first vertex, mm.
+        focus_mm: f64,
+    },
     /// A zoom has no position at infinity.
     #[error("no position has focus=inf at this zoom; give one for each zoom, to count the others from")]
     NoInfinity,
@@ -204,6 +212,9 @@ impl MovingParts {
             }
             if p.zoom_mm.is_some() != first.zoom_mm.is_some() {
                 return fail(MovingError::ZoomMissing);
+            }
+            if !(zoom(p) > 0.0 && zoom(p).is_finite() && p.focus_mm > 0.0) {
+                return fail(MovingError::Place { zoom_mm: zoom(p), focus_mm: p.focus_mm });
             }
             let nearness = p.focus_mm.recip();
             match zooms.last_mut().filter(|last| last.mm == zoom(p)) {
@@ -417,6 +428,10 @@ mod tests {
             new(&[2, 2], std::slice::from_ref(&one)),
             (None, MovingError::Surface { part: Part::gap(2), last: 4 })
         );
+        for (zoom_mm, focus_mm) in [(-1.0, inf), (0.0, inf), (inf, inf), (f64::NAN, inf), (1.0, 0.0), (1.0, f64::NAN)] {
+            let (which, why) = new(&[2], &[position(Some(zoom_mm), focus_mm, &[1.0])]);
+            assert!(which == Some(0) && matches!(why, MovingError::Place { .. }), "{zoom_mm} {focus_mm}: {why}");
+        }
         assert_eq!(new(&[2], &[]), (None, MovingError::Incomplete));
         assert_eq!(new(&[], std::slice::from_ref(&one)), (None, MovingError::Incomplete));
         let too_few = MovingError::Gaps { found: 1, expected: 2 };

@@ -112,6 +112,10 @@ fn a_published_zoom_has_its_focal_lengths() {
     let table = std::fs::read_to_string(repository("tests/reference/foreign/canon-11-24.txt")).unwrap();
     let reading = parse("canon.txt", &table.replace("\t16.201", "\tundefined")).unwrap();
     assert!(remarks(&reading).contains("the stop opens with the zoom, to 18.91 mm"), "{}", remarks(&reading));
+    // A focal length that is none is no place of a zoom.
+    let reading = parse("canon.txt", &table.replace("\t17.32\t", "\t-17.32\t")).unwrap();
+    assert_eq!(reading.prescription.moving.as_ref().unwrap().positions().len(), 2);
+    assert!(remarks(&reading).contains("1 of 3 positions are left out"), "{}", remarks(&reading));
 }
 
 /// A prime that is focused by a group inside, three ways to write its distances.
