@@ -190,7 +190,7 @@ proofs: build ## prove the kernels' rounding errors, and of every shipped lens w
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m kernel_bounds --if-there
 	@$(dir $(PETZVAL))python tools/proofs.py $(PROOFS_OPTIONS)
 
-soak: $(ENGINE) ## what thousands of edits, renders, frames and kills leave behind, into docs/robustness.md; SOAK_OPTIONS="--only edits" to try
+soak: $(ENGINE) ## what thousands of edits, renders, frames and kills leave behind; SOAK_OPTIONS="--only edits" to try
 	@PYTHONPATH=tools $(dir $(PETZVAL))python -m soak $(SOAK_OPTIONS)
 
 figures: $(ENGINE) ## the paper's figures and three more, measured, into docs/figures.md; FIGURES_OPTIONS="--only fig-10" to try

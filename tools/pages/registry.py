@@ -178,17 +178,6 @@ _ALL = (
         "tools/diffraction.py",
         part="The table and the picture",
     ),
-    _page(
-        "robustness",
-        "soak",
-        *_ENGINE,
-        *_SCENE,
-        "addon/viewport",
-        "tests/support/viewer.py",
-        "tools/soak",
-        "tools/kill_often.py",
-        part="The table of the soak",
-    ),
     _page("figures", "figures", *_RENDER, "tests/scenes/gallery", "lenses/*.lens", "tools/figures"),
     _page(
         "parity",
