@@ -110,12 +110,12 @@ pub fn description(bytes: &[u8]) -> String {
                 let by = mixed(seed, 1000 + what);
                 if (by >> 8) as u8 <= links {
                     // Mostly of a node before, so that most graphs have no circles.
-                    let node = if i > 0 && by % 16 > 0 { by as usize / 16 % i } else { by as usize / 16 % count };
+                    let node = if i > 0 && !by.is_multiple_of(16) { by as usize / 16 % i } else { by as usize / 16 % count };
                     return json!({"node": node, "socket": chosen(&OUTPUTS, 2000 + what), "unlinked": typed(by)});
                 }
-                if by % 2 == 0 { json!(typed(by / 2)) } else { json!([typed(by / 2), typed(by / 3), typed(by / 5)]) }
+                if by.is_multiple_of(2) { json!(typed(by / 2)) } else { json!([typed(by / 2), typed(by / 3), typed(by / 5)]) }
             };
-            let has = |what: usize| mixed(seed, 3000 + what) % 8 > 0;
+            let has = |what: usize| !mixed(seed, 3000 + what).is_multiple_of(8);
             let inputs: Map<String, Value> = INPUTS
                 .iter()
                 .enumerate()
@@ -134,7 +134,7 @@ pub fn description(bytes: &[u8]) -> String {
             for (what, name) in NUMBERS.iter().enumerate().filter(|(what, _)| has(2000 + what)) {
                 let by = mixed(seed, 5000 + what);
                 let list: Vec<f64> = (0..by % 20).map(|k| typed(mixed(by, k as usize))).collect();
-                let value = if by % 3 == 0 { json!(list) } else { json!(typed(by)) };
+                let value = if by.is_multiple_of(3) { json!(list) } else { json!(typed(by)) };
                 options.insert((*name).to_owned(), value);
             }
             json!({"type": format!("ShaderNode{kind}"), "name": format!("node {i}"), "options": options, "inputs": inputs})

@@ -236,7 +236,7 @@ pub fn surface(bytes: &[u8]) {
         let origin = DVec3::new(numbers[4], numbers[5], numbers[6]);
         let direction = DVec3::new(numbers[7], numbers[8], numbers[9]);
         let largest = direction.abs().max_element();
-        if !(largest > 0.0) {
+        if largest.is_nan() || largest <= 0.0 {
             continue;
         }
         let direction = direction / largest;
