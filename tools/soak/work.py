@@ -236,6 +236,8 @@ def main() -> None:
     step, began = KINDS[kind](Studio()), time.monotonic()
     for i in range(count + 1):
         if i * LOOKS // count != (i - 1) * LOOKS // count:
+            # The same before each look: what is kept from one render to the next depends on its settings.
+            step(0)
             gc.collect()
             row = {"done": i, "seconds": time.monotonic() - began, "kinds": len(EDITS)}
             row |= dataclasses.asdict(Footprint.now())
