@@ -48,7 +48,9 @@ impl LampKind {
     pub(super) fn wrong_number(&self) -> Option<(&'static str, f32)> {
         let numbers = match *self {
             Self::Point { radius, .. } => vec![("radius", radius)],
+            // The blend is a result of angles, which may round to a little below zero.
             Self::Spot { radius, half_angle_rad, blend, .. } => {
+                let blend = if blend.is_finite() { blend.max(0.0) } else { blend };
                 vec![("radius", radius), ("half of the spot's angle", half_angle_rad), ("blend", blend)]
             }
             Self::Sun { half_angle_rad } => vec![("half of the sun's angle", half_angle_rad)],
@@ -134,10 +136,13 @@ mod tests {
             let lamp = Lamp { object_name: "lamp".to_owned(), kind, ..Lamp::default() };
             SceneBuilder::new().add_lamp(lamp, DMat4::IDENTITY)
         };
-        for kind in [area(0.0, 2.0, 1.5), point(0.0), LampKind::Sun { half_angle_rad: 0.1 }] {
+        let spot = |blend: f32| LampKind::Spot { radius: 0.1, half_angle_rad: 0.4, blend, soft: true };
+        for kind in [area(0.0, 2.0, 1.5), point(0.0), LampKind::Sun { half_angle_rad: 0.1 }, spot(-4.7e-16)] {
             assert!(added(kind).is_ok(), "{kind:?}");
         }
-        for kind in [area(-1.0, 3.0, 1.5), area(1.0, f32::NAN, 1.5), area(1.0, 1.0, f32::INFINITY), point(-0.1)] {
+        for kind in
+            [spot(f32::NAN), area(-1.0, 3.0, 1.5), area(1.0, f32::NAN, 1.5), area(1.0, 1.0, f32::INFINITY), point(-0.1)]
+        {
             let error = added(kind).unwrap_err();
             assert!(matches!(error, SceneError::BadLightSize { .. }), "{kind:?}: {error}");
         }
