@@ -51,7 +51,7 @@ pub enum CoatingError {
     )]
     Recipe(String),
     /// A name that is no film's.
-    #[error("unknown film '{0}'; name one of {known}, or an index as 1.38 or 2.3-0.01i", known = films::names())]
+    #[error("unknown film '{0}'; name one of {known}, or an index from 0.01 to 100, as 1.38 or 2.3-0.01i", known = films::names())]
     Film(String),
     /// A text that is no thickness of a film.
     #[error(

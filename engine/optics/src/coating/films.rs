@@ -74,6 +74,9 @@ pub(super) fn names() -> String {
     KNOWN.iter().map(|(name, _)| *name).chain(["HfO2"]).chain(measured).collect::<Vec<_>>().join(", ")
 }
 
+/// Indices of a film without a name, and extinction coefficients up to the end: none is known beyond, and products of such keep their digits.
+const INDICES: std::ops::RangeInclusive<f64> = 0.01..=100.0;
+
 impl Film {
     /// A film of an index n + ik that is constant over the wavelengths.
     pub fn constant(n: f64, k: f64) -> Self {
@@ -110,7 +113,9 @@ impl Film {
             None => (number(text), Some(0.0)),
         };
         match (n, k) {
-            (Some(n), Some(k)) if n > 0.0 && k >= 0.0 => Ok(Self::constant(n, k)),
+            (Some(n), Some(k)) if INDICES.contains(&n) && (0.0..=*INDICES.end()).contains(&k) => {
+                Ok(Self::constant(n, k))
+            }
             _ => Err(CoatingError::Film(text.to_owned())),
         }
     }
@@ -155,7 +160,10 @@ mod tests {
             let found = Film::named(name).unwrap().index(nm).re;
             assert!((found - expected).abs() < 2e-4, "{name}: {found}");
         }
-        assert!(Film::named("glue").is_none() && Film::parse("-1").is_err());
+        assert!(Film::named("glue").is_none());
+        for none in ["-1", "0", "1e-9", "1e58", "2-101i", "2--1i", "nan"] {
+            assert!(Film::parse(none).is_err(), "{none}");
+        }
         // Between the table's points, refractiveindex.info has k = 0.000033 for Ta2O5.
         assert!((Film::named("Ta2O5").unwrap().index(532.0).im - 3.3e-5).abs() < 1e-5);
         assert!((Film::named("Al").unwrap().index(540.0).im - 6.51).abs() < 0.01);
