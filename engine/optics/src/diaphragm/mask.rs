@@ -47,6 +47,8 @@ pub struct ApertureMask {
     row_ends: Vec<u32>,
     cells: Vec<u32>,
     open_part: f64,
+    /// A point of the opening, in radii of the stop: that of samples which none of many draws hits.
+    open_point: [f64; 2],
 }
 
 /// A square grey picture of eight bits a value, rows from below, as a user's settings have it.
@@ -103,7 +105,8 @@ impl ApertureMask {
             return Err(MaskError::NotFinite);
         }
         let values = values.iter().map(|value| value - 0.5).collect();
-        let mut mask = Self { side, values, row_ends: Vec::with_capacity(side + 1), cells: Vec::new(), open_part: 0.0 };
+        let row_ends = Vec::with_capacity(side + 1);
+        let mut mask = Self { side, values, row_ends, cells: Vec::new(), open_part: 0.0, open_point: [f64::NAN; 2] };
         for row in 0..=side {
             for column in 0..=side {
                 let open = mask.open_part_of_cell(column, row);
@@ -111,6 +114,10 @@ impl ApertureMask {
                 if let Some(open) = open {
                     mask.cells.push(column as u32);
                     mask.open_part += open;
+                    if open > 0.0 && mask.open_point[0].is_nan() {
+                        let point = mask.open_tries([column, row]).next();
+                        mask.open_point = point.unwrap_or(mask.open_point);
+                    }
                 }
             }
             mask.row_ends.push(mask.cells.len() as u32);
@@ -158,10 +165,14 @@ impl ApertureMask {
         if farthest[0].hypot(farthest[1]) < 1.0 && corners.iter().flatten().all(|&value| value > 0.0) {
             return Some(1.0);
         }
-        let at = |i: usize, j: usize| self.place([column, row], [i, j].map(|i| (i as f64 + 0.5) / TRIES as f64));
-        let tries = (0..TRIES * TRIES).map(|i| at(i % TRIES, i / TRIES));
-        let open = tries.filter(|&[x, y]| x * x + y * y <= 1.0 && self.is_open(x, y)).count();
-        Some(open as f64 / (TRIES * TRIES) as f64)
+        Some(self.open_tries([column, row]).count() as f64 / (TRIES * TRIES) as f64)
+    }
+
+    /// The points of a cell that are tried and open, in radii of the stop.
+    fn open_tries(&self, cell: [usize; 2]) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let at = move |i: usize, j: usize| self.place(cell, [i, j].map(|i| (i as f64 + 0.5) / TRIES as f64));
+        let tries = (0..TRIES * TRIES).map(move |i| at(i % TRIES, i / TRIES));
+        tries.filter(|&[x, y]| x * x + y * y <= 1.0 && self.is_open(x, y))
     }
 
     /// The point of a cell at `within` (0 to 1) in radii of the stop.
@@ -190,16 +201,14 @@ impl ApertureMask {
     /// which leaves the others as even as they were.
     pub(super) fn sample(&self, u: [f64; 2]) -> [f64; 2] {
         let mut numbers = u;
-        let mut point = [0.0; 2];
         for draw in 1..=MOST_DRAWS {
-            point = self.candidate(numbers);
-            let [x, y] = point;
+            let [x, y] = self.candidate(numbers);
             if x * x + y * y <= 1.0 && self.is_open(x, y) {
-                return point;
+                return [x, y];
             }
             numbers = [0u8, 1].map(|axis| again(u, draw, axis));
         }
-        point
+        self.open_point
     }
 
     fn candidate(&self, [u, v]: [f64; 2]) -> [f64; 2] {
@@ -235,6 +244,20 @@ mod tests {
     fn picture(side: usize, value: impl Fn(f64, f64) -> f32) -> Vec<f32> {
         let at = |i: usize| (2.0 * i as f64 + 1.0) / side as f64 - 1.0;
         (0..side * side).map(|i| value(at(i % side), at(i / side))).collect()
+    }
+
+    /// Samples of an opening that is a tiny part of its cells lie in it.
+    #[test]
+    fn tiny_openings_are_sampled() {
+        // In the middle of four values one is a little brighter than a half, the others are dark: the opening is a corner's tip.
+        for bright in [0.5004, 0.51, 0.6] {
+            let values = picture(8, |x, y| if x > 0.0 && x < 0.2 && y > 0.0 && y < 0.2 { bright } else { 0.0 });
+            let Ok(mask) = ApertureMask::new(8, &values) else { continue };
+            for i in 0..200 {
+                let [x, y] = mask.sample([f64::from(i) / 200.0, f64::from(i * 7 % 200) / 200.0]);
+                assert!(x * x + y * y <= 1.0 && mask.is_open(x, y), "{bright}: {x} {y}");
+            }
+        }
     }
 
     #[test]
