@@ -1,8 +1,8 @@
 //! Shared parts of the tests of Petzval, on plain numbers: it knows nothing of the engine that it judges.
 //!
-//! [`sampling`] tests that samples follow the density that is said of them, by [`chi_square`], and means. [`exact`] traces a ray through one surface in 320-bit numbers, and
-//! [`hard_rays`] generates the rays that are worth it. [`lenses`] lists lens files, and [`is_thorough`] is true if a test takes all of its
-//! cases.
+//! [`sampling`] tests that samples follow the density that is said of them, by [`chi_square`], and means. [`exact`] traces a ray through one
+//! surface in 320-bit numbers, and [`hard_rays`] generates the rays that are worth it. [`lenses`] lists lens files, and [`is_thorough`] is true
+//! if a test takes all of its cases.
 
 // A comparison that NaN fails, written `!(x >= 0.0)`, is how a number that is none ends as a failure.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]

@@ -66,7 +66,7 @@ impl Random {
     }
 }
 
-/// How many samples tests take where a quick one takes this many.
+/// The number of samples of a test whose quick run takes `quick`.
 pub fn samples(quick: u64) -> u64 {
     if is_thorough() { 16 * quick } else { quick }
 }

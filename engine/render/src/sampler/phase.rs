@@ -255,7 +255,7 @@ mod tests {
             let (cos, least) = (|t: f64| 1.0 - 2.0 * t.powi(4), 0.05);
             sampling::values(
                 &format!("{lobe:?}"),
-                1 << 16,
+                1 << 18,
                 [least, 1.0],
                 |random| {
                     let [u] = random.numbers();

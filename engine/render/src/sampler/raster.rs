@@ -363,7 +363,7 @@ mod tests {
             let raster = Raster::new(3, 1, PixelFilter::new(filter));
             sampling::values(
                 &format!("places of {filter:?}"),
-                1 << 16,
+                1 << 20,
                 [0.0, 3.0],
                 |random| {
                     let [pixel, u] = random.numbers();

@@ -141,7 +141,7 @@ mod tests {
             let (ggx, wo) = (Ggx::from_roughness(roughness), Vec3A::from_array(wo).normalize());
             sampling::directions(
                 &format!("GGX's facets, {roughness} from {wo}"),
-                1 << 16,
+                1 << 18,
                 |random| {
                     let h = ggx.sample_visible(wo, random.numbers());
                     assert!(h.z >= 0.0 && (h.length() - 1.0).abs() < 1e-5);

@@ -243,7 +243,7 @@ mod tests {
                 let phase = PhaseLobe::henyey_greenstein(anisotropy);
                 sampling::directions(
                     &format!("walk of albedo {albedo}, anisotropy {anisotropy}, far side {far_side:?}"),
-                    1 << 15,
+                    1 << 17,
                     |random| Some(guide.turn(&medium, &ray, random.numbers()).0.to_array()),
                     |direction| {
                         let direction = Vec3A::from_array(direction);

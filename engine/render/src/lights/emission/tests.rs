@@ -151,7 +151,7 @@ fn light_paths_bring_what_light_samples_find() {
             let cos = wi.dot(p / radius) * if from_afar { 1.0 } else { -1.0 };
             seen(light * (cos.max(0.0) * 4.0 * PI * radius * radius), p)
         };
-        sampling::means_agree(&format!("light of {name}"), 1 << 16, by_paths, by_samples, 0.0);
+        sampling::means_agree(&format!("light of {name}"), 1 << 18, by_paths, by_samples, 0.0);
     }
 }
 
@@ -311,6 +311,6 @@ fn densities_integrate_to_one() {
         };
         // The sky's disk is that of the whole scene's ball: the sphere's share of it.
         let expected = if *name == "even sky" { f64::from((radius / emission.radius).powi(2)) } else { 1.0 };
-        sampling::mean_is(&format!("density of rays of {name}"), 1 << 18, estimate, expected, 1e-6 * expected);
+        sampling::mean_is(&format!("density of rays of {name}"), 1 << 20, estimate, expected, 1e-6 * expected);
     }
 }

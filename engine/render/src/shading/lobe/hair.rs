@@ -331,7 +331,7 @@ mod tests {
         for fibre in fibres(0.0).flat_map(|fibre| [fibre, widened(fibre)]) {
             sampling::directions(
                 &format!("{fibre:?}"),
-                1 << 15,
+                1 << 17,
                 |random| {
                     let [u_choice, u, v] = random.numbers();
                     Some(fibre.sample(u_choice, [u, v]).0.to_array())
@@ -361,7 +361,7 @@ mod tests {
             let fibre = Fibre::new(through, 0.1, roughness, wo);
             sampling::directions(
                 &format!("Hair shader, through: {through}, {roughness:?} from {wo}"),
-                1 << 15,
+                1 << 17,
                 |random| {
                     let wi = fibre.sample(random.numbers());
                     (fibre.evaluate(wi) > 0.0).then(|| wi.to_array())
