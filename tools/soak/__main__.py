@@ -91,7 +91,18 @@ def work(kind: str, count: int) -> list[Row]:
 
 def killed(count: int) -> tuple[str, bool]:
     """A row of the table, and true if a render that was killed so often has the picture of one that was not."""
-    command = [sys.executable, str(TOP / "tools" / "kill_often.py"), "--kills", str(count), "--every", "0.2"]
+    # A kill comes after a quarter of a second of work, which is some samples: so many that the render does not end before the last one.
+    samples = str(max(200, 10 * count))
+    command = [
+        sys.executable,
+        str(TOP / "tools" / "kill_often.py"),
+        "--kills",
+        str(count),
+        "--every",
+        "0.2",
+        "--samples",
+        samples,
+    ]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False, env=environment())
     said = re.search(r"kills: (.*)$", done.stdout, re.MULTILINE)
     if said is None:
