@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import lens_index
+import numpy as np
 import pages
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -33,15 +34,25 @@ PICTURES = ROOT / "docs/images/reality"
 ZOOMS = {"nikkor-z-24-70-f4": (24, 28, 35, 50, 70), "canon-11-24-f4": (11, 14, 24)}
 #: Real focal lengths over marked ones that are tried where a zoom stands between the positions of its patent.
 REAL = (0.94, 0.96, 0.98, 1.0, 1.02)
+#: Distances of the photographed lines that are tried, mm; a calibration does not say its own.
+DISTANCES_MM = (10000, 5000, 3000, 2000, 1500, 1200, 1000, 800, 600, 500)
+#: Powers of the height in the distortion of a lens of revolution, as far as the rays of these lenses need them.
+EVEN_POWERS = (2, 4, 6)
+#: Fields of a comparison.
+COUNT = 15
 #: The limits of agreement: micrometres, parts of the lens's own distortion, stops at F/8.
 LEAST_UM, PART, STOPS = 10.0, 0.01, 0.15
+
+
+class Refused(Exception):
+    """The program's line about arguments that it does not take."""
 
 
 def petzval(*arguments: object) -> Any:
     command = [sys.executable, "-m", "petzval", "lens", *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise SystemExit(done.stderr)
+        raise Refused(done.stderr)
     return json.loads(done.stdout) if "--json" in arguments else None
 
 
@@ -75,17 +86,34 @@ def settings(name: str, text: str) -> list[tuple[float | None, float | None, boo
     return found
 
 
-def distortion_row(found: Any) -> tuple[str, bool]:
+def agrees(found: Any) -> bool:
+    """True where the measurement and the rays are as near as they are asked to be."""
+    one = found["distortion"]
+    return one is not None and 1e3 * one["worst_mm"] <= max(LEAST_UM, 1e3 * PART * one["own_mm"])
+
+
+def distortion_row(found: Any) -> str:
     one = found["distortion"]
     if one is None:
-        return "not measured | | |", False
+        return "not measured | | | |"
     rms, worst, own = (1e3 * one[key] for key in ("rms_mm", "worst_mm", "own_mm"))
     last = one["rows"][-1]
-    agrees = worst <= max(LEAST_UM, PART * own)
     return (
-        f"{100 * last['rays_part']:.2f} | {100 * last['measured_part']:.2f} | {rms:.0f} / {worst:.0f} | {own:.0f}",
-        agrees,
+        f"{100 * last['rays_part']:.2f} | {100 * last['measured_part']:.2f} | {rms:.0f} / {worst:.0f} | {own:.0f} | "
+        f"{odd_um(one['rows']):.0f}"
     )
+
+
+def odd_um(rows: list[Any]) -> float:
+    """Largest distance, micrometres, of the measured curve from the nearest curve of a lens of revolution, whose distortion has even
+    powers of the height alone. The least squares are over the area of the picture."""
+    heights = np.array([row["height_mm"] for row in rows[1:]])
+    scales = 1.0 + np.array([row["measured_part"] for row in rows[1:]])
+    parts = heights / heights[-1]
+    curves = np.stack([parts**power for power in (0, *EVEN_POWERS)], axis=1)
+    weights = parts**1.5
+    terms = np.linalg.lstsq(curves * weights[:, None], scales * weights, rcond=None)[0]
+    return float(1e3 * np.abs(heights * (curves @ terms - scales)).max())
 
 
 def light_cells(found: Any) -> list[str]:
@@ -165,6 +193,18 @@ def spread(lensfun: str) -> list[str]:
 
 
 @dataclass(frozen=True)
+class Nearest:
+    """A comparison at a real focal length and at a distance of the photographed lines; `None`: those of the lens file, infinity."""
+
+    found: Any
+    real_mm: float | None
+    distance_mm: float | None
+
+    def apart_mm(self) -> float:
+        return float(self.found["distortion"]["rms_mm"])
+
+
+@dataclass(frozen=True)
 class Case:
     """A lens at a setting: the arguments of the engine."""
 
@@ -174,16 +214,39 @@ class Case:
     marked_mm: float | None
     is_between: bool
 
-    def ask(self, lensfun: str) -> tuple[Any, Any, Any]:
-        """The comparison, the same through another sensor, and that at the real focal length which is nearest, if one is looked for."""
-        found = at(self.name, lensfun, self.real_mm, self.marked_mm, "--json", "--count", 15)
+    def ask(self, lensfun: str) -> tuple[Any, Any, Nearest | None]:
+        """The comparison, the same through another sensor, and the nearest one, if it does not agree as it is."""
+        found = at(self.name, lensfun, self.real_mm, self.marked_mm, "--json", "--count", COUNT)
         other = at(self.name, lensfun, self.real_mm, self.marked_mm, "--json", "--sensor", "nikon-d700", "--count", 3)
-        if not (self.is_between and self.marked_mm and found["distortion"]):
-            return found, other, None
-        ends = positions(self.text)
-        tried = [k * self.marked_mm for k in REAL if ends[0] <= k * self.marked_mm <= ends[-1]]
-        every = [at(self.name, lensfun, mm, self.marked_mm, "--json", "--count", 7) for mm in tried]
-        return found, other, min(every, key=lambda one: one["distortion"]["rms_mm"])
+        return found, other, self.nearest(lensfun, found) if found["distortion"] and not agrees(found) else None
+
+    def nearest(self, lensfun: str, found: Any) -> Nearest | None:
+        """The nearest comparison over the real focal lengths, for a zoom between the positions of its patent, and then over distances;
+        `None`: that is the one at infinity."""
+        best = Nearest(found, self.real_mm, None)
+        tried: list[tuple[float | None, float | None]] = []
+        if self.is_between and self.marked_mm:
+            ends = positions(self.text)
+            tried = [(k * self.marked_mm, None) for k in REAL if ends[0] <= k * self.marked_mm <= ends[-1]]
+            best = min([best, *self.compared(lensfun, tried)], key=Nearest.apart_mm)
+        best = min(
+            [best, *self.compared(lensfun, [(best.real_mm, float(mm)) for mm in DISTANCES_MM])], key=Nearest.apart_mm
+        )
+        return None if best.found is found else best
+
+    def compared(self, lensfun: str, tried: list[tuple[float | None, float | None]]) -> list[Nearest]:
+        """Comparisons at real focal lengths and distances, without those that are too close for the lens."""
+        every = []
+        for real_mm, distance_mm in tried:
+            more: list[object] = ["--focus-distance", distance_mm] if distance_mm else []
+            try:
+                found = at(self.name, lensfun, real_mm, self.marked_mm, "--json", "--count", COUNT, *more)
+            except Refused as why:
+                if "too close for this lens" not in str(why):
+                    raise
+            else:
+                every.append(Nearest(found, real_mm, distance_mm))
+        return every
 
 
 def drawn(name: str, lensfun: str, real_mm: float | None, marked_mm: float | None) -> None:
@@ -206,19 +269,20 @@ def tables(lensfun: str, only: list[str], draw: bool) -> dict[str, list[str]]:
     rows: dict[str, list[str]] = {"distortion": [], "vignetting": [], "colour": [], "curves": []}
     for case, (found, other, best) in zip(cases, answers, strict=True):
         marked = f"{found['marked_mm']:g}"
-        for label, one in ((f"`{case.name}`", found), ("its best", best)):
-            if one is not None:
-                cells, agrees = distortion_row(one)
-                rows["distortion"].append(
-                    f"| {label} | {marked} | {one['efl_mm']:.2f} | {cells} | {'agrees' if agrees else ''} |"
-                )
+        shown = [(f"`{case.name}`", Nearest(found, case.real_mm, None))] + ([("its best", best)] if best else [])
+        for label, one in shown:
+            metres = f"{one.distance_mm / 1000.0:g}" if one.distance_mm else "∞"
+            rows["distortion"].append(
+                f"| {label} | {marked} | {one.found['efl_mm']:.2f} | {metres} | {distortion_row(one.found)} | "
+                f"{'agrees' if agrees(one.found) else ''} |"
+            )
         light = light_cells(found)
         rows["vignetting"].append(f"| `{case.name}` | {marked} | {light[0]} | {light[-1] if len(light) > 1 else ''} |")
         rows["colour"].append(f"| `{case.name}` | {marked} | {colour_cells(found)} | {colour_cells(other)} |")
         picture = f"![{case.name} beside {found['product']}](images/reality/{case.name}.svg)"
         rows["curves"] += [picture, ""] if picture not in rows["curves"] else []
     heads = {
-        "distortion": ["| lens | marked, mm | rays, mm | % by rays | % measured | apart, um | own, um | |", "|---|---:|---:|---:|---:|---:|---:|---|"],
+        "distortion": ["| lens | marked, mm | rays, mm | distance, m | % by rays | % measured | apart, um | own, um | odd, um | |", "|---|---:|---:|---:|---:|---:|---:|---:|---:|---|"],
         "vignetting": ["| lens | marked, mm | wide open | F/8 |", "|---|---:|---|---|"],
         "colour": ["| lens | marked, mm | red, um | blue, um | Nikon D700: red | blue |", "|---|---:|---|---|---|---|"],
         "curves": [],
@@ -236,7 +300,10 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", default=[], metavar="LENS", help="these lenses; prints, writes nothing")
     given = parser.parse_args()
     began, origin = time.monotonic(), pages.made("docs/reality.md")
-    found = tables(given.lensfun, given.only, draw=not given.only)
+    try:
+        found = tables(given.lensfun, given.only, draw=not given.only)
+    except Refused as why:
+        raise SystemExit(str(why)) from None
     if given.only:
         print("\n".join(row for rows in found.values() for row in rows))
         return
