@@ -301,10 +301,12 @@ impl<'a> Glasses<'a> {
         let low = points.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
         let high = points.iter().map(|p| p[0]).fold(0.0, f64::max);
         let good = points.iter().all(|p| (0.5..=6.0).contains(&p[1]));
-        // Three lines of visible light stand for all of it; a table for what it covers.
-        let range_nm = if points.len() > 3 { [low * 1000.0, high * 1000.0] } else { [0.0, f64::INFINITY] };
+        let is_table = points.len() > 3;
         let dispersion = Dispersion::through(points).filter(|_| good)?;
-        Some(Medium::new(&one_word(name), dispersion, range_nm, "the lens file"))
+        let over = |range_nm| Medium::new(&one_word(name), dispersion.clone(), range_nm, "the lens file");
+        // Up to three lines stand for all light, as far as their formula is a glass there; a table stands for what it covers.
+        let everywhere = Some([0.0, f64::INFINITY]).filter(|_| !is_table).map(&over).filter(Medium::is_plausible);
+        everywhere.or_else(|| Some(over([low * 1000.0, high * 1000.0])).filter(Medium::is_plausible))
     }
 }
 

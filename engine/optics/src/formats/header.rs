@@ -223,10 +223,8 @@ fn glass(value: &str) -> Option<Medium> {
     let numbers: Option<Vec<f64>> = words.map(finite).collect();
     let dispersion = Dispersion::from_words(&formula.to_lowercase(), &numbers?)?;
     let medium = Medium::new(name, dispersion, range_nm, "the lens file");
-    let is_glass = |nm: f64| (0.5..=6.0).contains(&medium.index(nm));
-    let ends = range_nm.map(|nm| nm.clamp(200.0, 20_000.0));
     let is_range = range_nm[0] >= 0.0 && range_nm[0] < range_nm[1];
-    (is_range && ends.into_iter().all(is_glass) && medium.hole_nm().is_none()).then_some(medium)
+    (is_range && medium.is_plausible()).then_some(medium)
 }
 
 /// The line of a glass that stands in no catalogue; `None` for a medium that cannot be written.

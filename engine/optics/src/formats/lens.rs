@@ -120,7 +120,7 @@ pub use super::problem::{LensFileError, Problem};
 use super::columns::{COATING, ElementLine, Misalignment, NO_COATING_SAID, OBSTRUCTION, POSE, RADIUS_X, power};
 
 pub use write::write;
-pub(super) use write::{common_coating, header_lines, one_line};
+pub(super) use write::{common_coating, header_lines, one_line, with_glasses_apart};
 
 /// A longer file is no lens: it would only cost memory.
 const LARGEST_FILE: usize = 1 << 20;

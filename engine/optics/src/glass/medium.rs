@@ -96,6 +96,11 @@ impl Medium {
         Self { shift: 0.0, ..self.clone() }
     }
 
+    /// The medium by another name.
+    pub fn with_name(&self, name: &str) -> Self {
+        Self { name: name.to_owned(), ..self.clone() }
+    }
+
     /// The part of the light of a wavelength that is left after `thickness_mm` of the medium; `None` if that is not known.
     pub fn internal_transmittance(&self, wavelength_nm: f64, thickness_mm: f64) -> Option<f64> {
         self.transmittance.as_ref().map(|known| known.at(wavelength_nm, thickness_mm))
@@ -169,6 +174,13 @@ impl Medium {
         let [shortest, longest] = VISIBLE_NM;
         let all = (0..=(longest - shortest) as u32).map(|i| shortest + f64::from(i));
         all.into_iter().find(|&nm| !PLAUSIBLE_INDEX.contains(&self.base_index(nm)))
+    }
+
+    /// True if the index is one of [`PLAUSIBLE_INDEX`] at all visible wavelengths, and at the ends of its range: of a range without an end,
+    /// at 200 nm and 20 µm.
+    pub(crate) fn is_plausible(&self) -> bool {
+        let ends = self.range_nm.map(|nm| nm.clamp(200.0, 20_000.0));
+        ends.into_iter().all(|nm| PLAUSIBLE_INDEX.contains(&self.index(nm))) && self.hole_nm().is_none()
     }
 
     /// True if the formula was made for all wavelengths between these, but for a nanometre.

@@ -1,5 +1,6 @@
 //! Lens files from prescriptions: a written file reads back as the same lens, to the last bit.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use crate::coating::Coating;
@@ -12,6 +13,7 @@ use super::super::header::{OF_THE_LENS, glass_lines};
 
 /// The text of a lens file, and the parts of the lens that cannot stand in one.
 pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>) {
+    let lens = &*with_glasses_apart(lens, catalogue);
     let mut text = String::new();
     let mut lost = Vec::new();
     for line in header_lines(lens, catalogue, &mut lost) {
@@ -44,6 +46,42 @@ pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>
         text.push('\n');
     }
     (text, lost)
+}
+
+/// The lens, with a name of its own for each glass that a file of it defines: files of other programs may define a name again, and the
+/// rows before it keep their glass. Later glasses of a name are numbered from 2.
+pub(in crate::formats) fn with_glasses_apart<'a>(
+    lens: &'a Prescription,
+    catalogue: &Catalogue,
+) -> Cow<'a, Prescription> {
+    let mut named = Cow::Borrowed(lens);
+    // Each glass as it stands in the lens, and by the name that it gets.
+    let mut known: Vec<(Medium, Medium)> = Vec::new();
+    for (i, row) in lens.surfaces.iter().enumerate() {
+        let NextMedium::Medium(medium) = &row.behind else { continue };
+        let defined = medium.as_defined();
+        if catalogue.token_of(&defined).is_some() {
+            continue;
+        }
+        let name = match known.iter().find(|(before, _)| *before == defined) {
+            Some((_, after)) => after.name().to_owned(),
+            None => {
+                let is_taken = |name: &str| known.iter().any(|(_, after)| after.name().eq_ignore_ascii_case(name));
+                let own = defined.name();
+                let numbered = (2..).map(|number| format!("{own}_{number}"));
+                let mut names = std::iter::once(own.to_owned())
+                    .filter(|name| !is_taken(name))
+                    .chain(numbered.filter(|name| !is_taken(name) && catalogue.medium(name).is_err()));
+                let name = names.next().expect("endless");
+                known.push((defined.clone(), defined.with_name(&name)));
+                name
+            }
+        };
+        if name != medium.name() {
+            named.to_mut().surfaces[i].behind = NextMedium::Medium(medium.with_name(&name));
+        }
+    }
+    named
 }
 
 /// The lines of the header, without their `#`.

@@ -8,7 +8,7 @@ use crate::prescription::moving::{MovingParts, Quantity};
 use crate::prescription::{NextMedium, Prescription, SurfaceRow};
 use crate::surface::{Section, Shape};
 
-use super::super::lens::{common_coating, header_lines, one_line};
+use super::super::lens::{common_coating, header_lines, one_line, with_glasses_apart};
 
 /// The catalogues that OpticStudio calls so, by our makers.
 const CATALOGUES: [(&str, &str); 8] = [
@@ -24,6 +24,7 @@ const CATALOGUES: [(&str, &str); 8] = [
 
 /// The text of a file, and the parts of the lens that cannot stand in one.
 pub fn write(lens: &Prescription, catalogue: &Catalogue) -> (String, Vec<String>) {
+    let lens = &*with_glasses_apart(lens, catalogue);
     let mut text = String::new();
     let mut lost = Vec::new();
     let glasses: Vec<Glass> = lens.surfaces.iter().map(|row| glass(row, catalogue)).collect();
