@@ -196,7 +196,47 @@ fn sampled_emission(scene: &Scene, has_others: bool) -> Vec<f32> {
             *brightness = 0.0;
         }
     }
+    leave_most(&mut brightness, &triangle_counts(scene), MOST_TRIANGLES);
     brightness
+}
+
+/// Number of emissive triangles at most that light samples find: each takes 150 bytes while the tree over them is built.
+const MOST_TRIANGLES: u64 = 1 << 22;
+
+/// Sets the brightness of materials to 0, those of the most triangles first, until the others have `most` triangles at most. The light of
+/// so many triangles comes from many sides, where closure samples find it.
+pub(super) fn leave_most(brightness: &mut [f32], triangles: &[u64], most: u64) {
+    let mut bright: Vec<usize> = (0..brightness.len()).filter(|&m| brightness[m] > 0.0).collect();
+    let mut total: u64 = bright.iter().map(|&m| triangles[m]).sum();
+    bright.sort_by_key(|&m| triangles[m]);
+    while total > most {
+        let Some(largest) = bright.pop() else { break };
+        total -= triangles[largest];
+        brightness[largest] = 0.0;
+    }
+}
+
+/// Number of triangles of each material, over all instances.
+fn triangle_counts(scene: &Scene) -> Vec<u64> {
+    let mut counts = vec![0; scene.materials.len()];
+    // By mesh the number of triangles of each slot, found when first needed.
+    let mut of_slots: Vec<Option<Vec<u64>>> = vec![None; scene.meshes.len()];
+    for instance in scene.placed() {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let slots = of_slots[instance.mesh as usize].get_or_insert_with(|| {
+            let mut slots = vec![0; 1];
+            for triangle in 0..mesh.triangles.len() as u32 {
+                let slot = mesh.slot(triangle) as usize;
+                slots.resize(slots.len().max(slot + 1), 0);
+                slots[slot] += 1;
+            }
+            slots
+        });
+        for (slot, &count) in slots.iter().enumerate().filter(|(_, count)| **count > 0) {
+            counts[instance.material(slot as _) as usize] += count;
+        }
+    }
+    counts
 }
 
 /// Points at which the emission of a material is evaluated, for its mean.

@@ -166,6 +166,45 @@ fn emissive_triangles_are_sampled_by_area() {
     assert!((found / expected - Rgb::ONE).abs().max_element() < 5e-3, "{found} {expected}");
 }
 
+/// A tree of two materials, copied until its leaves are more than light samples can know: these are left to closure samples, the fruit is
+/// not. (A scene by others has 66 million emissive triangles of leaves, for which the lights took ten gigabytes.)
+#[test]
+fn leaves_beyond_number_take_no_memory() {
+    const LEAVES: u32 = 4096;
+    let mut builder = SceneBuilder::new();
+    let materials =
+        ["leaf", "fruit"].map(|name| builder.add_material(Material::diffuse(name, Rgb::ONE, Rgb::splat(1.0))));
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| corner * 0.01);
+    let tree = MeshDescription {
+        name: "tree".into(),
+        positions: (0..=LEAVES).flat_map(|i| corners.map(|corner| corner + Vec3::Z * i as f32)).collect(),
+        triangles: (0..=LEAVES).map(|i| [0, 1, 2].map(|corner| 3 * i + corner)).collect(),
+        material_slots: Some((0..=LEAVES).map(|i| u32::from(i == LEAVES)).collect()),
+        ..Default::default()
+    };
+    let tree = builder.add_mesh(tree).unwrap();
+    for i in 0..1024 {
+        let matrix = DMat4::from_translation(DVec3::X * f64::from(i));
+        builder.add_instance("tree", tree, matrix, &materials, true, true).unwrap();
+    }
+    let lights = Lights::new(&builder.build(DVec3::ZERO));
+    assert_eq!(lights.local.len(), 1024);
+    assert!(lights.triangle_source(0, LEAVES).is_some() && lights.triangle_source(0, 0).is_none());
+}
+
+#[test]
+fn materials_of_the_most_triangles_are_left_first() {
+    let left = |most| {
+        let mut brightness = [1.0, 2.0, 0.0, 3.0];
+        local::leave_most(&mut brightness, &[10, 500, 10_000, 40], most);
+        brightness
+    };
+    assert_eq!(left(550), [1.0, 2.0, 0.0, 3.0]);
+    assert_eq!(left(549), [1.0, 0.0, 0.0, 3.0]);
+    assert_eq!(left(49), [1.0, 0.0, 0.0, 0.0]);
+    assert_eq!(left(9), [0.0; 4]);
+}
+
 /// The sky is chosen the more, the more of it is seen and the farther the lamps are; and whatever it is told of the sky,
 /// the light that it finds is the same.
 #[test]
