@@ -72,3 +72,16 @@ def sums_up(room, passes) -> None:
     """To the rounding of quotients and products in single precision."""
     combined = passes["Combined"][..., :3]
     assert np.abs(room.summed(passes) - combined).max() < 1e-5 * np.abs(combined).max()
+
+
+@pytest.mark.parametrize("is_glass", [False, True], ids=["film", "film and glass"])
+def test_the_sky_is_kept_behind_a_transparent_film(room, blender, tmp_path, is_glass):
+    """As in Cycles: it is no part of the picture, and what sees it has it all the same."""
+    scene = blender.context.scene
+    scene.render.film_transparent = True
+    scene.cycles.film_transparent_glass = is_glass
+    ours = room.photograph(tmp_path / "petzval.exr", samples=SAMPLES)
+    theirs = room.photograph(tmp_path / "cycles.exr", "CYCLES", samples=SAMPLES)
+    assert ours["Environment"].max() > 0.01 and ours["Combined"][..., 3].min() < 0.5
+    for name in ("Environment", "Transmission Direct", "Transmission Indirect", "Combined"):
+        room.same(ours, theirs, [name], *WIDER.get(name, LIMITS))

@@ -198,6 +198,11 @@ impl ByPart {
         self.has_features || self.has_occlusion || self.has_means
     }
 
+    /// True if the light of the sky that the camera sees is noted.
+    pub(super) fn keeps_sky(&self) -> bool {
+        self.parts.place(LightPass::Environment).is_some()
+    }
+
     /// Length of the ambient occlusion ray of a path's surface, Blender units; `None`: there is none.
     pub(super) fn occlusion_distance(&self, way: PathState) -> Option<f32> {
         (self.has_occlusion && way.depth == 0).then(|| self.parts.occlusion_distance())

@@ -65,6 +65,9 @@ pub trait AovSink {
     /// True if something is noted of surfaces that scatter nothing.
     fn looks(&self) -> bool;
 
+    /// True if the sky is noted behind a transparent film, too, where it is no part of the picture.
+    fn keeps_sky(&self) -> bool;
+
     /// A path was scattered by a surface, with the shares of its lobes.
     fn turned(&mut self, path: u32, way: PathState, shares: impl FnOnce() -> LobeShares);
 
@@ -127,6 +130,11 @@ impl AovSink for NoAovs {
 
     #[inline(always)]
     fn looks(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn keeps_sky(&self) -> bool {
         false
     }
 
@@ -246,6 +254,10 @@ impl AovSink for AovBuffers {
 
     fn looks(&self) -> bool {
         self.parts.looks()
+    }
+
+    fn keeps_sky(&self) -> bool {
+        self.parts.keeps_sky()
     }
 
     fn turned(&mut self, path: u32, way: PathState, shares: impl FnOnce() -> LobeShares) {

@@ -102,14 +102,15 @@ impl Path {
     #[inline(always)]
     pub(super) fn sky<N: AovSink>(&self, stage: &PreparedScene, limits: &Limits, found: &mut Found<'_, N>) {
         let to = self.chosen.receiver();
-        if self.way.is_camera() && (limits.hide_sky || self.strategy.is_aimed()) {
+        let is_hidden = limits.hide_sky && self.way.is_camera();
+        if is_hidden && !found.notes.keeps_sky() || self.way.is_camera() && self.strategy.is_aimed() {
             return;
         }
-        if self.way.is_camera() {
+        if self.way.is_camera() && !is_hidden {
             found.notes.finds_world(found.path, stage, self.ray.direction, self.way);
         }
         let is_film = limits.hide_sky && self.is_on_film;
-        if is_film {
+        if is_film && !is_hidden {
             found.result.hole += self.throughput.element_sum() / 3.0;
         }
         let world = limits.approximations.fast_gi.last_ray(self.way).map_or(1.0, |last| last.factor);
@@ -123,14 +124,20 @@ impl Path {
                     return;
                 }
                 let is_world = stage.lights.is_world(source);
-                if is_world && is_film {
+                let is_left_out = is_hidden || is_world && is_film;
+                if is_left_out && !(is_world && found.notes.keeps_sky()) {
                     return;
                 }
                 let counts = self.chosen.weight(pdf) * if is_world { world } else { 1.0 };
-                let light = self.throughput * radiance * counts;
+                let light = limits.clamp_met(self.throughput * radiance * counts, u32::from(self.way.depth));
                 let group = || stage.lights.group(&stage.scene, source);
                 let of = found.notes.met(found.path, self.way, is_world, group);
-                found.add(of, limits.clamp_met(light, u32::from(self.way.depth)));
+                if is_left_out {
+                    // As in Cycles, light groups and passes have the sky all the same.
+                    found.notes.add(found.path, of, light);
+                } else {
+                    found.add(of, light);
+                }
             },
         );
     }
