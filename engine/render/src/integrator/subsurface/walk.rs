@@ -35,13 +35,14 @@ pub(super) fn walk(
     rays: &mut u32,
 ) -> Option<(SurfacePoint, Rgb)> {
     let outwards = point.geometric_normal;
-    let start = offset_origin(point.position, -outwards, point.position_error);
-    let mut ray = Ray::new(start, direction).at(point.moment);
-    let mut guide = Guide::new(&medium, outwards, start);
+    let mut ray = Ray::new(point.position, direction).at(point.moment);
+    // The way from the entry, which rounding at the scale of the scene would swallow where free paths are short.
+    let mut from_entry = Vec3A::ZERO;
+    let mut guide = Guide::new(&medium, outwards, point.position);
     for step in 0..MOST_STEPS {
         if step == EVEN_AFTER {
             medium = medium.even();
-            guide = Guide { far_side: guide.far_side, ..Guide::new(&medium, outwards, start) };
+            guide = Guide { far_side: guide.far_side, ..Guide::new(&medium, outwards, point.position) };
         }
         let [u_channel, u_distance, u0, u1] = sampler.next_4d();
         // A channel, by what it may still bring.
@@ -60,12 +61,21 @@ pub(super) fn walk(
             ways
         };
         let distance = -(1.0 - u_distance).ln() / (medium.extinction[channel] * ways.stretches()[ways.taken]);
-        ray.t_max = if step == 0 { distance.max(FAR_SIDE_PATHS / medium.extinction.min_element()) } else { distance };
-        let mut hit = own_surface(stage, point.instance, ray, rays);
+        let mut hit = match StretchStart::new(point, from_entry, ray.direction) {
+            StretchStart::Out { t } => Some((*point, t)),
+            StretchStart::Within { origin, ahead } => {
+                // The first stretch also looks for the body's other side.
+                let farthest = FAR_SIDE_PATHS / medium.extinction.min_element();
+                let t_max = if step == 0 { distance.max(farthest) } else { distance } - ahead;
+                let traced = Ray { origin, t_max, ..ray };
+                let found = if t_max > 0.0 { own_surface(stage, point.instance, traced, rays) } else { None };
+                found.map(|(exit, t)| (exit, ahead + t))
+            }
+        };
         if step == 0 {
             guide.far_side = hit.as_ref().map(|(_, t)| -outwards.dot(direction) * t);
-            hit = hit.filter(|(_, t)| *t < distance);
         }
+        hit = hit.filter(|(_, t)| *t < distance);
         let length = hit.as_ref().map_or(distance, |(_, t)| *t);
         let left = (medium.extinction * -length).exp();
         let density = chances.dot(ways.density(medium.extinction, length, hit.is_some(), left));
@@ -81,9 +91,43 @@ pub(super) fn walk(
             }
             light /= go_on;
         }
-        ray.origin += ray.direction * distance;
+        from_entry += ray.direction * distance;
+        ray.origin = point.position + from_entry;
     }
     None
+}
+
+/// The beginning of a stretch of a walk. The surface that light entered by is known up to rounding alone, within which no ray may start: there
+/// it is taken for a plane. Rays that began so far within the body would lose the light that comes back from before them, which is most
+/// where free paths are as short.
+enum StretchStart {
+    /// The stretch leaves the body where the walk entered it, at this distance.
+    Out { t: f32 },
+    /// A ray may start at this origin, a distance `ahead` along the stretch.
+    Within { origin: Vec3A, ahead: f32 },
+}
+
+impl StretchStart {
+    /// That of a stretch along a direction from a place so far from `point`, where the walk entered.
+    fn new(point: &SurfacePoint, from_entry: Vec3A, direction: Vec3A) -> Self {
+        /// Distance from the entry over its error up to which the surface is taken for a plane.
+        const NEAR: f32 = 2.0;
+        /// Least cosine to the normal at which a stretch is followed along the plane; others start below it.
+        const LEAST_SLANT: f32 = 0.05;
+        let (outwards, error) = (point.geometric_normal, point.position_error);
+        let (depth, slant) = (-outwards.dot(from_entry), -outwards.dot(direction));
+        let here = point.position + from_entry;
+        if depth >= error || from_entry.length() > NEAR * error {
+            Self::Within { origin: here, ahead: 0.0 }
+        } else if slant < -LEAST_SLANT {
+            Self::Out { t: depth.max(0.0) / -slant }
+        } else if slant > LEAST_SLANT {
+            let ahead = (error - depth) / slant;
+            Self::Within { origin: here + direction * ahead, ahead }
+        } else {
+            Self::Within { origin: offset_origin(here, -outwards, error - depth), ahead: 0.0 }
+        }
+    }
 }
 
 /// The index of the probability that `u` falls into, and the place of `u` within it, 0 to 1.
@@ -222,6 +266,11 @@ impl Guide {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::SceneBuilder;
+    use crate::scene::material::Material;
+    use crate::scene::mesh::MeshDescription;
+    use crate::scene::visibility::Rays;
+    use glam::{DMat4, DVec3, Vec3};
     use petzval_testkit::sampling;
 
     fn medium(albedo: f32, anisotropy: f32) -> Medium {
@@ -252,6 +301,61 @@ mod tests {
                     },
                 );
             }
+        }
+    }
+
+    /// The part of the light straight into a half space of even scattering that comes back: 1 - H(1) sqrt(1 - albedo), with H by iterating its
+    /// integral equation (Chandrasekhar 1960, "Radiative Transfer", chapter V).
+    fn reflectance(albedo: f64) -> f64 {
+        const PLACES: usize = 512;
+        let at = |i: usize| (i as f64 + 0.5) / PLACES as f64;
+        let least = (1.0 - albedo).sqrt();
+        let of = |cos: f64, h: &[f64]| {
+            let sum: f64 = h.iter().enumerate().map(|(i, h)| at(i) * h / (cos + at(i))).sum();
+            1.0 / (least + 0.5 * albedo * sum / PLACES as f64)
+        };
+        let mut h = vec![1.0; PLACES];
+        for _ in 0..60 {
+            h = (0..PLACES).map(|i| 0.5 * (h[i] + of(at(i), &h))).collect();
+        }
+        1.0 - least * of(1.0, &h)
+    }
+
+    /// A body gives back the same light however short its free paths are: also as short as places are known, and shorter.
+    #[test]
+    fn light_of_short_free_paths_comes_back() {
+        const ALBEDO: f32 = 0.8;
+        let mut builder = SceneBuilder::new();
+        let material = builder.add_material(Material::diffuse("body", Rgb::ONE, Rgb::ZERO));
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+        let square = MeshDescription {
+            name: "square".into(),
+            positions: corners.to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Default::default()
+        };
+        let mesh = builder.add_mesh(square).unwrap();
+        let matrix = DMat4::from_translation(DVec3::new(12.0, -7.0, 3.0)) * DMat4::from_rotation_x(0.3);
+        builder.add_instance("square", mesh, matrix, &[material], true, true).unwrap();
+        let stage = PreparedScene::new(builder.build(DVec3::ZERO));
+        let normal = matrix.transform_vector3(DVec3::Z).as_vec3a();
+        let middle = Vec3A::new(12.0, -7.0, 3.0) + matrix.transform_vector3(DVec3::new(0.1, 0.2, 0.0)).as_vec3a();
+        let hit = stage.accel.closest(&Ray::new(middle + normal, -normal), Rays::CAMERA).expect("the square");
+        let point = SurfacePoint::new(&stage.scene, &hit, -normal);
+        let truth = reflectance(ALBEDO.into());
+        for free_path in [1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-8] {
+            let medium =
+                Medium { extinction: Rgb::splat(1.0 / free_path), albedo: Rgb::splat(ALBEDO), anisotropy: 0.0 };
+            let mut number = 0;
+            let back = |random: &mut sampling::Random| {
+                let [seed, ..]: [f32; 3] = random.numbers();
+                number += 1;
+                let mut sampler = PathSampler::new(number, seed.to_bits(), 0, 1);
+                let found = walk(&stage, &point, (-normal, Rgb::ONE, medium), &mut sampler, &mut 0);
+                found.map_or(0.0, |(_, light)| f64::from(light.x))
+            };
+            // Where free paths are about as short as places are known, some stretches along the surface begin below it.
+            sampling::mean_is(&format!("free path {free_path}"), 1 << 15, back, truth, 4e-3 * truth);
         }
     }
 
