@@ -206,8 +206,8 @@ def test_the_demo_scene_is_as_bright_as_in_cycles(blender, photograph):
     render = bpy.context.scene.render
     render.resolution_x, render.resolution_y, render.resolution_percentage = 160, 90, 100
     # Two pictures each, of different seeds, tell how far noise alone takes a block.
-    ours = [_block_means(photograph("PETZVAL", 48, 8, seed)) for seed in (1, 2)]
-    cycles = [_block_means(photograph("CYCLES", 48, 8, seed)) for seed in (1, 2)]
+    ours = [_block_means(photograph("PETZVAL", 128, 8, seed)) for seed in (1, 2)]
+    cycles = [_block_means(photograph("CYCLES", 128, 8, seed)) for seed in (1, 2)]
     a, b = np.mean(ours, 0), np.mean(cycles, 0)
     noise = 0.5 * np.sqrt(np.square(ours[0] - ours[1]) + np.square(cycles[0] - cycles[1]))
     # Two pictures give each block's noise roughly; their median over all blocks keeps it from being 0 by chance.

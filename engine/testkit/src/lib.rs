@@ -1,7 +1,8 @@
 //! Shared parts of the tests of Petzval, on plain numbers: it knows nothing of the engine that it judges.
 //!
 //! [`sampling`] tests that samples follow the density that is said of them, by [`chi_square`], and means. [`exact`] traces a ray through one
-//! surface in 320-bit numbers, and [`hard_rays`] generates the rays that are worth it. [`lenses`] lists lens files, and [`is_thorough`] is true
+//! surface in 320-bit numbers, and [`hard_rays`] generates the rays that are worth it. [`half_space`] knows the light of deep media. [`lenses`] lists
+//! lens files, and [`is_thorough`] is true
 //! if a test takes all of its cases.
 
 // A comparison that NaN fails, written `!(x >= 0.0)`, is how a number that is none ends as a failure.
@@ -9,6 +10,7 @@
 
 pub mod chi_square;
 pub mod exact;
+pub mod half_space;
 pub mod hard_rays;
 pub mod lenses;
 pub mod sampling;

@@ -124,6 +124,21 @@ fn white_furnace() {
     }
 }
 
+/// A medium that scatters four fifths of the light, under a white sky, is as bright as a half space of it however dense it is: also where
+/// free paths are as short as places are known.
+#[test]
+fn dense_media_give_back_the_light_of_a_half_space() {
+    for density in [50.0, 3e3, 3e4] {
+        let inputs = format!(r#""Color": [0.8, 0.8, 0.8], "Density": {density}"#);
+        let dense = stage(volume("VolumePrincipled", &inputs, ""), 1.0, 0.0);
+        let truth = petzval_testkit::half_space::reflectance(0.8) as f32;
+        // Six deviations of the mean of numbers from 0 to 1.
+        const SAMPLES: u32 = 1 << 16;
+        let deviation = (truth * (1.0 - truth) / SAMPLES as f32).sqrt();
+        close(down(&dense, 3.0, 1000, SAMPLES), Rgb::splat(truth), 6.0 * deviation);
+    }
+}
+
 /// A sun from the side, scattered once: the integral over the ray is known. Coloured media have a closed form, rising ones a
 /// sum.
 #[test]

@@ -402,7 +402,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             } else if let Next::Pass(passage) = next {
                 path.pass(&point, passage);
                 if VOLUMES {
-                    self.inside[i as usize].stack.cross(&stage.scene, &point);
+                    self.inside[i as usize].pass(&stage.scene, &point, path);
                 }
                 self.is_alive[i as usize] = true;
             }
@@ -540,7 +540,7 @@ impl<N: AovSink, const VOLUMES: bool> Wavefront<N, VOLUMES> {
             Next::Pass(passage) => {
                 path.pass(point, passage);
                 if VOLUMES {
-                    self.inside[*i as usize].stack.cross(&stage.scene, point);
+                    self.inside[*i as usize].pass(&stage.scene, point, path);
                 }
                 self.is_alive[*i as usize] = true;
                 return;

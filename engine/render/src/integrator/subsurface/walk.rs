@@ -271,7 +271,7 @@ mod tests {
     use crate::scene::mesh::MeshDescription;
     use crate::scene::visibility::Rays;
     use glam::{DMat4, DVec3, Vec3};
-    use petzval_testkit::sampling;
+    use petzval_testkit::{half_space, sampling};
 
     fn medium(albedo: f32, anisotropy: f32) -> Medium {
         Medium { extinction: Rgb::new(2.0, 3.0, 5.0), albedo: Rgb::splat(albedo), anisotropy }
@@ -304,23 +304,6 @@ mod tests {
         }
     }
 
-    /// The part of the light straight into a half space of even scattering that comes back: 1 - H(1) sqrt(1 - albedo), with H by iterating its
-    /// integral equation (Chandrasekhar 1960, "Radiative Transfer", chapter V).
-    fn reflectance(albedo: f64) -> f64 {
-        const PLACES: usize = 512;
-        let at = |i: usize| (i as f64 + 0.5) / PLACES as f64;
-        let least = (1.0 - albedo).sqrt();
-        let of = |cos: f64, h: &[f64]| {
-            let sum: f64 = h.iter().enumerate().map(|(i, h)| at(i) * h / (cos + at(i))).sum();
-            1.0 / (least + 0.5 * albedo * sum / PLACES as f64)
-        };
-        let mut h = vec![1.0; PLACES];
-        for _ in 0..60 {
-            h = (0..PLACES).map(|i| 0.5 * (h[i] + of(at(i), &h))).collect();
-        }
-        1.0 - least * of(1.0, &h)
-    }
-
     /// A body gives back the same light however short its free paths are: also as short as places are known, and shorter.
     #[test]
     fn light_of_short_free_paths_comes_back() {
@@ -342,7 +325,7 @@ mod tests {
         let middle = Vec3A::new(12.0, -7.0, 3.0) + matrix.transform_vector3(DVec3::new(0.1, 0.2, 0.0)).as_vec3a();
         let hit = stage.accel.closest(&Ray::new(middle + normal, -normal), Rays::CAMERA).expect("the square");
         let point = SurfacePoint::new(&stage.scene, &hit, -normal);
-        let truth = reflectance(ALBEDO.into());
+        let truth = half_space::reflectance(ALBEDO.into());
         for free_path in [1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-8] {
             let medium =
                 Medium { extinction: Rgb::splat(1.0 / free_path), albedo: Rgb::splat(ALBEDO), anisotropy: 0.0 };

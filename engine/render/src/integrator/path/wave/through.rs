@@ -29,6 +29,8 @@ pub(super) struct MediumState {
     pub(super) stack: Stack,
     /// Scatterings in volumes so far.
     bounces: u32,
+    /// Distance along the path's ray from the surface that it leaves to its origin, which is kept off the surface: media begin there.
+    ahead: f32,
 }
 
 /// The media that a shadow ray starts in, and the seed of its random numbers.
@@ -55,7 +57,28 @@ pub(super) fn is_only_volume(stage: &PreparedScene, point: &SurfacePoint) -> boo
 impl MediumState {
     /// The media at the start of a path.
     pub(super) fn new(stage: &PreparedScene, path: &Path) -> Self {
-        Self { stack: Stack::around(stage, &path.ray), bounces: 0 }
+        Self { stack: Stack::around(stage, &path.ray), bounces: 0, ahead: 0.0 }
+    }
+
+    /// The place at a distance along a ray that begins at the surface it leaves: not so near to it that rounding may put the place beyond.
+    fn place(&self, ray: &Ray, distance: f32) -> Vec3A {
+        /// The part of [`Self::ahead`] in which places are known: that is a bound on several roundings, this about one.
+        const ONE_ROUNDING: f32 = 0.125;
+        ray.origin + ray.direction * distance.max(ONE_ROUNDING * self.ahead)
+    }
+
+    /// The path's ray leaves a surface.
+    fn start_at(&mut self, point: &SurfacePoint, path: &Path) {
+        /// Least cosine to the normal at which the ray is followed back to the surface.
+        const LEAST_SLANT: f32 = 0.05;
+        let slant = path.ray.direction.dot(point.geometric_normal).abs();
+        self.ahead = if slant > LEAST_SLANT { point.position_error / slant } else { 0.0 };
+    }
+
+    /// Crosses a surface that the path passed.
+    pub(super) fn pass(&mut self, scene: &Scene, point: &SurfacePoint, path: &Path) {
+        self.stack.cross(scene, point);
+        self.start_at(point, path);
     }
 
     /// True if the limit of scatterings in volumes allows another.
@@ -102,7 +125,9 @@ impl MediumState {
         let may_scatter =
             if hit.is_some() { limits.scatters(path.way) } else { limits.scatters_before_the_sky(path.way) };
         let scatters = may_scatter && !is_aimed && self.may_scatter(limits);
-        let stretch = Stretch { stage, stack: &self.stack, ray: Ray { t_max, ..path.ray }, way: path.way };
+        let origin = path.ray.origin - path.ray.direction * self.ahead;
+        let ray = Ray { t_max: t_max + self.ahead, origin, ..path.ray };
+        let stretch = Stretch { stage, stack: &self.stack, ray, way: path.way };
         let beside = if scatters {
             self.light_beside(limits, path, &stretch, found, (&mut *shades.0, &mut *shades.1))
         } else {
@@ -124,7 +149,7 @@ impl MediumState {
             Event::Through => MediumEvent::Passed,
             Event::Scattered { distance, medium, density } => {
                 found.result.hit = true;
-                let position = path.ray.origin + path.ray.direction * distance;
+                let position = self.place(&ray, distance);
                 let share = match beside {
                     None => 1.0,
                     Some(Beside::Pivot(pivot)) => density / (density + pivot.density(distance)),
@@ -191,7 +216,7 @@ impl MediumState {
         };
         let light = path.throughput * left / density;
         if light.is_finite() && light != Rgb::ZERO {
-            let position = ray.origin + ray.direction * distance;
+            let position = self.place(ray, distance);
             let at = VolumePlace { stage, limits, position, medium: &medium, share };
             self.light(&at, path, light, found, shades, [u_light, u0, u1, u_seed]);
         }
@@ -264,6 +289,7 @@ impl MediumState {
             path.cone = path.cone.scattered(path.ray.origin.distance(at.position) + path.travelled, widening, 1.0);
         }
         path.travelled = 0.0;
+        self.ahead = 0.0;
         path.ray = Ray::new(at.position, wi).at(path.ray.moment);
         if let Some(last) = at.limits.approximations.fast_gi.last_ray(path.way) {
             let own = self.stack.innermost().map(|instance| &at.stage.scene.instances[instance as usize]);
@@ -346,6 +372,7 @@ impl MediumState {
 
     /// Enters or leaves a body where the path went through its surface.
     pub(super) fn leave(&mut self, scene: &Scene, point: &SurfacePoint, path: &Path) {
+        self.start_at(point, path);
         if path.ray.direction.dot(point.geometric_normal) < 0.0 {
             self.stack.cross(scene, point);
         }
