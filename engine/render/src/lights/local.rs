@@ -7,11 +7,11 @@ use super::tree::LightTree;
 use super::triangle::LitTriangle;
 use crate::nodes::{PathState, RayCone, View};
 use crate::sampler::warp;
-use crate::scene::Scene;
 use crate::scene::material::{EmissionSampling, Material};
 use crate::scene::mesh::Mesh;
 use crate::scene::motion::MIDDLE;
 use crate::scene::visibility::LightLinking;
+use crate::scene::{Instance, Scene};
 use crate::surface::{geometric_normal, mesh_of};
 use crate::{Rgb, luminance, nodes};
 use std::collections::{HashMap, HashSet};
@@ -196,7 +196,10 @@ fn sampled_emission(scene: &Scene, has_others: bool) -> Vec<f32> {
             *brightness = 0.0;
         }
     }
-    leave_most(&mut brightness, &triangle_counts(scene), MOST_TRIANGLES);
+    let triangles_of = |instance: &Instance| scene.meshes[instance.mesh as usize].triangles.len() as u64;
+    if scene.placed().iter().map(triangles_of).sum::<u64>() > MOST_TRIANGLES {
+        leave_most(&mut brightness, &triangle_counts(scene), MOST_TRIANGLES);
+    }
     brightness
 }
 
