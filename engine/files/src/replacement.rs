@@ -26,12 +26,17 @@ impl Replacement {
     /// # Errors
     /// Nothing can be written there: see [`check_place`].
     pub fn new(place: &Path) -> io::Result<Self> {
+        Self::with_signs(place, "")
+    }
+
+    /// As [`Replacement::new`], with characters that the temporary file's name holds.
+    fn with_signs(place: &Path, signs: &str) -> io::Result<Self> {
         let place = resolved(place);
         check_kind(&place)?;
         let folder = folder_of(&place);
         remove_leftovers(folder);
         loop {
-            let part = folder.join(part_name());
+            let part = folder.join(part_name(signs));
             let file = match OpenOptions::new().read(true).write(true).create_new(true).open(&part) {
                 Ok(file) => file,
                 // Of a process of the same number on another machine or in a container.
@@ -103,7 +108,8 @@ pub fn write<E: From<io::Error>>(
     Ok(replacement.commit()?)
 }
 
-/// Checks that a file can be replaced, or made. Nothing of it changes.
+/// Checks that a file can be replaced, or made. Nothing of it changes, and none is made there, not even for a moment: another process may
+/// put a file of its own there meanwhile.
 ///
 /// # Errors
 /// It is a folder, a device or a pipe; its folder does not exist; its name is too long; the file or its folder cannot be written.
@@ -113,11 +119,20 @@ pub fn check_place(place: &Path) -> io::Result<()> {
     if place.exists() {
         // Permission to change the folder would suffice, but a file that is protected is meant to stay.
         OpenOptions::new().append(true).open(&place)?;
-    } else {
-        OpenOptions::new().write(true).create_new(true).open(&place)?;
-        fs::remove_file(&place)?;
     }
-    Replacement::new(&place).map(drop)
+    // A name that is too long was refused with its kind; one with characters that the file system has not is refused here.
+    Replacement::with_signs(&place, &signs_of(&place)).map(drop)
+}
+
+/// The characters of a file's name that some file systems refuse, each once.
+fn signs_of(place: &Path) -> String {
+    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    let mut signs: Vec<char> = name.chars().filter(|sign| !sign.is_ascii_alphanumeric()).collect();
+    signs.sort_unstable();
+    signs.dedup();
+    // The temporary file's own name has a limit too: 16 characters take at most 64 of 255 bytes.
+    signs.truncate(16);
+    signs.into_iter().collect()
 }
 
 fn check_kind(place: &Path) -> io::Result<()> {
@@ -147,9 +162,9 @@ fn folder_of(place: &Path) -> &Path {
     }
 }
 
-fn part_name() -> String {
+fn part_name(signs: &str) -> String {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
-    format!("{PREFIX}{}-{}{SUFFIX}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed))
+    format!("{PREFIX}{}-{}{signs}{SUFFIX}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed))
 }
 
 /// Removes temporary files that no process has locked: those of processes that were killed. Files that cannot be removed stay.

@@ -87,6 +87,38 @@ fn what_is_no_file_is_refused() {
     assert!(folder.names().is_empty());
 }
 
+#[test]
+fn a_check_makes_no_file_and_removes_none() {
+    use std::sync::atomic::AtomicBool;
+    let folder = Folder::new();
+    let place = folder.0.join("a new one: 1*.exr");
+    let is_over = AtomicBool::new(false);
+    let was_seen = std::thread::scope(|threads| {
+        let watcher = threads.spawn(|| {
+            let mut was_seen = false;
+            while !is_over.load(Ordering::Relaxed) {
+                was_seen |= place.exists();
+            }
+            was_seen
+        });
+        for _ in 0..2000 {
+            // A Windows file system refuses the name.
+            assert_eq!(check_place(&place).is_ok(), cfg!(unix));
+        }
+        is_over.store(true, Ordering::Relaxed);
+        watcher.join().unwrap()
+    });
+    assert!(!was_seen);
+    assert!(folder.names().is_empty());
+}
+
+#[test]
+fn odd_characters_of_a_name_are_tried_once_each() {
+    assert_eq!(signs_of(Path::new("folder?/what: a \"name\"? größe.exr")), " \".:?ßö");
+    assert_eq!(signs_of(Path::new("plain1")), "");
+    assert!(signs_of(Path::new(&"äöüßàáâãåæçèéêëìíîïð".repeat(3))).len() <= 64);
+}
+
 #[cfg(unix)]
 #[test]
 fn devices_are_refused_links_followed_and_permissions_kept() {
